@@ -59,9 +59,10 @@ enum Layers {
 #[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
-    /// The contact with the bonded layer, if the body is a bonded layer; otherwise `None`.
+    /// The contact with a bonded layer; `None` if the body is not a bonded layer.
     layer: Option<LayerContact>,
-    /// Relative curvature 1/R_s + 1/R_o, 1/length, with the radius R_s of the sensor and R_o of the object.
+    /// Relative curvature 1/R_s + 1/R_o (1/length), where R_s is the radius of the sensor and R_o the radius of the
+    /// object.
     pub relative_curvature: f64,
     /// Distance by which the bodies have approached each other since they first touched, length.
     pub indentation: f64,
@@ -83,17 +84,18 @@ pub struct Displacement {
 /// and derivatives the unit length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Field {
-    /// Inward displacement, divided by the relative curvature.
+    /// Inward displacement divided by the relative curvature.
     pub(crate) normal: f64,
-    /// Derivative of the inward displacement with respect to the distance r.
+    /// Derivative of `normal` with respect to the distance r.
     pub(crate) normal_per_r: f64,
-    /// Derivative of the inward displacement with respect to the contact's radius.
+    /// Derivative of `normal` with respect to the contact's radius.
     pub(crate) normal_per_a: f64,
-    /// Displacement along the skin, positive away from the contact, divided by the relative curvature.
+    /// Displacement along the skin divided by the relative curvature. It is positive if the skin moves away from the
+    /// contact.
     pub(crate) radial: f64,
-    /// Derivative of the displacement along the skin with respect to the distance r.
+    /// Derivative of `radial` with respect to the distance r.
     pub(crate) radial_per_r: f64,
-    /// Derivative of the displacement along the skin with respect to the contact's radius.
+    /// Derivative of `radial` with respect to the contact's radius.
     pub(crate) radial_per_a: f64,
 }
 
@@ -119,19 +121,19 @@ impl Body {
     }
 
     /// An incompressible layer bonded to a rigid core. Its displacements are computed at the depth `depth`. Contacts
-    /// are interpolated in tables, with an error of at most 1e-7 of the largest displacement for depths up to 0.8 of
-    /// the thickness. The computation of a contact takes a few microseconds. There are nine ranges of contact radii;
-    /// the first contact in each range takes about ten milliseconds, because the table of this range is computed.
+    /// are interpolated in tables. For depths up to 0.8 of the thickness, the error is at most 1e-7 of the largest
+    /// displacement. The computation of a contact takes a few microseconds. There are nine ranges of contact radii; the
+    /// first contact in each range takes about ten milliseconds, because the table of this range is computed.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` outside the layer.
+    /// [`PressError::BadSetting`] unless `thickness` is from 1e-50 to 1e50 and `depth` is inside the layer.
     pub fn bonded_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
         BondedLayer::new(thickness, depth).map(|layer| Self::layer(layer, Layers::Tables))
     }
 
-    /// Models of one incompressible layer bonded to a rigid core. Each model computes displacements at one of the
-    /// depths; the models are in the order of `depths`. Their tables are computed together, in little more time than
-    /// the tables for one depth.
+    /// Models of one incompressible layer bonded to a rigid core. There is one model for each depth in `depths`, in the
+    /// same order. It computes displacements at this depth. Their tables are computed together, in little more time
+    /// than the tables for one depth.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -203,8 +205,8 @@ impl Body {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Limit of the tables of a bonded layer: for the widest contact in the tables, the indentation divided by the
-    /// relative curvature. Fits avoid wider contacts, because each of them must be solved, which is slow.
+    /// Limit of the tables of a bonded layer. It is the ratio of indentation to relative curvature for the widest
+    /// contact in the tables. Fits avoid wider contacts, because each of them must be solved, which is slow.
     pub(crate) fn end_of_tables(&self) -> f64 {
         let end = match &self.0 {
             Rung::BondedLayer {
@@ -216,8 +218,8 @@ impl Body {
         end.map_or(f64::INFINITY, |[indentation, _]| indentation)
     }
 
-    /// Poisson's ratio, and the depth at which displacements are computed. `None` if the body has no model of the
-    /// object's sideways shift; only half-spaces have such a model.
+    /// Poisson's ratio, and the depth at which displacements are computed. The result is `None` unless the body has a
+    /// model of the object's sideways shift. Only half-spaces have this model.
     pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),
@@ -331,8 +333,8 @@ impl Contact<'_> {
     }
 
     /// Force between the object and the soft body. `young` is the Young's modulus of the soft body. The unit of the
-    /// force is the unit of `young` times length². `None` for the Gaussian approximation, which has no stress, and if
-    /// the force is not finite.
+    /// force is the unit of `young` times length². The result is `None` for the Gaussian approximation, which has no
+    /// stress, and if the force is not finite.
     pub fn force(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let force = match &self.body.0 {
@@ -345,8 +347,8 @@ impl Contact<'_> {
         force.filter(|force| force.is_finite())
     }
 
-    /// Pressure in the middle of the contact, in the unit of `young`, the Young's modulus of the soft body. `None` for
-    /// the Gaussian approximation, and if the pressure is not finite.
+    /// Pressure in the middle of the contact. `young` is the Young's modulus of the soft body, and the pressure has the
+    /// same unit. The result is `None` for the Gaussian approximation, and if the pressure is not finite.
     pub fn peak_pressure(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let pressure = match &self.body.0 {

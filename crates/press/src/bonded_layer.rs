@@ -38,8 +38,8 @@ pub(crate) struct BondedLayer {
     depth: f64,
     /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
     resolution: f64,
-    /// The tables of this layer for several depths, which include the depth of `self`. `number` is the index of this
-    /// depth in the family.
+    /// Data of the layer, such as its tables for several depths. One of these depths is the depth of `self`; `number`
+    /// is its index.
     family: Arc<Family>,
     number: usize,
 }
@@ -49,7 +49,8 @@ pub(crate) struct BondedLayer {
 struct Family {
     /// Depths of the models, relative to the thickness of the layer.
     depths: Vec<f64>,
-    /// For each range of radii, a table for each depth. The tables of a range are computed when they are first needed.
+    /// Tables for the ranges of contact radii, with one table for each depth. The tables of a range are computed when
+    /// they are first needed.
     tables: [OnceLock<Result<Vec<Table>, PressError>>; ENDS.len() - 1],
 }
 
@@ -68,13 +69,13 @@ impl Family {
 #[derive(Clone, Debug)]
 pub(crate) struct LayerContact {
     thickness: f64,
-    /// Depth of the markers, relative to the thickness of the layer. All following lengths are relative to the
-    /// thickness too.
+    /// Depth of the markers, relative to the thickness of the layer. The lengths in the fields below are also relative
+    /// to the thickness.
     depth: f64,
     contact: f64,
-    /// Four results of the pressure: the indentation, its derivative with respect to the contact's radius, ∫ φ dt (from
-    /// which the force follows), and −∫ φ'/t dt (from which the peak pressure follows). φ(t) is the function that
-    /// describes the pressure; see [`pressure`].
+    /// Four values that are computed from the pressure: the indentation, the indentation's derivative with respect to
+    /// the contact's radius, ∫ φ dt (from which the force follows), and −∫ φ'/t dt (from which the peak pressure
+    /// follows). φ(t) is the function that describes the pressure; see [`pressure`].
     numbers: [f64; 4],
     terms: Vec<Term>,
     base: Base,
@@ -95,8 +96,8 @@ impl BondedLayer {
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Models of one layer, one for each of the depths `depths` and in their order. The tables of all models are
-    /// computed together, in little more time than the tables for one depth.
+    /// Models of one layer. There is one model for each depth in `depths`, in the same order. The tables of all models
+    /// are computed together, in little more time than the tables for one depth.
     pub(crate) fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
@@ -118,9 +119,9 @@ impl BondedLayer {
         Ok(depths.iter().enumerate().map(layer).collect())
     }
 
-    /// This layer with another number of quadrature nodes for contacts that are solved without a table. The standard
-    /// number is multiplied by `resolution`. If `resolution` is below 1, the solution is faster and less accurate.
-    /// Values above 1 serve to check the convergence. Tables do not change.
+    /// This layer with the standard number of quadrature nodes multiplied by `resolution`. Only contacts that are
+    /// solved without a table use this number; the tables do not change. If `resolution` is below 1, the solution is
+    /// faster and less accurate. Values above 1 serve to check the convergence.
     pub(crate) fn at_resolution(self, resolution: f64) -> Result<Self, PressError> {
         let good = (0.0625..=16.0).contains(&resolution);
         PressError::unless_good("resolution", resolution, good, "from 1/16 to 16")?;
@@ -133,8 +134,8 @@ impl BondedLayer {
     }
 
     /// Indentation divided by the relative curvature, for a contact of radius `a > 0`, and its derivative with respect
-    /// to `a`. Let t be the layer's thickness. The first result divided by a² decreases from 1 (half-space, if a ≪ t)
-    /// to 1/4 (thin layer, if a ≫ t).
+    /// to `a`. The first result divided by a² depends on the layer's thickness t. It decreases from 1 for a ≪ t
+    /// (half-space) to 1/4 for a ≫ t (thin layer).
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         let [indentation, slope] = self.scaled_indentation(self.scaled(a)?)?;
         Ok([
@@ -154,8 +155,8 @@ impl BondedLayer {
         })
     }
 
-    /// Returns the same as [`Self::contact_radius`], but without using a table. Newton's method needs a few steps, and
-    /// each step solves a contact.
+    /// The contact's radius as in [`Self::contact_radius`], but computed without a table. Newton's method needs a few
+    /// steps, and each step solves a contact.
     pub(crate) fn solved_contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -307,8 +308,8 @@ impl LayerContact {
     }
 }
 
-/// An estimate of the contact's radius with an error of a few per cent. `root` is the square root of the quotient of
-/// the indentation and the relative curvature. Lengths are relative to the thickness.
+/// An estimate of the contact's radius with an error of a few per cent. `root` is √(indentation / relative curvature).
+/// Lengths are relative to the thickness.
 fn guessed_contact(root: f64) -> f64 {
     let mut contact = root;
     for _ in 0..STEPS {

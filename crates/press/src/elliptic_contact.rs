@@ -39,7 +39,7 @@ const MAX_DISTANCE: f64 = 1e50;
 /// because the integrand may have a peak at the end.
 const PANELS: i32 = 12;
 
-/// Number of quadrature nodes in each panel.
+/// Number of Gauss quadrature nodes in each panel.
 const NODES: NonZeroUsize = NonZeroUsize::new(12).expect("not 0");
 
 /// Gauss nodes and weights of one quadrature panel, on [−1, 1].
@@ -88,8 +88,9 @@ impl EllipticContact {
     /// The smaller one comes first.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] for a Poisson's ratio `poisson` outside [0, 0.5], and for curvatures that are not in
-    /// order, not between 1e-50 and 1e50, or whose ratio exceeds 1e6; [`PressError::NoIndentation`].
+    /// [`PressError::BadSetting`] if Poisson's ratio `poisson` is outside [0, 0.5]. The same error if the curvatures
+    /// are not in order, not between 1e-50 and 1e50, or have a ratio above 1e6. [`PressError::NoIndentation`] if the
+    /// indentation is not positive.
     pub fn new(
         poisson: f64,
         relative_curvatures: [f64; 2],
@@ -272,8 +273,8 @@ fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> 
     sums
 }
 
-/// Carlson's integrals are computed by series if the relative deviations of the three arguments from their mean are
-/// below this value. The series are then exact to rounding errors.
+/// Limit of the relative deviations of the three arguments of Carlson's integrals from their mean. Below this limit,
+/// the integrals are computed by series, which are then exact to rounding errors.
 const DUPLICATED: f64 = 2e-3;
 
 /// Carlson's R_F(x, y, z) by duplication (Carlson 1979). The arguments must be ≥ 0, and at most one of them may be 0.

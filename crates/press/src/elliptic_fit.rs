@@ -28,7 +28,7 @@ const MAX_STEPS: usize = 60;
 /// The minimisation stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
 
-/// Step for numerical derivatives, as a multiple of the scale of each fitted parameter.
+/// Step for numerical derivatives with respect to a fitted parameter, relative to the scale of this parameter.
 const DIFFERENCE: f64 = 1e-4;
 
 /// Limit of the fitted logarithm ln(C/C_s), where C is a relative curvature and C_s the sensor's curvature. The
@@ -42,12 +42,12 @@ const MAX_LOG: f64 = 8.0;
 /// Number of directions in which bounds of the normal curvature are computed.
 const DIRECTIONS: usize = 360;
 
-/// Number of times that the noise is estimated from the residuals and the fit is repeated.
+/// Number of repetitions of the fit. Before each repetition, the noise is estimated from the residuals.
 const NOISE_PASSES: usize = 2;
 
 impl ForwardFit {
-    /// Estimates both principal curvatures from a reading. In the result, the curvature is their mean, and the contact
-    /// radius is the geometric mean of the semi-axes.
+    /// Estimates both principal curvatures from a reading. In the result, `relative_curvature` is the mean of both
+    /// relative principal curvatures, and `contact_radius` is the geometric mean of the semi-axes.
     pub(crate) fn elliptic_estimate(
         &self,
         reading: &Reading<'_>,
@@ -99,7 +99,7 @@ impl ForwardFit {
     }
 
     /// Cramér–Rao bounds, as in [`ForwardFit::bounds`], for a fit of both principal curvatures. The true contact is at
-    /// the chart coordinates `at`. `axis` is the angle between its longer axis and the x axis at the contact.
+    /// the chart coordinates `at`. `axis` is the angle between the contact's longer axis and the x axis at the contact.
     pub fn elliptic_bounds(
         &self,
         markers: &Markers,
@@ -178,7 +178,7 @@ impl Stds {
         weights.dot(&(tensor * weights)).max(0.0).sqrt()
     }
 
-    /// Standard error of the logarithm of the curvature in the direction `angle`.
+    /// Standard error of the logarithm of the relative curvature in the direction `angle`.
     fn along(&self, angle: f64) -> f64 {
         self.tensor(&along(angle))
     }
@@ -189,8 +189,8 @@ impl Stds {
         self.tensor(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
     }
 
-    /// Relative standard error of the mean of the two relative curvatures `larger` and `smaller`. `angles` contains the
-    /// angles between their directions and the x axis.
+    /// Standard error of the mean of the two relative curvatures `larger` and `smaller`, divided by this mean. `angles`
+    /// contains the angles between the directions of the two curvatures and the x axis.
     fn mean(&self, [larger, smaller]: [f64; 2], angles: [f64; 2]) -> f64 {
         let [first, second] = angles.map(along);
         self.tensor(&((first * larger + second * smaller) / (larger + smaller)))
@@ -204,8 +204,8 @@ impl Stds {
         self.0[(INDENTATION, INDENTATION)].sqrt()
     }
 
-    /// Standard error of the contact radius a. a² is proportional to δ/C with the indentation δ and the mean curvature
-    /// C. Therefore the standard error follows from the errors of δ and C, which are treated as independent.
+    /// Standard error of the contact radius a. The square a² is proportional to δ/C, where δ is the indentation and C
+    /// the mean curvature. The errors of δ and C are treated as independent.
     fn contact_radius(&self, contact: &EllipticContact, mean_std: f64) -> f64 {
         0.5 * contact.radius() * libm::hypot(mean_std, self.indentation() / contact.indentation)
     }
@@ -422,8 +422,7 @@ impl<'a> Problem<'a> {
         Ok(best)
     }
 
-    /// Estimates the noise from the residuals of a fit, where the noise is not stated. Returns `false` if all noise is
-    /// stated.
+    /// Estimates the noise that is not stated from the residuals of a fit. Returns `false` if all noise is stated.
     fn estimate_noise(&mut self, fit: &Fit) -> bool {
         let count = self.reading.normal.len();
         let share = 1.0 - UNKNOWNS as f64 / self.readings().max(UNKNOWNS + 1) as f64;

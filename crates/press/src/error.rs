@@ -4,7 +4,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Errors of presses that are impossible, and of readings that do not determine a curvature.
+/// Errors for presses that are impossible, and for readings that do not determine a curvature.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum PressError {
@@ -107,18 +107,18 @@ pub enum PressError {
         /// Number of equations of the fit: one per marker, or three per marker if tangential displacements are also
         /// measured.
         equations: usize,
-        /// Number of equations that the fit needs.
+        /// Number of equations that are necessary for the fit.
         needed: usize,
     },
-    /// All markers moved equally, or they did not move more than their noise. If there is no contact, the fit
-    /// nevertheless reports a contact in less than 5 % of the presses (`cargo xtask intervals press`).
+    /// All markers moved equally, or they did not move more than their noise. In presses without a contact, the fit
+    /// wrongly reports a contact in less than 5 % of cases (tested by `cargo xtask intervals press`).
     #[error(
         "no contact was found: the best fit of a press reduces chi-squared by {improvement:.1}; \
          at least {needed:.1} is needed",
         improvement = Number(*improvement)
     )]
     NoContact {
-        /// Decrease of chi-squared from the best fit without a contact to the best fit with a contact.
+        /// Difference of chi-squared: the best fit without a contact minus the best fit with a contact.
         improvement: f64,
         /// Smallest improvement of chi-squared that counts as a contact.
         needed: f64,
@@ -131,7 +131,7 @@ pub enum PressError {
         chi_squared = Number(*chi_squared)
     )]
     OtherBody {
-        /// Chi-squared of the readings, compared either with unmoved markers or with the fit.
+        /// Chi-squared of the readings. It compares them either with unmoved markers or with the fit.
         chi_squared: f64,
         /// Degrees of freedom, which is the expected value of chi-squared.
         freedom: usize,

@@ -7,11 +7,11 @@ use crate::{EllipticContact, GoodnessOfFit, PressError, within_object};
 /// An estimated value with its standard error and interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimated {
-    /// The estimated value.
+    /// The estimate of the quantity.
     pub value: f64,
-    /// Standard error, correct to first order in the noise.
+    /// Standard error of the estimate, correct to first order in the noise.
     pub std: f64,
-    /// 95 % interval.
+    /// 95 % interval of the quantity.
     pub interval: Interval,
 }
 
@@ -63,7 +63,8 @@ impl Interval {
         }
     }
 
-    /// The interval whose ends are `end(low)` and `end(high)`. The function `end` must be increasing.
+    /// The interval whose ends are computed from the ends of this interval by the function `end`, which must be
+    /// increasing.
     pub(crate) fn map(self, end: impl Fn(f64) -> f64) -> Self {
         Self {
             low: self.low.map(&end),
@@ -122,7 +123,7 @@ pub struct PrincipalCurvatures {
     /// Standard error of the angle `axis`, rad. It is at most π/√12, the standard deviation of a completely unknown
     /// direction.
     pub axis_std: f64,
-    /// The contact of the estimated press.
+    /// The elliptic contact of the estimated press.
     pub contact: EllipticContact,
 }
 
@@ -149,9 +150,9 @@ pub struct PressEstimate {
     /// Standard errors of the contact's position along the axes at the contact, length. If the markers are in a row,
     /// the contact is only searched on this row. The standard error across the row is then 0.
     pub contact_std: [f64; 2],
-    /// Offset that is added to all normal displacements, length; `None` if it was not fitted.
+    /// Estimated offset that is added to all normal displacements, length; `None` if it was not fitted.
     pub baseline: Option<Estimated>,
-    /// Factor on all normal displacements; `None` if it was not fitted.
+    /// Estimated factor by which all normal displacements are multiplied; `None` if it was not fitted.
     pub gain: Option<Estimated>,
     /// Numbers of the markers that were rejected as outliers, counted from 0.
     pub wrong_markers: Vec<usize>,
@@ -164,13 +165,14 @@ pub struct PressEstimate {
     pub r_squared: f64,
     /// Chi-squared of the residuals divided by the degrees of freedom. It is about 1 if the stated noise is correct.
     pub reduced_chi_squared: f64,
-    /// Goodness of fit. `None` for the Gaussian approximation, and if some noise was estimated from the residuals. In a
-    /// fit of images, the likelihood is averaged over the unknown deviations of the sensor's parameters. Each deviation
-    /// has a prior, so the deviations do not reduce the degrees of freedom.
+    /// Goodness of fit. It is `None` for the Gaussian approximation, and if some noise was estimated from the
+    /// residuals. In a fit of images, the likelihood is averaged over the unknown deviations of the sensor's
+    /// parameters. Each deviation has a prior, so the deviations do not reduce the degrees of freedom.
     pub goodness: Option<GoodnessOfFit>,
-    /// Whether the readings alone show a contact. If they do not, an estimate exists only if an indentation is stated.
-    /// The interval then contains the curvatures of all contacts that lie on the markers and are compatible with the
-    /// readings. In most cases this interval has no upper end, and the position of the contact is unknown.
+    /// Whether the readings alone show a contact. If this is `false`, the estimate relies on a stated indentation. The
+    /// interval of the curvature then contains the curvatures of all contacts that lie on the markers and are
+    /// compatible with the readings. In most cases, the interval has no upper end, and the position of the contact is
+    /// unknown.
     pub is_detected: bool,
     /// Number (from 0) of the only marker that moved significantly. Without this marker, the readings show no contact.
     /// Either the marker is an outlier, or the object presses at a place where no other marker moves.
@@ -180,7 +182,8 @@ pub struct PressEstimate {
 }
 
 impl PressEstimate {
-    /// This estimate with `interval` as the interval of the relative curvature. The verdict is updated.
+    /// This estimate with `interval` as the interval of the relative curvature. The verdict follows from the new
+    /// interval.
     pub(crate) fn holding(mut self, interval: Interval) -> Self {
         self.relative_curvature.interval = interval;
         self.verdict = Verdict::of(interval, self.sensor_curvature);
@@ -207,8 +210,8 @@ impl PressEstimate {
         }
     }
 
-    /// Checks that the contact is narrow enough for the object. It is enough that this is true for one curvature in the
-    /// interval of the object's curvature.
+    /// Checks that the contact is narrow enough for the object. The check passes if the contact is narrow enough for at
+    /// least one curvature in the interval of the object's curvature.
     ///
     /// # Errors
     /// [`PressError::TooWide`] if the contact radius exceeds 0.9 of the object's radius for every curvature in the

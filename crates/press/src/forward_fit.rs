@@ -23,8 +23,8 @@ pub struct Reading<'a> {
     pub markers: &'a Markers,
     /// Inward displacement of each marker, length.
     pub normal: &'a [f64],
-    /// Displacement of each marker along the skin, in the axes at the marker, length; `None` if the sensor does not
-    /// measure it.
+    /// Displacement of each marker along the skin, length. The components are along the axes at the marker. `None` if
+    /// the sensor does not measure this displacement.
     pub tangential: Option<&'a [[f64; 2]]>,
     /// The indentation, if it is measured separately (for example from a robot's pose).
     pub indentation: Option<Measured>,
@@ -77,8 +77,8 @@ pub struct Bounds {
     /// Smallest possible standard error of the contact's radius, length.
     pub contact_radius: f64,
     /// Smallest possible standard errors of the larger principal curvature (1/length), the smaller principal curvature
-    /// (1/length) and the direction of the axis (rad). `None` if only one curvature is fitted, or if both principal
-    /// curvatures are equal.
+    /// (1/length) and the direction of the axis (rad). The value is `None` if only one curvature is fitted, or if both
+    /// principal curvatures are equal.
     pub principal: Option<[f64; 3]>,
 }
 
@@ -114,15 +114,16 @@ pub struct ForwardFit {
     /// Standard deviation of the noise of each tangential component, length. If it is `None` or 0, it is estimated from
     /// the residuals. An estimate is at least 1e-10 of the largest normal displacement.
     pub tangential_std: Option<f64>,
-    /// Only markers within this distance from the contact are used, length; `None` for all markers.
+    /// The fit uses only the markers within this distance from the contact, length; `None` for all markers.
     pub window: Option<f64>,
-    /// Whether both principal curvatures are fitted. This requires a half-space, and a baseline and a gain that are
-    /// exact. The fit then uses all markers.
+    /// Whether both principal curvatures are fitted. This requires a half-space as the body, and [`Prior::Exact`] for
+    /// the baseline and the gain. The fit then uses all markers.
     pub is_elliptic: bool,
 }
 
 impl ForwardFit {
-    /// A fit with the model `body`, with exact baseline and gain, and with noise that is estimated from the residuals.
+    /// A fit with the model `body`. Its baseline and gain are not fitted, and the noise is estimated from the
+    /// residuals.
     pub const fn new(body: Body) -> Self {
         Self {
             body,
@@ -155,7 +156,7 @@ impl ForwardFit {
     /// skin coordinates `at`. `tangential` states whether the sensor measures tangential displacements.
     /// `indentation_std` is the standard deviation of a measured indentation, length.
     ///
-    /// `None` if the noise is not stated, or if the readings do not determine the press.
+    /// The result is `None` if the noise is not stated, or if the readings do not determine the press.
     pub fn bounds(
         &self,
         markers: &Markers,

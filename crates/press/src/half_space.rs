@@ -38,8 +38,8 @@ const ORDERS: usize = 2 * TERMS + 2;
 /// and S₀ for both orders. The fields of [`Moments`] define them.
 const SERIES: usize = 10;
 
-/// Factors of (z/ρ) P_m and of P_{m−1} in the recurrence for the Legendre polynomial P_{m+1} at z/ρ, where z is the
-/// depth of the point and ρ its distance from the middle of the contact.
+/// Factors in the recurrence for the Legendre polynomial P_{m+1} at z/ρ: the factor of (z/ρ) P_m and the factor of
+/// P_{m−1}. Here z is the depth of the point and ρ its distance from the middle of the contact.
 const RECURRENCE: [[f64; 2]; ORDERS] = {
     let mut factors = [[0.0; 2]; ORDERS];
     let mut m = 0;
@@ -52,8 +52,9 @@ const RECURRENCE: [[f64; 2]; ORDERS] = {
 };
 
 /// Factors of the terms of each series, without the powers of −s². Here s is the ratio of the contact's radius to the
-/// distance of the point. They come from sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)! and sin x = Σ (−1)ⁿ
-/// x^{2n+1}/(2n+1)!, multiplied by the factorial of the power of k that is integrated.
+/// distance of the point. They are the coefficients of the series sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)! and
+/// sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by a factorial. The factorial is that of the power of the wavenumber k
+/// in the integral.
 const FACTORS: [[f64; SERIES]; TERMS] = {
     let mut factors = [[0.0; SERIES]; TERMS];
     let mut n = 0;
@@ -99,10 +100,11 @@ pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     moments.field(poisson, z, a)
 }
 
-/// The integrals Q and S of the half-space solution; the description of this module defines Q. The integrals of order 1
+/// The integrals Q and S from which the displacements of the half-space are computed. The formula of Q is in the
+/// description of this module; the fields `ring_even` and `ring_odd` state the formula of S. The integrals of order 1
 /// are divided by the distance r from the axis.
 struct Moments {
-    /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰ of order 0.
+    /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰ of order 0, in this order.
     even: [f64; 3],
     /// The integrals Q₃¹, Q₂¹ and Q₁¹ of order 1, divided by the distance r.
     odd: [f64; 3],
@@ -220,8 +222,8 @@ impl Moments {
 }
 
 /// Oblate spheroidal coordinates ξ and η of a point under a contact of radius a. The depth is z = aξη, and the distance
-/// from the axis is r = a √((1 + ξ²)(1 − η²)). ξ is 0 on the contact and increases with the distance from the contact.
-/// η is 0 on the surface around the contact and 1 on the axis.
+/// from the axis is r = a √((1 + ξ²)(1 − η²)). The coordinate ξ is 0 on the contact and increases with the distance
+/// from the contact. The coordinate η is 0 on the surface around the contact and 1 on the axis.
 ///
 /// The complex distance √(r² + (z + ia)²) is a(ξ + iη).
 #[derive(Clone, Copy, Debug)]

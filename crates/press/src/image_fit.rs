@@ -41,8 +41,8 @@ pub struct ImageFit<V> {
     /// The soft body, as two models: one computes displacements at the depth of the magenta discs, the other at the
     /// depth of the yellow discs.
     pub bodies: [Body; 2],
-    /// A small length, and the bodies for discs that are deeper by this length. The fit needs them for derivatives with
-    /// respect to the depths of the discs; they are required if these depths are uncertain.
+    /// A small length, and the two bodies for discs that are deeper by this length. The fit computes derivatives with
+    /// respect to the depths of the discs from them. They are required if these depths are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
     /// Standard deviations of the sensor deviations in [`SensorState::common`]. The value 0 means that a sensor
     /// parameter is exactly equal to its nominal value.
@@ -52,8 +52,8 @@ pub struct ImageFit<V> {
     /// Standard deviation of each component of the misalignment between a marker's two discs, rad; 0 if the discs are
     /// aligned.
     pub misalignment_std: f64,
-    /// Standard deviation of each component of a sideways shift of the object after the first contact, length; 0 if the
-    /// object does not shift. Only half-spaces have a model of shifts.
+    /// Standard deviation of each component of a sideways shift of the object after the first contact, length. It is 0
+    /// if the object does not shift. Only half-spaces have a model of shifts.
     pub shift_std: f64,
 }
 

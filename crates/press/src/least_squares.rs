@@ -29,7 +29,7 @@ pub(crate) trait LeastSquares {
 
     fn fitted(&self) -> &Fitted;
 
-    /// Number of used markers, and number of equations for each marker.
+    /// Number of markers that the fit uses, and number of equations for each of these markers.
     fn used(&self) -> [usize; 2];
 
     /// Whether some of the noise is estimated from the residuals.
@@ -104,7 +104,8 @@ pub(crate) trait LeastSquares {
         promise: f64,
     ) -> Result<Option<Self::Fit>, PressError>;
 
-    /// The same fit with recomputed derivatives. `None` if its derivatives are already those of its own fit parameters.
+    /// The same fit with derivatives that were computed again for its fit parameters. The result is `None` if this was
+    /// already the case.
     fn refreshed(&self, _fit: &Self::Fit) -> Result<Option<Self::Fit>, PressError> {
         Ok(None)
     }
@@ -116,7 +117,7 @@ pub(crate) trait LeastSquares {
     }
 
     /// The fit for the fit parameters `state`, which may reuse parts of the similar fit `_fit`. The logarithms of the
-    /// curvatures of the two fits differ by `_step`.
+    /// two fits' curvatures differ by `_step`.
     fn fit_near(
         &self,
         _fit: &Self::Fit,

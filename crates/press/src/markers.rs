@@ -22,7 +22,7 @@ pub struct Markers {
     places: Vec<Place>,
 }
 
-/// The displacement of a marker.
+/// The displacement of a marker in a press.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerDisplacement {
     /// Inward displacement along the normal, length.
@@ -37,8 +37,8 @@ pub struct MarkerDisplacement {
 pub(crate) struct Sight {
     /// Distance from the contact to the marker along the skin.
     pub(crate) distance: f64,
-    /// Circumference of the circle around the contact on which the marker lies, divided by 2π: R_s sin(distance/R_s),
-    /// with the sensor's radius R_s. Length.
+    /// R_s sin(distance/R_s), length, where R_s is the sensor's radius. It is the circumference of the circle around
+    /// the contact on which the marker lies, divided by 2π.
     pub(crate) reach: f64,
     /// Unit vector from the contact towards the marker, in the axes at the contact.
     pub(crate) bearing: Vector2<f64>,

@@ -16,8 +16,8 @@ use crate::body::Field;
 
 /// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own table.
 pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
-/// Number of contact radii in a table. It is also the number of distances in a panel (an interval of distances from the
-/// contact).
+/// Number of contact radii in a table. A panel (an interval of distances from the contact) has the same number of
+/// distances.
 const NODES: usize = 16;
 /// Width of a panel within the contact and near it, relative to the layer's thickness. A panel is an interval of
 /// distances from the contact that has its own polynomial.
@@ -60,8 +60,8 @@ impl Table {
         ENDS[1..].iter().position(|end| contact <= *end)
     }
 
-    /// The tables for one range of contact radii: one table for each depth. A contact is solved only once for all
-    /// depths.
+    /// The tables for one range of contact radii: one table for each depth. Each contact is solved once, and the
+    /// solution is used for all depths.
     pub(super) fn all(place: usize, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let range = [ENDS[place], ENDS[place + 1]];
         let panels = panels(range[1]);
@@ -135,7 +135,7 @@ impl Table {
         }
     }
 
-    /// Only the values [`Entry::numbers`] of the contact with the radius `contact`.
+    /// The values [`Entry::numbers`] of the contact with the radius `contact`, without the other parts of its entry.
     pub(super) fn numbers(&self, contact: f64) -> [f64; 4] {
         let mut row = [0.0; 4];
         self.interpolate(contact, &mut row);
@@ -227,7 +227,7 @@ fn row(
     row
 }
 
-/// Number of terms of the pressure's series that are not negligible.
+/// Number of terms of the pressure's series up to the last term that is not negligible.
 fn terms(pressure: &Pressure) -> usize {
     let largest = |column: usize| {
         let sizes = pressure.terms.iter().map(|term| term[column].abs());
@@ -265,7 +265,7 @@ fn angle(node: usize) -> f64 {
     PI * (node as f64 + 0.5) / NODES as f64
 }
 
-/// Chebyshev nodes in the interval between two values.
+/// Chebyshev nodes in the interval from `from` to `to`.
 fn nodes([from, to]: [f64; 2]) -> [f64; NODES] {
     std::array::from_fn(|node| 0.5 * (from + to) + 0.5 * (to - from) * libm::cos(angle(node)))
 }

@@ -18,13 +18,13 @@ use crate::half_space::{self, Spheroidal};
 /// If the ratio of the contact's radius to the distance of a point from the contact is below this value, the contact is
 /// treated as a point force.
 const POINT: f64 = 1e-10;
-/// The radial functions are computed by an upward recurrence if it amplifies rounding errors by at most the factor e^9;
-/// otherwise by a downward recurrence. This is the exponent.
+/// Exponent of the limit e^9 of the amplification of rounding errors. The radial functions are computed by an upward
+/// recurrence if it amplifies rounding errors by at most this factor; otherwise by a downward recurrence.
 const UPWARD: f64 = 9.0;
-/// Terms of the series that are smaller than e^−32 are omitted. This is the exponent without its sign.
+/// Exponent of the limit e^−32 without its sign. Terms of the series that are smaller than this limit are omitted.
 const NEGLIGIBLE: f64 = 32.0;
-/// The downward recurrence starts at a high order, where its start value has an error of e^−30. The exponent is twice
-/// this constant.
+/// Half the exponent of e^−30, without its sign. The downward recurrence starts at an order that is high enough for its
+/// start value to have an error of e^−30.
 const START_DECAY: f64 = 15.0;
 /// Largest number of orders of the recurrence for which the values are stored without allocating memory on the heap.
 const FEW: usize = 64;
@@ -99,7 +99,7 @@ fn second_kind(xi: f64, q: &mut [f64]) -> usize {
     top + 1
 }
 
-/// The potential Φ and its derivatives with respect to the spheroidal coordinates ξ and η.
+/// The potential Φ, its derivatives with respect to the spheroidal coordinates ξ and η, and a weighted sum.
 #[derive(Default)]
 struct Sums {
     value: f64,

@@ -81,8 +81,8 @@ pub(super) struct Wave {
     pub(super) per_contact: [f64; 2],
 }
 
-/// Wavenumbers with their weights. For each wavenumber, the Hankel transforms of a contact's pressure and of the
-/// pressure's derivative with respect to the contact's radius.
+/// Wavenumbers with their weights. Each wavenumber also has two Hankel transforms: of the contact's pressure, and of
+/// the pressure's derivative with respect to the contact's radius.
 pub(super) struct Spectrum {
     nodes: Vec<[f64; 2]>,
     transforms: Vec<[f64; 2]>,
@@ -90,8 +90,8 @@ pub(super) struct Spectrum {
 
 impl Spectrum {
     /// All wavenumbers that contribute noticeably to the displacements at the depth `depth` under the pressure
-    /// `pressure`. If `resolution` is 1, the wavenumbers are dense enough for points at distances up to `reach` from
-    /// the contact.
+    /// `pressure`. The wavenumbers are so close together that the sum is accurate for points at distances up to `reach`
+    /// from the contact. The standard `resolution` is 1.
     pub(super) fn new(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Self {
         let distance = pressure.contact + reach;
         let nodes = wavenumbers(reach_at(depth), distance, resolution);

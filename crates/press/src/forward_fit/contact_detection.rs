@@ -15,8 +15,8 @@ use crate::state::State;
 /// are searched only at the markers. On a thin layer, a fit also finds contacts between the markers, which increases
 /// the probability by about 0.005.
 const FALSE_ALARM_RATE: f64 = 0.04;
-/// If one marker moved significantly, the contact must also improve chi-squared of the other markers by at least this
-/// value. Otherwise only this one marker shows a contact, and it may be an outlier.
+/// If one marker moved significantly, a contact must also decrease chi-squared of the other markers by at least this
+/// value. Otherwise only the one marker shows a contact, and this marker may be an outlier.
 const MIN_IMPROVEMENT_OF_OTHERS: f64 = 9.0;
 
 impl Problem<'_> {
@@ -70,7 +70,7 @@ pub(super) fn detect(problem: &Problem<'_>, state: &State) -> Result<Option<usiz
 }
 
 /// For each marker, chi-squared of the hypothesis that the marker did not move. The second result is the number of
-/// readings per marker in these sums. If the noise is stated, all readings are used. Otherwise only normal
+/// readings per marker that are included. If the noise is stated, all readings are used. Otherwise only normal
 /// displacements are used, and their noise is estimated from the median over all markers.
 fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
     let baseline = resting(problem);

@@ -16,13 +16,14 @@ const ROUNDING: f64 = 1e-3;
 /// Smallest number of degrees of freedom for tests with estimated noise.
 const MIN_FREEDOM: usize = 8;
 
-/// A part of a reading's noise remains in its residual. If this part is below this share, the fit follows the marker,
-/// and the test must use a fit without the marker.
+/// Smallest share of a reading's noise that must remain in the reading's residual. Below this share, the fit follows
+/// the marker, and the test must use a fit without the marker.
 const MIN_RESIDUAL_SHARE: f64 = 0.1;
 
 impl Problem<'_> {
-    /// The noise that the tests for outliers and patterns use. `None` (no tests) for the Gaussian approximation, if
-    /// there are hardly more equations than fit parameters, or if the estimated noise may be due to rounding.
+    /// The noise that the tests for outliers and patterns use. The result is `None` (no tests) in three cases: the
+    /// Gaussian approximation is fitted, there are hardly more equations than fit parameters, or the estimated noise
+    /// may be due to rounding.
     pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
         let freedom = self.freedom();
         let largest = self.reading.normal.iter();

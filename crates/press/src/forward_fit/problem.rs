@@ -32,10 +32,10 @@ pub(super) struct Problem<'a> {
     pub(super) tangential_std: f64,
     /// For each marker, whether the fit uses it.
     pub(super) kept: Vec<bool>,
-    /// Pole of the great circle on which the contact must lie. `None` unless all markers are on a great circle and only
-    /// their normal displacements are used.
+    /// Pole of the great circle on which the contact must lie. It is `None` unless all markers are on one great circle
+    /// and only their normal displacements are used.
     pub(super) circle: Option<Vector3<f64>>,
-    /// Residuals beyond this number of standard deviations have a reduced weight. If it is infinite, all weights are
+    /// Number of standard deviations beyond which a residual has a reduced weight. If it is infinite, all weights are
     /// equal.
     pub(super) tolerance: f64,
     /// Largest ratio of indentation to relative curvature that the fit may try. It is finite for layers under nearly
@@ -69,7 +69,8 @@ impl<'a> Problem<'a> {
             && (!self.uses_tangential() || is_stated(self.fit.tangential_std))
     }
 
-    /// Number of displacement components that the fit uses per marker: 1 (normal) or 3 (with tangential).
+    /// Number of displacement components that the fit uses per marker: 1 (normal), or 3 if tangential displacements are
+    /// also used.
     pub(super) fn components(&self) -> usize {
         if self.uses_tangential() { 3 } else { 1 }
     }
@@ -381,17 +382,17 @@ const MAX_PRODUCT: f64 = 1e100;
 /// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers. Here s is the sum of squared
 /// residuals of a marker, and c the tolerance. The loss is about s if s is much smaller than c².
 pub(super) struct RobustSum {
-    /// Square of the tolerance, in variances.
+    /// Square c² of the tolerance.
     limit: f64,
     sum: f64,
-    /// Product of the terms 1 + s/c² of the last markers. One logarithm of a product is faster than one logarithm per
-    /// marker.
+    /// Product of the terms 1 + s/c² of the markers whose logarithms are not yet in `sum`. One logarithm of a product
+    /// is faster than one logarithm per marker.
     product: f64,
 }
 
 impl RobustSum {
-    /// An empty sum. `tolerance` is the tolerance in standard deviations. If it is infinite, all residuals have equal
-    /// weights.
+    /// Starts a robust sum, which contains no markers yet. `tolerance` is the tolerance c in standard deviations. If c
+    /// is infinite, all residuals have equal weights.
     pub(super) const fn new(tolerance: f64) -> Self {
         Self {
             limit: tolerance * tolerance,
@@ -400,7 +401,8 @@ impl RobustSum {
         }
     }
 
-    /// Adds the residuals of one marker, in standard deviations. Returns the weight of the marker in the equations.
+    /// Adds the residuals of one marker, in standard deviations, to the sum. Returns the weight of the marker in the
+    /// equations.
     pub(super) fn add(&mut self, residuals: [f64; 3]) -> f64 {
         let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
         if self.limit == f64::INFINITY {

@@ -46,8 +46,8 @@ const MAX_START_MARKERS: usize = 10_000;
 #[derive(Clone)]
 pub(super) struct Search<'a> {
     problem: Problem<'a>,
-    /// Whether the noise of normal displacements is estimated from the residuals, because it is not stated. The next
-    /// field states the same for tangential displacements.
+    /// Whether the noise of normal displacements is estimated from the residuals, because it is not stated.
+    /// `find_tangential` states this for tangential displacements.
     find_normal: bool,
     find_tangential: bool,
     /// The largest displacement in the reading, length.
@@ -251,8 +251,8 @@ impl<'a> Search<'a> {
     }
 
     /// Searches a contact at another place, if the readings show no contact at the fitted place or only one marker
-    /// shows it. If the readings show a contact at another place, returns this contact. Otherwise, if an indentation is
-    /// stated, returns the estimate with the range of curvatures that the readings allow. Returns `None` if there is no
+    /// shows it. Returns the contact if the readings show one at another place. Otherwise it returns an estimate from
+    /// the stated indentation, with the range of curvatures that the readings allow. Returns `None` if there is no
     /// result.
     fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();

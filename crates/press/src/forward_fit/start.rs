@@ -192,7 +192,8 @@ fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// The given directions, followed by mean directions: of the first two of them, of the first three, and so on.
+/// The given directions, followed by mean directions: the mean of the first two of the given directions, the mean of
+/// the first three, and so on.
 fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let between = |count: usize| directions[..count].iter().sum::<Vector3<f64>>();
     let between: Vec<Vector3<f64>> = (2..=directions.len())

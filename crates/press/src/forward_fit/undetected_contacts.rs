@@ -109,9 +109,9 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
     }
 
     /// The most likely contact and the interval of the curvature. A curvature is in the interval if its chi-squared
-    /// exceeds the smallest chi-squared by less than `limit`. `None` in three cases: the interval contains all tried
-    /// contacts, the widest contact in the interval could remain undetected between the markers, or no tried contact
-    /// would show clearly in the readings.
+    /// exceeds the smallest chi-squared by less than `limit`. The result is `None` in three cases: the interval
+    /// contains all tried contacts, the widest contact in the interval could remain undetected between the markers, or
+    /// no tried contact would show clearly in the readings.
     pub(super) fn left(&self, limit: f64) -> Option<(State, Sums, Interval)> {
         let best = self.found.iter().min_by(Candidate::likelier)?;
         let least = best.sums.chi_squared;

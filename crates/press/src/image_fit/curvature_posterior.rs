@@ -25,7 +25,7 @@ const MAX_SHIFT: f64 = 1.0;
 
 impl<V: View + Clone> Problem<'_, V> {
     /// Posterior mean of the logarithm of the curvature, minus its most likely value. The result is 0 if it cannot be
-    /// computed. `weighed` is the fit after its weights were computed again.
+    /// computed. `weighed` is the fit for which the weights were computed.
     pub(super) fn mean_beside(&self, weighed: &FitState, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();
@@ -44,8 +44,8 @@ impl<V: View + Clone> Problem<'_, V> {
         }
     }
 
-    /// Log-determinant, as in [`Self::log_determinant`], after a step of the fit parameters. The sensor parameters are
-    /// those that fit best after the step.
+    /// The result of [`Self::log_determinant`] after a step of the fit parameters. The sensor parameters are those that
+    /// fit best after the step.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;

@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::PressError;
 
 /// A prior of some common sensor deviations. It comes from another frame of the same sensor, or from an earlier fit of
-/// the frame at rest itself. If such a prior is set, the fit ignores the information about these sensor deviations in
-/// the frame at rest, so that no frame is used twice. The frame at rest still determines the remaining sensor
-/// deviations and the misalignments.
+/// the frame at rest itself. The fit then ignores the information on these sensor deviations that the frame at rest
+/// contains, so that no frame is used twice. The frame at rest still determines the remaining sensor deviations and the
+/// misalignments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
     /// Indices of the sensor deviations in ascending order. Their standard deviations must not be 0.
@@ -65,8 +65,8 @@ impl DeparturePrior {
 impl FreePrior {
     /// Inserts the prior into the equations of a frame, instead of the frame's own information on the sensor deviations
     /// of the prior. Let C be the sensor deviations in the prior, and D the other sensor deviations. The conditional
-    /// distribution of D given C does not change, and the marginal distribution of C becomes the prior. `None` if the
-    /// equations do not determine D.
+    /// distribution of D given C does not change, and the marginal distribution of C becomes the prior. The result is
+    /// `None` if the equations do not determine D.
     pub(super) fn cut(
         &self,
         common: &DVector<f64>,

@@ -21,11 +21,11 @@ const ROUGHLY: f64 = 1.0;
 const MAX_VARIANCE: f64 = 1e12;
 /// Ratio between the variance factors of consecutive searches.
 const FALL: f64 = 10.0;
-/// Exponents for the first variance factor of a sequence of searches, which is the variance of the first residuals,
-/// raised to the exponent. If chi-squared remains too large, the next exponent is tried.
+/// Exponents from which the first variance factor of a sequence of searches is computed. The factor is the variance of
+/// the first residuals, raised to the exponent. If chi-squared remains too large, the next exponent is tried.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 /// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. For a correct sensor
-/// model, this is the probability that an unnecessary search follows.
+/// model, this search is unnecessary; it follows with a probability equal to this constant.
 const PLAUSIBLE: f64 = 1e-3;
 
 /// The result of a search: the sensor parameters with the smallest cost.
@@ -36,7 +36,7 @@ struct Minimum {
 }
 
 /// Cost of a set of sensor parameters. A marker is hidden if it has a reading but is not visible in the model. Costs
-/// are compared first by the number of hidden markers, then by the sum of squares of the other markers.
+/// are compared first by the number of hidden markers, then by the sum of squared residuals of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,

@@ -16,7 +16,7 @@ const STEP: f64 = 1e-5;
 /// Displacements of the magenta and the yellow disc of each marker.
 pub(super) type Discs = Vec<[MarkerDisplacement; 2]>;
 
-/// Derivatives of a disc's displacement (inward, and along both axes) with respect to the fit parameters.
+/// Derivatives of a disc's displacement (inward, and along both axes of the skin) with respect to the fit parameters.
 pub(super) type DiscSlopes = SMatrix<f64, 3, UNKNOWNS>;
 
 /// Displacements of the discs of every marker, with their derivatives with respect to the fit parameters.
@@ -32,7 +32,7 @@ impl<V: View> ImageFit<V> {
         self.moved_by(&self.bodies, state)
     }
 
-    /// The displacements, with their derivatives with respect to the fit parameters.
+    /// Displacements of both discs of each marker, with their derivatives with respect to the fit parameters.
     pub(super) fn moving(&self, state: &State) -> Result<Moving, PressError> {
         if self.shifts() {
             self.moving_by_differences(state)

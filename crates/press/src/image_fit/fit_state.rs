@@ -8,8 +8,8 @@ use crate::state::State;
 use crate::unknowns::{Fitted, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// A search may end far from a minimum. This is detected if an undamped step is predicted to decrease chi-squared by at
-/// least this value, which is the square of four standard deviations.
+/// Limit of the predicted decrease of chi-squared by an undamped step. It is the square of four standard deviations. If
+/// the predicted decrease is at least this limit after a search, the search ended far from a minimum.
 const STUCK: f64 = 16.0;
 
 /// Largest change of the logarithm of the curvature up to which derivatives of the images are reused instead of
@@ -22,8 +22,8 @@ pub(super) struct FitState {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) slopes: Slopes,
-    /// For each marker that the fit uses: the norm of the derivative of its whitened image with respect to an inward
-    /// displacement of both discs.
+    /// For each marker that the fit uses, the derivative of its whitened image with respect to an inward displacement
+    /// of both discs. The value is the norm of this derivative.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
     /// Whether the search reuses the derivatives, to save time. It does so as long as they predict chi-squared well.
@@ -31,7 +31,8 @@ pub(super) struct FitState {
 }
 
 impl FitState {
-    /// This fit, for a search that reuses the derivatives as long as they predict chi-squared well.
+    /// This fit, with [`Self::keeps_slopes`] set: the search reuses its derivatives as long as they predict chi-squared
+    /// well.
     pub(super) fn keeping_slopes(mut self) -> Self {
         self.keeps_slopes = true;
         self

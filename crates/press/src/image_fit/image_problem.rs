@@ -33,8 +33,8 @@ pub(super) type Jacobian = MatrixXx6<f64>;
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// The part of the derivatives that changes of the common sensor deviations can imitate, as one component per
-    /// sensor deviation.
+    /// The part of the derivatives that changes of the common sensor deviations can imitate. It has one row per sensor
+    /// deviation.
     pub(super) shared: Jacobian,
     /// Matrix of the scalar products of the derivatives with respect to each pair of fit parameters, minus the scalar
     /// products of the parts in `shared`.
@@ -64,8 +64,8 @@ pub(super) struct Problem<'a, V> {
     pub(super) whiten: Vec<Matrix4<f64>>,
     /// Derivatives of the whitened images of the used markers with respect to their misalignments.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
-    /// Difference between the images for the sensor fitted at rest and the images for `sensor`, whitened and to first
-    /// order.
+    /// Difference between two sets of whitened images, to first order: for the sensor fitted at rest, and for the
+    /// sensor `sensor`.
     from_rest: Vec<Vector4<f64>>,
     /// Derivatives of the whitened images with respect to the uncertain common sensor deviations. There is one row per
     /// equation and one column per sensor deviation.
@@ -334,7 +334,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// The part of whitened columns that changes of the common sensor deviations can imitate, as components: one
+    /// The part of whitened columns that changes of the common sensor deviations can imitate. The result has one
     /// component per sensor deviation.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,

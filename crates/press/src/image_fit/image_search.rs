@@ -41,7 +41,7 @@ const MIN_IMPROVEMENT: f64 = 16.0;
 const MAX_LOG_STD: f64 = 10.0;
 /// A rough fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-1;
-/// Predicted decrease of chi-squared below which an exact fit stops.
+/// An exact fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const EXACTLY: f64 = 1e-6;
 
 impl<V: View + Clone> ImageFit<V> {

@@ -17,7 +17,7 @@ use crate::{MarkerDisplacement, PressError};
 pub struct Rest {
     /// The most likely deviations of the sensor from its nominal parameters, common to all markers.
     pub common: Vec<f64>,
-    /// The most likely misalignment of each marker's discs; angles at the sensor's centre, rad.
+    /// The most likely misalignment of each marker's discs, as angles at the sensor's centre, rad.
     pub misalignments: Vec<[f64; 2]>,
     /// Whether each marker was visible at rest.
     pub seen: Vec<bool>,
@@ -48,14 +48,14 @@ impl Rest {
     }
 
     /// Covariance of the uncertain common sensor deviations, where each sensor deviation is divided by its standard
-    /// deviation. `None` if it cannot be computed.
+    /// deviation. The result is `None` if the covariance cannot be computed.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let factor = self.information.clone().cholesky()?;
         Some(factor.inverse())
     }
 }
 
-/// Uncertainty of a marker's misalignment.
+/// Uncertainty of a marker's misalignment after the fit of the frame at rest.
 #[derive(Clone, Debug)]
 pub(super) struct Local {
     pub(super) follows: OMatrix<f64, U2, Dyn>,
@@ -178,7 +178,7 @@ pub(super) struct Equations {
     local: Vec<Option<Own>>,
 }
 
-/// Equations for the misalignment of one marker.
+/// Equations for a step of the misalignment of one marker.
 #[derive(Clone)]
 struct Own {
     square: Matrix2<f64>,

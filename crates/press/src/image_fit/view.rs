@@ -38,7 +38,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Returns an error if this reading is invalid.
+    /// Returns an error if this reading of the marker number `marker` is invalid.
     pub(super) fn check(&self, marker: usize) -> Result<(), PressError> {
         let mut numbers = self.picture.iter().chain(&self.covariance);
         if !numbers.all(|number| number.abs() <= 1e50) {
@@ -130,8 +130,8 @@ pub struct PictureSlopes {
     pub common: DMatrix<f64>,
     /// Derivatives with respect to the two components of each marker's misalignment, per rad.
     pub misalignments: Vec<Matrix4x2<f64>>,
-    /// Derivatives with respect to the displacements of each marker's magenta and yellow disc, per length: inward, and
-    /// along both axes.
+    /// Derivatives with respect to the displacements of each marker's magenta and yellow disc, per length. The
+    /// displacements are inward and along both axes of the skin.
     pub displacements: Vec<[Matrix4x3<f64>; 2]>,
 }
 
@@ -156,8 +156,8 @@ pub trait View {
         moved: &[[MarkerDisplacement; 2]],
     ) -> Option<Vec<Option<[f64; 4]>>>;
 
-    /// The images as in [`Self::pictures`], with their derivatives. The default implementation computes numerical
-    /// derivatives.
+    /// The images of all markers as in [`Self::pictures`], with their derivatives. The default implementation computes
+    /// numerical derivatives.
     fn slopes(
         &self,
         sensor: &SensorState<'_>,
@@ -239,8 +239,9 @@ impl<V: View> ImageFit<V> {
         pictures.filter(|pictures| pictures.len() == moved.len())
     }
 
-    /// The images, with their derivatives with respect to displacements, misalignments and the requested sensor
-    /// deviations. A sensor deviation is requested by its index and its standard deviation.
+    /// The images of all markers, with their derivatives with respect to displacements, misalignments and the requested
+    /// sensor deviations. `departures` contains the index and the standard deviation of each requested sensor
+    /// deviation.
     pub(super) fn slopes_by(
         &self,
         departures: &[(usize, f64)],
