@@ -1,224 +1,394 @@
 //! The set of curvatures that agree with exact rotations and pads.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::crossings::{Run, edge_samples};
-use crate::feasible_set::{EdgeRow, FeasibleSet, OPEN, RollRows, distribution};
-use crate::roll_fit::{RollData, SeriesFit};
+use crate::feasible_set::{EdgeRow, OPEN, RollRows, distribution, furthest_change};
+use crate::roll_fit::slopes_at;
 use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
-use crate::{PadCell, RollSeries};
+use crate::series_fit::largest_spread;
+use crate::{PadCell, Quantity, RollSample, RollSeries};
 
-/// Largest number of linearisations.
-const PASSES: usize = 3;
-/// First guess of the largest change of the mobility in the set, in standard deviations of the fit.
-const RANGE: f64 = 3.0;
-/// If the set is wider than this multiple of the guess, or if it is empty, it is linearised again with a larger change.
-const WIDER: f64 = 2.0;
+/// Largest number of linearisations of an extreme.
+const PASSES: usize = 8;
+/// An extreme has converged if it changes by less than this part of its distance from the mean.
+const CONVERGED: f64 = 1e-3;
+/// Largest standard deviation of the mobility, relative to the mobility, of a set that cannot be open.
+const MAX_SPREAD: f64 = 0.03;
+/// Largest deviation from the mean mobility, relative to the mobility, for which its distribution counts as normal.
+const MAX_DEVIATION: f64 = 0.06;
 /// Standard deviation of the first guess of the distribution, relative to the half-width of the set.
 const STD_OF_HALF_WIDTH: f64 = 0.4;
-
-/// A set of mobilities, relative to a centre, with its distribution.
-#[derive(Clone, Debug)]
-pub(crate) struct PadEdgeSet {
-    /// Entries uu, uv, vv of the mobility at the centre, in radii of the probe.
-    pub(crate) centre: Vector3<f64>,
-    pub(crate) set: FeasibleSet,
-    /// Mean change of the mobility over the set, and its covariance.
-    pub(crate) mean: Vector3<f64>,
-    pub(crate) covariance: Matrix3<f64>,
-    /// Half-widths of the set along the entries of the mobility.
-    pub(crate) half_widths: Vector3<f64>,
-}
+/// Largest number of times that the set is linearised at its middle.
+const CENTRES: usize = 5;
+/// Distances that are added to the linear bounds, in radii of the probe.
+const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
+/// Largest error of a path that bends between two nodes, in radii of the probe.
+const PATH_ERROR: f64 = 3e-7;
 
 /// A roll whose pads bound the contact.
-pub(crate) struct BoundedRoll<'r> {
-    pub(crate) series: &'r RollSeries,
-    pub(crate) runs: Vec<Run>,
-}
-
-/// The set of mobilities around the fit of crossings. `pitch` is in radii of the probe. `None` if the set is empty.
-pub(crate) fn pad_edge_set(
-    bounded: &[&BoundedRoll<'_>],
-    data: &[RollData],
-    fit: &SeriesFit<3>,
-    pitch: f64,
-    cell: &PadCell,
-) -> Option<PadEdgeSet> {
-    let mut shape = fit.shape;
-    let mut starts: Vec<_> = fit.rolls.iter().map(|roll| roll.start).collect();
-    let mut mobility_range = RANGE * fit.covariance.diagonal().max().sqrt();
-    for pass in 1..=PASSES {
-        let mobility = shape.relative().try_inverse()?;
-        let mut rows = Vec::with_capacity(bounded.len());
-        for (at, bounded) in bounded.iter().enumerate() {
-            let linearised = Linearised {
-                bounded,
-                is_start_known: data[at].is_start_known,
-                start: starts[at],
-                response: fit.rolls[at].start_response(),
-                pitch,
-                cell,
-                shape: &shape,
-                mobility_range,
-            };
-            rows.push(linearised.rows(&mobility)?);
-        }
-        let set = FeasibleSet::of_rolls(rows.iter());
-        let Some((middle, half_widths)) = set.middle() else {
-            mobility_range *= WIDER;
-            continue;
-        };
-        // First guess of the distribution: its standard deviations are a fixed share of the half-widths of the set, and
-        // its correlations are those of the fit.
-        let scale = half_widths.zip_map(&fit.covariance.diagonal(), |half_width, variance| {
-            STD_OF_HALF_WIDTH * half_width / variance.sqrt()
-        });
-        let scale = Matrix3::from_diagonal(&scale);
-        let guess = scale * fit.covariance * scale;
-        let (mean, covariance) = distribution(&rows, middle, guess).unwrap_or((middle, guess));
-        let centre = Vector3::new(mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]);
-        let is_covered = (half_widths + middle.abs()).amax() <= WIDER * mobility_range;
-        if is_covered || pass == PASSES {
-            return Some(PadEdgeSet {
-                centre,
-                set,
-                mean,
-                covariance,
-                half_widths,
-            });
-        }
-        let moved = centre + mean;
-        let moved = Matrix2::new(moved.x, moved.y, moved.y, moved.z);
-        if moved.determinant() > 0.0 && moved.trace() > 0.0 {
-            shape = LocalShape::of_mobility(&moved)?;
-            for (start, roll) in starts.iter_mut().zip(&fit.rolls) {
-                *start += roll.start_response() * mean;
-            }
-        }
-        mobility_range = half_widths.amax();
-    }
-    None
-}
-
-/// A roll near a shape and a start.
-struct Linearised<'r> {
-    bounded: &'r BoundedRoll<'r>,
-    is_start_known: bool,
-    start: Vector2<f64>,
+#[derive(Clone, Debug)]
+pub(crate) struct BoundedRoll {
+    pub(crate) is_start_known: bool,
+    /// The start, or a first guess, in radii of the probe.
+    pub(crate) start: Vector2<f64>,
     /// Change of the start with the mobility.
-    response: Matrix2x3<f64>,
-    pitch: f64,
-    cell: &'r PadCell,
-    shape: &'r LocalShape,
-    /// Largest change of the mobility in the set.
-    mobility_range: f64,
+    pub(crate) response: Matrix2x3<f64>,
+    /// For each bound, the number of the edge, its offset in radii of the probe, and the number of the rotation.
+    edges: Vec<(usize, f64, usize)>,
+    rotations: RollRotations,
 }
 
-impl Linearised<'_> {
-    /// The rows of the roll.
-    fn rows(&self, mobility: &Matrix2<f64>) -> Option<RollRows> {
-        let samples = &self.bounded.series.samples;
-        let edges = edge_samples(samples, &self.bounded.runs, self.pitch, self.cell, mobility);
-        let rotations = edges.iter().map(|edge| samples[edge.2].rotation);
-        let rotations = RollRotations::new(rotations.collect(), true);
-        let mut path = Vec::new();
-        rotations.path(self.shape, &Default::default(), &mut path)?;
-        let normals: Vec<_> = self.cell.normals().collect();
-        let relative = self.shape.relative();
-        let frame = StartFrame::new(&self.start);
-        let response = self.response;
-        let is_start_known = self.is_start_known;
-        let mut rows = Vec::with_capacity(edges.len() + normals.len());
-        let mut couplings = Vec::with_capacity(edges.len());
-        for ((edge, offset, _), at) in edges.iter().zip(&path) {
-            let normal = normals[*edge];
-            let place = frame.place(at);
-            let drive = relative * at.x;
-            let by_path = place.by_path.tr_mul(&normal);
-            let mut form = Vector3::new(
-                by_path.x * drive.x,
-                by_path.x * drive.y + by_path.y * drive.x,
-                by_path.y * drive.y,
+impl BoundedRoll {
+    /// The bounds of a roll for an object near `shape`.
+    pub(crate) fn new(
+        series: &RollSeries,
+        runs: &[Run],
+        radius: f64,
+        cell: &PadCell,
+        shape: &LocalShape,
+    ) -> Option<Self> {
+        let samples = &series.samples;
+        let mobility = shape.relative().try_inverse()?;
+        let mut edges = edge_samples(samples, runs, cell.pitch() / radius, cell, &mobility);
+        let turned = samples.last()?.rotation;
+        // A path that bends needs more nodes than the bounds.
+        let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
+        let bend = uneven * turned.norm() + sagitta(samples);
+        let nodes = turned.norm() * (bend / (12.0 * PATH_ERROR)).sqrt();
+        let step = (samples.len() / (nodes as usize + 1)).max(1);
+        let mut rotations = Vec::with_capacity(edges.len());
+        let mut last = 0;
+        for edge in &mut edges {
+            rotations.extend(
+                (last + step..edge.2)
+                    .step_by(step)
+                    .map(|at| samples[at].rotation),
             );
-            let coupling = place.by_start.tr_mul(&normal) - normal;
-            if !is_start_known {
-                form += response.tr_mul(&coupling);
-            }
-            rows.push(EdgeRow {
-                edge: *edge,
-                form,
-                slack: offset - normal.dot(&place.place),
-                omitted: 0.0,
-            });
-            couplings.push(coupling);
+            last = edge.2;
+            rotations.push(samples[last].rotation);
+            edge.2 = rotations.len() - 1;
         }
-        let range = match is_start_known {
-            true => [0.0; 2],
-            false => self.start_range(&rows),
-        };
-        // Each row is linear in the start and in the mobility, so the products and squares of their changes are
-        // missing. Widen the row by an upper bound of the missing terms. At other mobilities of the set, the range of
-        // the start is wider.
-        let drives = path.iter().map(|at| (relative * at.x).norm());
-        let longest = match is_start_known {
-            true => 0.0,
-            false => self.mobility_range * drives.fold(0.0, f64::max),
-        };
-        let start_range = range[0].max(range[1]) + longest;
-        let offset = self.start.norm();
-        for ((row, coupling), at) in rows.iter_mut().zip(&couplings).zip(&path) {
-            let path_range = self.mobility_range * (relative * at.x).norm();
-            let length = at.x.norm();
-            row.omitted = 0.5 * length * start_range * start_range
-                + 0.5 * (length + offset) * start_range * path_range
-                + 0.5 * (length + offset) * path_range * path_range
-                // The mobility also turns the contact frame, which bends the path.
-                + length * length * path_range / 12.0;
-            if !is_start_known {
-                let [along_u, along_v] = [coupling.x.abs(), coupling.y.abs()];
-                row.omitted += (along_u + along_v) * longest;
-                row.slack += along_u * range[0] + along_v * range[1];
-            }
-            row.slack += row.omitted;
-        }
-        rows.sort_by_key(|row| row.edge);
-        Some(RollRows {
-            rows,
-            is_start_known,
-            edges: normals.len(),
+        Some(Self {
+            is_start_known: series.start.is_some(),
+            start: series.start.unwrap_or(samples[0].place) / radius,
+            response: Matrix2x3::zeros(),
+            edges,
+            rotations: RollRotations::new(rotations, true),
         })
     }
 }
 
-impl Linearised<'_> {
-    /// Largest distances of the start from its estimate along u and v.
-    fn start_range(&self, rows: &[EdgeRow]) -> [f64; 2] {
-        let least = |edge: usize| {
-            let of_edge = rows.iter().filter(|row| row.edge == edge);
-            of_edge.map(|row| row.slack).fold(OPEN, f64::min).abs()
+/// Largest distance of a rotation vector from the straight line through the last one, out of a few samples.
+fn sagitta(samples: &[RollSample]) -> f64 {
+    let last = samples[samples.len() - 1].rotation;
+    let middle = |part: usize| samples[part * samples.len() / 4].rotation;
+    let apart = |part| middle(part).cross(&last).norm() / last.norm().max(f64::MIN_POSITIVE);
+    (1..4).map(apart).fold(0.0, f64::max)
+}
+
+/// A set of mobilities, relative to a centre, with its distribution.
+#[derive(Clone, Debug)]
+pub(crate) struct PadEdgeSet {
+    cell: PadCell,
+    rolls: Vec<BoundedRoll>,
+    shape: LocalShape,
+    /// The mobility at the centre, in radii of the probe.
+    centre: Matrix2<f64>,
+    /// The bounds, linearised at the centre.
+    rows: Vec<RollRows>,
+    /// Mean change of the mobility over the set: entries uu, uv, vv.
+    mean: Vector3<f64>,
+    pub(crate) covariance: Matrix3<f64>,
+    deviations: OnceLock<Option<[f64; 2]>>,
+}
+
+impl PadEdgeSet {
+    /// The set around `shape` and the starts of the rolls. `covariance` is a first guess of the covariance of the
+    /// mobility. `None` if the set is empty.
+    pub(crate) fn new(
+        cell: &PadCell,
+        rolls: Vec<BoundedRoll>,
+        shape: LocalShape,
+        covariance: Option<Matrix3<f64>>,
+    ) -> Option<Self> {
+        let mut set = Self {
+            cell: *cell,
+            rolls,
+            centre: shape.relative().try_inverse()?,
+            shape,
+            rows: Vec::new(),
+            mean: Vector3::zeros(),
+            covariance: Matrix3::zeros(),
+            deviations: OnceLock::new(),
         };
-        let edges = self.cell.edges();
-        match edges {
-            4 => [least(0).max(least(2)), least(1).max(least(3))],
-            _ => [1.2 * (0..edges).map(least).fold(0.0, f64::max); 2],
+        let mut starts: Vec<_> = set.rolls.iter().map(|roll| roll.start).collect();
+        for pass in 0..=CENTRES {
+            set.rows = set.linearised(&set.shape, &starts)?;
+            let is_fit = pass == 0 && covariance.is_some();
+            if is_fit && set.distribute(Vector3::zeros(), covariance?).is_some() {
+                break;
+            }
+            let found = middle(&set.rows);
+            let is_found = found.is_some();
+            // The linear bounds can be empty far from the set. Wider bounds lead to it.
+            let wider = |widening: &f64| {
+                let mut wider = set.rows.clone();
+                let rows = wider.iter_mut().flat_map(|roll| &mut roll.rows);
+                rows.for_each(|row| row.slack += widening);
+                middle(&wider).filter(|_| pass < CENTRES)
+            };
+            let found = found.or_else(|| WIDENING.iter().find_map(wider));
+            let (change, half_widths, moved) = found?;
+            let stds = half_widths * STD_OF_HALF_WIDTH;
+            let guess = Matrix3::from_diagonal(&stds.component_mul(&stds));
+            (set.mean, set.covariance) = (change, guess);
+            let is_open = half_widths.max() > 0.9 * OPEN;
+            if is_open || (is_found && pass > 0) {
+                if !is_open {
+                    set.distribute(change, guess);
+                }
+                break;
+            }
+            // The middle of a wide set need not be the mobility of a rolling contact.
+            let mut centre = set.centre + matrix(&change);
+            while !is_rolling(&centre) {
+                centre = (centre + set.centre) * 0.5;
+            }
+            (set.shape, set.centre) = (LocalShape::of_mobility(&centre)?, centre);
+            set.mean = Vector3::zeros();
+            for (start, moved) in starts.iter_mut().zip(moved) {
+                *start += moved;
+            }
         }
+        for (roll, start) in set.rolls.iter_mut().zip(starts) {
+            roll.start = start;
+        }
+        Some(set)
+    }
+
+    /// Mean and covariance of the linearised set.
+    fn distribute(&mut self, centre: Vector3<f64>, guess: Matrix3<f64>) -> Option<()> {
+        let responses: Vec<_> = self.rolls.iter().map(|roll| roll.response).collect();
+        let is_possible = |change: &Vector3<f64>| is_rolling(&(self.centre + matrix(change)));
+        let found = distribution(
+            &self.rows,
+            &responses,
+            &self.cell,
+            is_possible,
+            centre,
+            guess,
+        )?;
+        (self.mean, self.covariance) = found;
+        Some(())
+    }
+
+    /// Whether the mobility has no upper bound in some direction.
+    pub(crate) fn is_open(&self) -> bool {
+        let end = furthest_change(&self.rows, &Vector3::new(1.0, 0.0, 1.0));
+        end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
+    }
+
+    /// Whether the distribution of the mobility suggests that few edges are crossed.
+    pub(crate) fn is_wide(&self) -> bool {
+        largest_spread(&self.mobility(), &self.covariance) > MAX_SPREAD
+    }
+
+    /// Whether so few edges are crossed that the distribution of the curvature inside the set is not normal.
+    pub(crate) fn has_few_crossings(&self) -> bool {
+        let largest = |[low, high]: [f64; 2]| high.max(-low);
+        self.deviations()
+            .is_none_or(|ends| largest(ends) > MAX_DEVIATION)
+    }
+
+    /// Mean mobility, in radii of the probe.
+    pub(crate) fn mobility(&self) -> Matrix2<f64> {
+        self.centre + matrix(&self.mean)
+    }
+
+    /// The bounds near a shape and starts. `None` if the contact cannot follow the rotations.
+    fn linearised(&self, shape: &LocalShape, starts: &[Vector2<f64>]) -> Option<Vec<RollRows>> {
+        let normals: Vec<_> = self.cell.normals().collect();
+        let mut path = Vec::new();
+        let mut all = Vec::with_capacity(self.rolls.len());
+        for (roll, start) in self.rolls.iter().zip(starts) {
+            roll.rotations.path(shape, &Vector2::zeros(), &mut path)?;
+            let frame = StartFrame::new(start);
+            let row = |&(edge, offset, at): &(usize, f64, usize)| {
+                let place = frame.place(&path[at]);
+                let by_drive = place.by_path * path[at].mobility;
+                let slopes = slopes_at::<3>(shape, &path[at].x, &place.by_path, &by_drive);
+                let normal = normals[edge];
+                EdgeRow {
+                    edge,
+                    form: slopes.tr_mul(&normal),
+                    normal: place.by_start.tr_mul(&normal),
+                    slack: offset - normal.dot(&place.place),
+                }
+            };
+            all.push(RollRows {
+                rows: roll.edges.iter().map(row).collect(),
+                is_start_known: roll.is_start_known,
+            });
+        }
+        Some(all)
+    }
+
+    /// Largest value of `direction · β` over the set. The bounds are linearised again at each point that is found, so that
+    /// the result is exact. `None` if the set is open in this direction.
+    fn furthest(&self, direction: &Vector3<f64>) -> Option<f64> {
+        let mean = direction.dot(&self.mean);
+        let (mut change, moved) = furthest_change(&self.rows, direction)?;
+        let mut starts: Vec<_> = self.rolls.iter().map(|roll| roll.start).collect();
+        starts
+            .iter_mut()
+            .zip(moved)
+            .for_each(|(start, moved)| *start += moved);
+        let mut largest = f64::NEG_INFINITY;
+        for pass in 1..=PASSES {
+            if change.amax() > 0.9 * OPEN {
+                return None;
+            }
+            let mobility = self.centre + matrix(&change);
+            let shape = LocalShape::of_mobility(&mobility).filter(|_| is_rolling(&mobility))?;
+            let (step, moved) = furthest_change(&self.linearised(&shape, &starts)?, direction)?;
+            let last = direction.dot(&change);
+            change += step;
+            starts
+                .iter_mut()
+                .zip(moved)
+                .for_each(|(start, moved)| *start += moved);
+            let found = direction.dot(&change);
+            if (found - last).abs() < CONVERGED * (found - mean).abs() + 1e-13 {
+                return Some(found.max(last));
+            }
+            // In a direction in which the set is round, the corners of the linear bounds alternate around its end.
+            if pass > PASSES / 2 {
+                largest = largest.max(found);
+            }
+        }
+        Some(largest)
+    }
+
+    /// The smallest and the largest eigenvalue of A δ over the set, or bounds of them. δ is the difference of a mobility
+    /// from the mean, and A is the inverse of the mean. `None` if the set is open.
+    pub(crate) fn deviations(&self) -> Option<[f64; 2]> {
+        *self.deviations.get_or_init(|| {
+            let root = self.mobility().try_inverse()?.cholesky()?.unpack();
+            let [along, across] = [root.column(0), root.column(1)];
+            let ends = |product: Matrix2<f64>| {
+                let direction = entries(&(product + product.transpose())) * 0.5;
+                let end = |sign: f64| {
+                    let end =
+                        self.furthest(&(direction * sign))? - sign * direction.dot(&self.mean);
+                    Some(end.max(0.0))
+                };
+                Some([end(-1.0)?, end(1.0)?])
+            };
+            let first = ends(along * along.transpose())?;
+            let second = ends(across * across.transpose())?;
+            let [low, high] = ends(along * across.transpose())?;
+            let mixed = low.max(high);
+            Some([
+                -first[0].max(second[0]) - mixed,
+                first[1].max(second[1]) + mixed,
+            ])
+        })
+    }
+
+    /// The smallest and the largest value of a curvature over the set, in units of the probe's curvature; `None` where
+    /// the curvature has no bound. `quantity` is not a principal curvature.
+    ///
+    /// The curvature is linear in the mobility, except for a remainder that the deviations bound.
+    pub(crate) fn ends(&self, quantity: Quantity) -> [Option<f64>; 2] {
+        let Some(relative) = self.mobility().try_inverse() else {
+            return [None; 2];
+        };
+        let square = relative * relative;
+        let (trace, determinant) = (relative.trace(), relative.determinant());
+        let deviations = self.deviations().filter(|ends| ends[0] > -1.0);
+        // Eigenvalues of the remainders of the inverse and of its determinant. Both are convex in the deviations.
+        let inverse = deviations.map(|ends| ends.map(|e| e * e / (1.0 + e)));
+        let inverse = inverse.map_or(f64::INFINITY, |[low, high]| low.max(high));
+        let product =
+            |one: f64, other: f64| 1.0 / ((1.0 + one) * (1.0 + other)) - 1.0 + one + other;
+        let product = deviations.map(|[low, high]| {
+            product(low, low)
+                .max(product(low, high))
+                .max(product(high, high))
+        });
+        let (value, slopes, remainder, least) = match quantity {
+            Quantity::Normal { angle_rad } => {
+                let (sin, cos) = libm::sincos(angle_rad);
+                let direction = Vector2::new(cos, sin);
+                let across = relative * direction;
+                let value = direction.dot(&across);
+                let slopes = -across * across.transpose();
+                (value - 1.0, slopes, [0.0, inverse * value], -1.0)
+            }
+            Quantity::Gaussian => (
+                determinant - trace + 1.0,
+                square - relative * determinant,
+                [
+                    -inverse * trace,
+                    product.unwrap_or(f64::INFINITY) * determinant,
+                ],
+                f64::NEG_INFINITY,
+            ),
+            _ => (
+                0.5 * trace - 1.0,
+                -square * 0.5,
+                [0.0, 0.5 * inverse * trace],
+                -1.0,
+            ),
+        };
+        let direction = entries(&slopes);
+        let mean = direction.dot(&self.mean);
+        let low = self
+            .furthest(&-direction)
+            .map_or(f64::NEG_INFINITY, |end| -end - mean);
+        let high = self
+            .furthest(&direction)
+            .map_or(f64::INFINITY, |end| end - mean);
+        let low = (value + low.min(0.0) + remainder[0]).max(least);
+        let high = value + high.max(0.0) + remainder[1];
+        [low, high].map(|end| end.is_finite().then_some(end))
     }
 }
 
-impl FeasibleSet {
-    /// The mean of the points of the set that are furthest along the axes, and the half-widths along the axes. `None` if
-    /// the set is empty.
-    fn middle(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
-        let (mut sum, mut half_widths) = (Vector3::zeros(), Vector3::zeros());
-        for axis in 0..3 {
-            for sign in [1.0, -1.0] {
-                let mut direction = Vector3::zeros();
-                direction[axis] = sign;
-                let point = self.furthest(&direction)?;
-                sum += point;
-                half_widths[axis] += 0.5 * sign * point[axis];
-            }
+/// Whether a mobility, or its inverse, is the one of a rolling contact.
+fn is_rolling(mobility: &Matrix2<f64>) -> bool {
+    mobility.determinant() > 0.0 && mobility.trace() > 0.0
+}
+
+fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {
+    Matrix2::new(entries.x, entries.y, entries.y, entries.z)
+}
+
+/// The direction of steepest increase of `tr(slopes · δ)` with the entries uu, uv, vv of δ.
+fn entries(slopes: &Matrix2<f64>) -> Vector3<f64> {
+    Vector3::new(slopes[(0, 0)], 2.0 * slopes[(0, 1)], slopes[(1, 1)])
+}
+
+/// The mean of the changes of the set that are furthest along the axes, the half-widths along the axes, and the starts.
+/// `None` if the set is empty.
+fn middle(rows: &[RollRows]) -> Option<(Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>)> {
+    let (mut mean, mut half_widths) = (Vector3::zeros(), Vector3::zeros());
+    let mut starts = vec![Vector2::zeros(); rows.len()];
+    for axis in 0..3 {
+        for sign in [1.0, -1.0] {
+            let mut direction = Vector3::zeros();
+            direction[axis] = sign;
+            let (point, moved) = furthest_change(rows, &direction)?;
+            mean += point / 6.0;
+            half_widths[axis] += 0.5 * sign * point[axis];
+            starts
+                .iter_mut()
+                .zip(moved)
+                .for_each(|(start, moved)| *start += moved / 6.0);
         }
-        Some((sum / 6.0, half_widths.map(|width: f64| width.max(1e-12))))
     }
+    Some((mean, half_widths.map(|width: f64| width.max(1e-12)), starts))
 }

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
 
-use crate::crossings::Crossing;
+use crate::crossings::{Crossing, Run};
 use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients};
 
 /// Largest number of steps.
@@ -50,6 +50,8 @@ pub(crate) struct RollData {
     /// Rotations at the observations.
     pub(crate) rotations: RollRotations,
     pub(crate) observations: Vec<Observation>,
+    /// The samples on each pad.
+    pub(crate) runs: Vec<Run>,
 }
 
 /// Noise of the readings.
@@ -337,7 +339,7 @@ impl<const N: usize> SeriesFit<N> {
 }
 
 /// Derivatives of a place with respect to the unknowns of the shape, for a contact at `x`.
-fn slopes_at<const N: usize>(
+pub(crate) fn slopes_at<const N: usize>(
     shape: &LocalShape,
     x: &Vector2<f64>,
     by_path: &Matrix2<f64>,

@@ -4,15 +4,13 @@ use nalgebra::{Matrix2, Matrix3, Vector3};
 use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
 use palpate_statistics::{GoodnessOfFit, NORMAL_95, student_half_width};
 
-use crate::feasible_set::{OPEN, normal_nodes};
+use crate::feasible_set::normal_nodes;
 use crate::pad_edge::PadEdgeSet;
 use crate::series_fit::inverse_slopes;
 use crate::{Estimate, Measured};
 
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 16;
-/// Number of times that a bound is linearised around its last point.
-const BOUND_STEPS: usize = 4;
 
 /// A curvature of the object at the common start of the rolls, in the axes of the pads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,7 +164,8 @@ impl SeriesEstimate {
         }
     }
 
-    /// The 95 % interval of a quantity. An end is `None` if the interval has no end on this side.
+    /// The 95 % interval of a quantity, or its range if the rolls [cross few edges](Self::has_few_crossings). An end is
+    /// `None` if the interval has no end on this side.
     pub fn interval95(&self, quantity: Quantity) -> [Option<f64>; 2] {
         let form = self.curvature;
         let interval = match quantity {
@@ -189,6 +188,9 @@ impl SeriesEstimate {
         let Some(bounds) = self.bounds(quantity) else {
             return interval;
         };
+        if self.has_few_crossings() {
+            return bounds;
+        }
         let within =
             |end: Option<f64>, bound: Option<f64>, inner: fn(f64, f64) -> f64| match (end, bound) {
                 (Some(end), Some(bound)) => Some(inner(end, bound)),
@@ -200,79 +202,48 @@ impl SeriesEstimate {
         ]
     }
 
+    /// Whether the rolls cross so few edges of pads that [`bounds`](Self::bounds) are the only meaningful intervals. The
+    /// estimate is then the middle of a wide range.
+    pub fn has_few_crossings(&self) -> bool {
+        matches!(&self.uncertainty, Uncertainty::Set(set) if set.has_few_crossings())
+    }
+
     /// The range of a quantity over all curvatures that agree with exact rotations and pads. An end is `None` if the
     /// range has no end on this side. `None` if the rotations or the places have noise.
     pub fn bounds(&self, quantity: Quantity) -> Option<[Option<f64>; 2]> {
         let Uncertainty::Set(set) = &self.uncertainty else {
             return None;
         };
-        let in_directions = || {
-            (0..DIRECTIONS).map(|at| {
-                let angle_rad = std::f64::consts::PI * at as f64 / DIRECTIONS as f64;
-                self.bounds(Quantity::Normal { angle_rad })
-                    .unwrap_or_default()
-            })
+        let flat = 1.0 / self.radius;
+        let scale = match quantity {
+            Quantity::Gaussian => flat * flat,
+            _ => flat,
         };
-        let least = |one: Option<f64>, other: Option<f64>| Some(one?.min(other?));
-        let most = |one: Option<f64>, other: Option<f64>| Some(one?.max(other?));
-        match quantity {
-            Quantity::PrincipalMin => {
-                let upper = in_directions()
-                    .filter_map(|[_, upper]| upper)
-                    .reduce(f64::min);
-                let lower = in_directions()
-                    .map(|[lower, _]| lower)
-                    .reduce(least)
-                    .flatten();
-                Some([lower, upper])
-            }
-            Quantity::PrincipalMax => {
-                let lower = in_directions()
-                    .filter_map(|[lower, _]| lower)
-                    .reduce(f64::max);
-                let upper = in_directions()
-                    .map(|[_, upper]| upper)
-                    .reduce(most)
-                    .flatten();
-                Some([lower, upper])
-            }
-            _ => Some([-1.0, 1.0].map(|sign| self.end(set, quantity, sign))),
+        if !matches!(quantity, Quantity::PrincipalMin | Quantity::PrincipalMax) {
+            return Some(set.ends(quantity).map(|end| Some(end? * scale)));
         }
-    }
-
-    /// The largest value (`sign` is 1) or the smallest value (`sign` is −1) of a quantity over the set. The quantity is
-    /// linearised around the last point that was found.
-    fn end(&self, set: &PadEdgeSet, quantity: Quantity, sign: f64) -> Option<f64> {
-        let value = |point: &Vector3<f64>| -> Option<f64> {
-            let mobility = set.centre + point;
-            let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
-            let is_rolling = mobility.determinant() > 0.0 && mobility.trace() > 0.0;
-            let relative = mobility.try_inverse().filter(|_| is_rolling)?;
-            Some(self.value(&relative, quantity))
+        let all = (0..DIRECTIONS).map(|at| {
+            let angle_rad = std::f64::consts::PI * at as f64 / DIRECTIONS as f64;
+            let [low, high] = set.ends(Quantity::Normal { angle_rad });
+            [low.unwrap_or(-1.0), high.unwrap_or(f64::INFINITY)]
+        });
+        let all: Vec<_> = all.collect();
+        let of_ends = |end: usize, best: fn(f64, f64) -> f64| {
+            all.iter()
+                .map(|ends| ends[end])
+                .reduce(best)
+                .unwrap_or(f64::NAN)
         };
-        let mut at = set.mean;
-        let mut best: Option<f64> = None;
-        for _ in 0..BOUND_STEPS {
-            let step = 1e-6;
-            let here = value(&at)?;
-            let slope = |axis: usize| -> Option<f64> {
-                let mut moved = at;
-                moved[axis] += step;
-                Some((value(&moved)? - here) / step)
-            };
-            let gradient = Vector3::new(slope(0)?, slope(1)?, slope(2)?);
-            let corner = set.set.furthest(&(gradient * sign))?;
-            if corner.amax() > 0.999 * OPEN {
-                return None;
-            }
-            let found = value(&corner)?;
-            if best.is_some_and(|best| (found - best) * sign <= 1e-12 * best.abs()) {
-                break;
-            }
-            best = Some(found);
-            at = corner;
-        }
-        best
+        let (lowest, highest) = (of_ends(0, f64::min), of_ends(1, f64::max));
+        // The principal direction can be between two of the directions.
+        let share = 1.0 - libm::cos(std::f64::consts::PI / DIRECTIONS as f64);
+        let between = 0.5 * share / (1.0 - share) * (highest - lowest);
+        let ends = match quantity {
+            Quantity::PrincipalMin => [lowest - between, of_ends(1, f64::min)],
+            _ => [of_ends(0, f64::max), highest + between],
+        };
+        let ends = [ends[0].max(-1.0), ends[1]];
+        Some(ends.map(|end| end.is_finite().then_some(end * scale)))
     }
 
     /// The probability of each shape class, in the order of [`ShapeClass::ALL`].

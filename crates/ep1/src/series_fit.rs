@@ -4,13 +4,13 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{crossings, runs};
-use crate::pad_edge::{BoundedRoll, PadEdgeSet, pad_edge_set};
+use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{FitNoise, Observation, RollData, SeriesFit};
 use crate::roll_series::check;
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::{
-    Exclusion, Places, RollReport, RollSample, RollSeries, SeriesError, SeriesEstimate,
+    Exclusion, PadCell, Places, RollReport, RollSample, RollSeries, SeriesError, SeriesEstimate,
     SeriesMethod, SeriesNoise,
 };
 
@@ -29,9 +29,11 @@ const ROUGH_TOLERANCE: f64 = 1e-3;
 /// Largest standard deviation of a determined mobility, divided by the mobility. With a larger value, the interval of the
 /// mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
-/// Largest half-width of a set of exact readings, divided by the mobility. In a wider set, the rolls crossed so few edges
-/// that the linear rows do not bound it reliably.
-const MAX_HALF_WIDTH: f64 = 0.06;
+/// A flat object.
+const FLAT: LocalShape = LocalShape {
+    terms: 1,
+    tensors: [0.0; MAX_COEFFICIENTS],
+};
 /// If the mobility differs between directions by more than this ratio, the crossings are located again.
 const ISOTROPY: f64 = 0.02;
 
@@ -76,30 +78,34 @@ struct Candidate {
     worst: Option<usize>,
 }
 
-impl<'r> Problem<'r> {
+impl Problem<'_> {
     fn estimate(&mut self) -> Result<SeriesEstimate, SeriesError> {
         let is_exact = matches!(self.places, Places::Pads(_)) && self.noise.is_exact();
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
         let tolerance = if is_set { ROUGH_TOLERANCE } else { TOLERANCE };
         let noise = self.fit_noise();
         let undetermined = self.undetermined();
-        let flat = LocalShape {
-            terms: 1,
-            tensors: [0.0; MAX_COEFFICIENTS],
-        };
         loop {
-            let (mut data, mut bounded) = self.prepare(&Matrix2::identity());
+            let mut data = self.prepare(&Matrix2::identity());
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
+            let first = SeriesFit::<3>::new(&data, &noise, FLAT, tolerance);
+            if let (true, Places::Pads(cell)) = (is_set, self.places) {
+                let is_determined = |fit: &&SeriesFit<3>| {
+                    let mobility = fit.shape.relative().try_inverse().unwrap_or_default();
+                    largest_spread(&mobility, &fit.covariance) < MAX_SPREAD
+                };
+                let first = first.as_ref().filter(is_determined);
+                return self.of_sets(cell, &data, &noise, first);
+            }
             if usable < 2 {
                 return Err(SeriesError::TooFewRolls { rolls: usable });
             }
-            let mut first =
-                SeriesFit::<3>::new(&data, &noise, flat, tolerance).ok_or(undetermined)?;
+            let mut first = first.ok_or(undetermined)?;
             let mobility = first.shape.relative().try_inverse().unwrap_or_default();
             let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
             if uneven > ISOTROPY * mobility.trace() && !self.noise.is_exact() {
-                (data, bounded) = self.prepare(&mobility);
+                data = self.prepare(&mobility);
                 first =
                     SeriesFit::new(&data, &noise, first.shape, tolerance).ok_or(undetermined)?;
             }
@@ -111,70 +117,102 @@ impl<'r> Problem<'r> {
             if scale.sqrt() * largest_spread(&mobility, &first.covariance) > MAX_SPREAD {
                 return Err(undetermined);
             }
-            if self.method == SeriesMethod::Trajectory {
-                let found = self.trajectory(&data, &noise, first);
-                if self.leaves_out(found.1) {
-                    continue;
-                }
-                return Ok(found.0);
-            }
-            let cell = match self.places {
-                Places::Pads(cell) if is_set => cell,
-                _ => {
+            let (found, worst) = match self.method {
+                SeriesMethod::Trajectory => self.trajectory(&data, &noise, first),
+                SeriesMethod::PadEdge => {
                     let worst = self.p_values(&data, &first);
-                    if self.leaves_out(worst) {
-                        continue;
-                    }
-                    return Ok(self.of_fit(&first, 1));
+                    (self.of_fit(&first, 1), worst)
                 }
             };
-            let pitch = cell.pitch() / self.radius;
-            let all: Vec<_> = bounded.iter().collect();
-            if let Some(set) = pad_edge_set(&all, &data, &first, pitch, cell) {
-                return self.of_set(set, &first);
-            }
-            // If no mobility agrees with all rolls, leave out one roll. Start with the roll whose crossings contradict
-            // the other rolls most.
-            self.p_values(&data, &first);
-            let mut order: Vec<usize> = (0..data.len()).collect();
-            let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
-            order.sort_by(|one, other| p_value(one).total_cmp(&p_value(other)));
-            let least = order[0];
-            let without = order.into_iter().find_map(|left_out| {
-                let mut data = data.clone();
-                data.remove(left_out);
-                let mut rest = all.clone();
-                rest.remove(left_out);
-                let fit = SeriesFit::new(&data, &noise, first.shape, tolerance)?;
-                let set = pad_edge_set(&rest, &data, &fit, pitch, cell)?;
-                Some((left_out, set, fit))
-            });
-            let roll = data[without.as_ref().map_or(least, |found| found.0)].roll;
-            if !self.leaves_out(Some(roll)) {
-                return Err(SeriesError::Contradiction { roll });
-            }
-            for report in &mut self.reports {
-                if report.left_out.is_none() {
-                    report.p_value = None;
-                }
-            }
-            if let Some((_, set, fit)) = without {
-                return self.of_set(set, &fit);
+            if !self.leaves_out(worst) {
+                return Ok(found);
             }
         }
     }
 
-    /// The result for exact readings.
-    fn of_set(&self, set: PadEdgeSet, fit: &SeriesFit<3>) -> Result<SeriesEstimate, SeriesError> {
-        let mobility = set.centre + set.mean;
-        let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
+    /// The result for exact rotations and pads. `fit` is the fit of the crossings.
+    fn of_sets(
+        &mut self,
+        cell: &PadCell,
+        data: &[RollData],
+        noise: &FitNoise,
+        fit: Option<&SeriesFit<3>>,
+    ) -> Result<SeriesEstimate, SeriesError> {
+        if data.len() < 2 {
+            return Err(SeriesError::TooFewRolls { rolls: data.len() });
+        }
+        if let Some(set) = self.set(cell, data, fit) {
+            return self.of_set(set);
+        }
+        let fit = fit.ok_or(self.undetermined())?;
+        // No mobility agrees with all rolls. Leave out one roll, beginning with the roll whose crossings contradict the
+        // others most.
+        self.p_values(data, fit);
+        let mut order: Vec<usize> = (0..data.len()).collect();
+        let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
+        order.sort_by(|one, other| p_value(one).total_cmp(&p_value(other)));
+        let least = order[0];
+        let without = order.into_iter().find_map(|left_out| {
+            let mut data = data.to_vec();
+            data.remove(left_out);
+            let fit = SeriesFit::new(&data, noise, fit.shape, ROUGH_TOLERANCE);
+            Some((left_out, self.set(cell, &data, fit.as_ref())?))
+        });
+        let roll = data[without.as_ref().map_or(least, |found| found.0)].roll;
+        if !self.leaves_out(Some(roll)) {
+            return Err(SeriesError::Contradiction { roll });
+        }
+        for report in &mut self.reports {
+            if report.left_out.is_none() {
+                report.p_value = None;
+            }
+        }
+        match without {
+            Some((_, set)) => self.of_set(set),
+            None => self.estimate(),
+        }
+    }
+
+    /// The set of mobilities that agree with the rolls of `data`.
+    fn set(
+        &self,
+        cell: &PadCell,
+        data: &[RollData],
+        fit: Option<&SeriesFit<3>>,
+    ) -> Option<PadEdgeSet> {
+        let shape = fit.map_or(FLAT, |fit| fit.shape);
+        let mut rolls = Vec::with_capacity(data.len());
+        for (at, roll) in data.iter().enumerate() {
+            let series = &self.rolls[roll.roll];
+            let mut bounded = BoundedRoll::new(series, &roll.runs, self.radius, cell, &shape)?;
+            if let Some(fit) = fit {
+                bounded.start = fit.rolls[at].start;
+                bounded.response = fit.rolls[at].start_response();
+            }
+            rolls.push(bounded);
+        }
+        PadEdgeSet::new(cell, rolls, shape, fit.map(|fit| fit.covariance))
+    }
+
+    /// The result for a set.
+    fn of_set(&self, set: PadEdgeSet) -> Result<SeriesEstimate, SeriesError> {
+        let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         let covariance = set.covariance;
-        let squares = Matrix3::from_diagonal(&set.half_widths.map(|width| width * width));
-        if largest_spread(&mobility, &squares) > MAX_HALF_WIDTH {
+        if set.is_wide() && set.is_open() {
             return Err(self.undetermined());
         }
-        Ok(self.result(&shape, covariance, true, 1, fit, Uncertainty::Set(set)))
+        let lengths = self.rolls.iter().filter_map(|roll| roll.samples.last());
+        let lengths = lengths.map(|last| (mobility * drive_of(&last.rotation)).norm());
+        let lengths: Vec<f64> = lengths.collect();
+        Ok(self.result(
+            &shape,
+            covariance,
+            (true, 1),
+            &lengths,
+            None,
+            Uncertainty::Set(set),
+        ))
     }
 
     /// Leaves out a roll, unless too many rolls are left out already. Then the model or the noise is wrong, not a roll.
@@ -188,11 +226,10 @@ impl<'r> Problem<'r> {
         true
     }
 
-    /// The rolls that a fit uses, with their pads.
-    fn prepare(&mut self, mobility: &Matrix2<f64>) -> (Vec<RollData>, Vec<BoundedRoll<'r>>) {
+    /// The rolls that a fit uses.
+    fn prepare(&mut self, mobility: &Matrix2<f64>) -> Vec<RollData> {
         let scale = 1.0 / self.radius;
         let mut data = Vec::with_capacity(self.rolls.len());
-        let mut bounded = Vec::with_capacity(self.rolls.len());
         let rolls = self.rolls;
         for (roll, (series, report)) in rolls.iter().zip(&mut self.reports).enumerate() {
             if report.left_out == Some(Exclusion::Inconsistent) {
@@ -240,10 +277,10 @@ impl<'r> Problem<'r> {
                 start_std,
                 rotations: RollRotations::new(rotations, self.noise.is_exact()),
                 observations,
+                runs,
             });
-            bounded.push(BoundedRoll { series, runs });
         }
-        (data, bounded)
+        data
     }
 
     fn fit_noise(&self) -> FitNoise {
@@ -377,17 +414,28 @@ impl<'r> Problem<'r> {
             covariance *= fit.chi_squared / fit.freedom.max(1) as f64;
             uncertainty = Uncertainty::Student(fit.freedom);
         }
-        self.result(&fit.shape, covariance, terms == 1, terms, fit, uncertainty)
+        let goodness = self.is_noise_stated();
+        let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));
+        let lengths: Vec<f64> = fit.rolls.iter().map(|roll| roll.length).collect();
+        let terms = (terms == 1, terms);
+        self.result(
+            &fit.shape,
+            covariance,
+            terms,
+            &lengths,
+            goodness,
+            uncertainty,
+        )
     }
 
     /// The result for a shape with the covariance of the mobility (uu, uv, vv), or of the curvatures.
-    fn result<const N: usize>(
+    fn result(
         &self,
         shape: &LocalShape,
         covariance: Matrix3<f64>,
-        is_of_mobility: bool,
-        terms: usize,
-        fit: &SeriesFit<N>,
+        (is_of_mobility, terms): (bool, usize),
+        lengths: &[f64],
+        goodness: Option<GoodnessOfFit>,
         uncertainty: Uncertainty,
     ) -> SeriesEstimate {
         let relative = shape.relative();
@@ -398,10 +446,7 @@ impl<'r> Problem<'r> {
             }
             false => covariance,
         };
-        let lengths: f64 = fit.rolls.iter().map(|roll| roll.length).sum();
-        let arc_length = self.radius * lengths / fit.rolls.len().max(1) as f64;
-        let is_tested = self.is_noise_stated() && !matches!(uncertainty, Uncertainty::Set(_));
-        let goodness = is_tested.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));
+        let arc_length = self.radius * lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
         SeriesEstimate::new(
             self.radius,
             &relative,
@@ -445,7 +490,7 @@ pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
 }
 
 /// Largest standard deviation of the entries of a mobility, relative to the smallest mobility in any direction.
-fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>) -> f64 {
+pub(crate) fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>) -> f64 {
     let half = 0.5 * (mobility[(0, 0)] - mobility[(1, 1)]);
     let least = 0.5 * mobility.trace() - libm::hypot(half, mobility[(0, 1)]);
     let largest = covariance.diagonal().max().max(0.0).sqrt();

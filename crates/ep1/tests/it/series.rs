@@ -7,7 +7,7 @@ use palpate_ep1::{
     Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
     SeriesNoise, estimate_series,
 };
-use palpate_geometry::surfaces::{Ellipsoid, Graph};
+use palpate_geometry::surfaces::{Cylinder, Ellipsoid, Graph};
 use palpate_geometry::{Shape, ShapeThresholds, Surface};
 use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
 
@@ -126,6 +126,92 @@ fn the_set_of_exact_rolls_contains_the_truth_and_is_narrow() {
                 }
             }
         }
+    }
+}
+
+/// The bounds of an estimate, which must contain the true curvatures.
+fn bounds_around(
+    cell: PadCell,
+    radius: f64,
+    rolls: &[RollSeries],
+    truths: [f64; 5],
+) -> [[Option<f64>; 2]; 5] {
+    let places = Places::Pads(cell);
+    let found = estimate_series(SeriesMethod::PadEdge, radius, &places, &EXACT, rolls).unwrap();
+    let mut all = [[None; 2]; 5];
+    for ((quantity, truth), ends) in QUANTITIES.into_iter().zip(truths).zip(&mut all) {
+        *ends = found.bounds(quantity).unwrap();
+        let [low, high] = *ends;
+        assert!(low.is_none_or(|low| low <= truth), "{quantity:?}: {low:?}");
+        assert!(
+            high.is_none_or(|high| truth <= high),
+            "{quantity:?}: {high:?}"
+        );
+        if found.has_few_crossings() {
+            assert_eq!(found.interval95(quantity), *ends);
+        }
+    }
+    assert!(
+        found
+            .rolls
+            .iter()
+            .all(|roll| roll.left_out != Some(Exclusion::Inconsistent))
+    );
+    all
+}
+
+#[test]
+fn few_crossings_give_wide_bounds() {
+    let mut draws = Draws(17);
+    for (object, pitch, is_open) in [(47.0, 1.0, false), (5.0, 2.0, true), (5.0, 4.0, true)] {
+        for _ in 0..6 {
+            let cell = PadCell::square(pitch);
+            let all = without_starts(&rolls(object, &cell, 0.0, &mut draws));
+            // Rolls along the edges alone leave the twist of the surface within wide bounds.
+            let along: Vec<_> = all.iter().step_by(2).cloned().collect();
+            let curvature = 1.0 / object;
+            let truths = [
+                curvature,
+                curvature * curvature,
+                curvature,
+                curvature,
+                curvature,
+            ];
+            for rolls in [along, all] {
+                let bounds = bounds_around(cell, RADIUS, &rolls, truths);
+                let [low, high] = bounds[0];
+                assert_eq!(high.is_none(), is_open, "{low:?} {high:?}");
+                assert!(low > Some(-0.1 - 1e-12));
+                if rolls.len() == 4 && !is_open {
+                    assert!(high.unwrap() - low.unwrap() > 0.1 * curvature);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_set_contains_a_curvature_that_differs_between_directions() {
+    let cylinder = Shape::Cylinder(Cylinder::new(0.5, 0.4).unwrap());
+    let cell = PadCell::square(0.1);
+    let (contacts, roller) = integrated(&cylinder, (0.0, 0.0), 0.5);
+    let from = roller.first_contact();
+    let (_, truth) = cylinder
+        .curvature_along(&from.on_object, &from.x_axis)
+        .unwrap();
+    let truths = [truth.normal_curvature(0.3), 0.0, 1.0, 0.0, 2.0];
+    let mut draws = Draws(29);
+    for _ in 0..8 {
+        let mut rolls = contacts.clone();
+        for roll in &mut rolls {
+            let start = Vector2::new(draws.uniform() - 0.5, draws.uniform() - 0.5);
+            for sample in &mut roll.samples {
+                let place = chart(&start, &(sample.place * RADIUS)) / RADIUS;
+                sample.place = pad(&cell, &place);
+            }
+        }
+        let [.., [_, high]] = bounds_around(cell, 1.0, &rolls, truths);
+        assert!(high < Some(2.4), "{high:?}");
     }
 }
 
