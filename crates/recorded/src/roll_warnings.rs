@@ -55,12 +55,23 @@ impl RollEstimate {
             .chain(left_out)
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
             .chain(Warning::of("flat-object", self.flatness()))
+            .chain(Warning::of("few-crossings", self.few_crossings()))
             .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))
             .chain(Warning::of("units", self.rotation_noise()))
             .chain(Warning::of("repeated-rows", self.repeated.clone()))
             .chain(Warning::of("unnamed-probes", note.clone()))
             .chain(self.recorded.source.notes.iter().cloned())
             .collect()
+    }
+
+    /// Warning if the contacts cross so few edges of pads that only the bounds of the curvature are meaningful.
+    fn few_crossings(&self) -> Option<String> {
+        let series = self.series.as_ref()?;
+        series.estimate.has_few_crossings().then(|| {
+            "the contacts cross few edges of pads: use `bounds`, because the estimated curvatures are only the middle of \
+             a wide range; roll further, in more directions, or with finer pads"
+                .to_owned()
+        })
     }
 
     /// Warning if the object is so flat that rounding of the readings affects its estimated curvature.

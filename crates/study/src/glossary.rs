@@ -209,6 +209,7 @@ subjects! {
         "unchecked-indentation": "The readings alone do not determine an indentation, so the stated indentation cannot be checked.";
         "grid-beyond-contacts": "The grid of a glide extends beyond the contacts, so the fit is extrapolated there.";
         "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
+        "few-crossings": "The contacts cross few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of a wide range.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
         "two-groups": "The contacts form two groups. The gap between the groups is larger than each group, so the contacts may be of two objects.";
