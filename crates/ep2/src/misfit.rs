@@ -26,7 +26,7 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// to rounding errors or to the approximation error of the series.
 const MIN_POSITION_STD: f64 = 1e-4;
 /// Largest ratio of the variance of a surface beside its contacts to the variance of the most probable process.
-const MAX_VARIANCE_RATIO: f64 = 9.0;
+const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to the normals themselves. The rest is attributed to
 /// position errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
@@ -332,7 +332,7 @@ impl Refit {
 
 /// Products of Chebyshev polynomials at a contact, one per column. The rows contain the products and their slopes along
 /// u and v.
-pub(crate) fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
+fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     let [a, b] = square.place([sample.u, sample.v]);
     let [half_u, half_v] = square.half();
     let both = |x: f64| -> Vec<[f64; 2]> {

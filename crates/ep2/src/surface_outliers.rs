@@ -3,12 +3,13 @@
 //! Robust polynomials find suspects. A suspect is an outlier only if a fit to the contacts without suspects also
 //! contradicts it, because polynomials do not follow every surface.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::chebyshev::count;
+use crate::chebyshev::{count, products};
 use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
-use crate::misfit::series;
-use crate::patch::sample;
+use crate::patch::{Sample, sample};
 use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
@@ -17,9 +18,14 @@ const MIN_CONTACTS: usize = 12;
 /// Smallest ratio of the number of contacts to the number of coefficients of a polynomial.
 const MIN_CONTACTS_PER_COEFFICIENT: usize = 3;
 /// Degrees of the polynomials that are tried.
-const DEGREES: std::ops::RangeInclusive<usize> = 2..=4;
+const DEGREES: RangeInclusive<usize> = 2..=MAX_DEGREE;
+const MAX_DEGREE: usize = 4;
+/// Number of coefficients of a polynomial of the largest degree.
+const COUNT: usize = count(MAX_DEGREE);
 /// Largest number of contacts to which polynomials are fitted.
 const MAX_CONTACTS: usize = 2000;
+/// Largest weight of a rest of a finger, as a number of contacts.
+const MAX_REPEATS: usize = 5;
 /// Largest number of iterations of a robust fit. It minimises the absolute deviations until their median changes by less
 /// than the share [`MAX_CHANGE`], and then uses Tukey's biweight.
 const ITERATIONS: usize = 16;
@@ -49,7 +55,11 @@ impl SoundContacts {
         contacts: &[Contact],
         outward: &Vector3<f64>,
     ) -> Result<Self, ShapeError> {
-        let is_outlier = outliers(&self.distinct.contacts, outward);
+        let mut counts = vec![0; self.distinct.contacts.len()];
+        for &run in &self.distinct.run_of_row {
+            counts[run] += 1;
+        }
+        let is_outlier = outliers(&self.distinct.contacts, &counts, outward);
         if !is_outlier.contains(&true) {
             return Ok(self);
         }
@@ -65,86 +75,124 @@ impl SoundContacts {
     }
 }
 
-/// Whether each contact is an outlier.
-fn outliers(contacts: &[Contact], outward: &Vector3<f64>) -> Vec<bool> {
+/// Whether each contact is an outlier. `counts` are the numbers of rows that the contacts represent. Outliers between the
+/// contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore rests have a larger
+/// weight.
+fn outliers(contacts: &[Contact], counts: &[usize], outward: &Vector3<f64>) -> Vec<bool> {
     let none = vec![false; contacts.len()];
-    let patch = Patch::new(contacts, outward).ok();
-    let Some(mut is_outlier) = patch.and_then(|patch| suspects(&patch)) else {
+    let repeats = counts.iter().map(|count| (*count).min(MAX_REPEATS));
+    let weighted = contacts.iter().zip(repeats.clone());
+    let weighted = weighted.flat_map(|(contact, repeats)| std::iter::repeat_n(contact, repeats));
+    let patch = Patch::new(&selected(weighted, repeats.sum()), outward).ok();
+    let Some(mut is_outlier) = patch.and_then(|patch| suspects(&patch, contacts)) else {
         return none;
     };
     for _ in 0..ROUNDS {
         if !is_outlier.contains(&true) {
             break;
         }
-        let select = |outliers: bool| {
+        let part = |is_part: bool| {
             let all = contacts.iter().zip(&is_outlier);
-            all.filter(move |(_, one)| **one == outliers)
-                .map(|(contact, _)| *contact)
+            all.filter(move |(_, one)| **one == is_part)
+                .map(|(contact, _)| contact)
         };
-        let sound: Vec<Contact> = select(false).collect();
+        let sound = selected(part(false), part(false).count());
         let Ok(patch) = Patch::new(&sound, outward) else {
             return none;
         };
-        let suspects = select(true).map(|suspect| sample(&patch.frame, 0, &suspect).ok());
+        let suspects = part(true).map(|suspect| sample(&patch.frame, 0, suspect).ok());
         let suspects: Vec<_> = suspects.collect();
         let Ok(contradicts) = Penalised::default().contradicting(&patch, &suspects) else {
             return none;
         };
+        let is_steady = !contradicts.contains(&false);
         let mut contradicts = contradicts.into_iter();
-        let before = is_outlier.clone();
         for one in is_outlier.iter_mut().filter(|one| **one) {
             *one = contradicts.next().unwrap_or(false);
         }
-        if is_outlier == before {
+        if is_steady {
             break;
         }
     }
     is_outlier
 }
 
-/// Whether each contact of a patch may be an outlier; `None` if there are too few contacts.
-fn suspects(patch: &Patch) -> Option<Vec<bool>> {
-    let (thinned, _) = patch.thinned(MAX_CONTACTS);
-    let contacts = thinned.samples.len();
-    if contacts < MIN_CONTACTS {
+/// An evenly spaced selection of `count` contacts. If the contacts of several fingers alternate, it contains contacts of
+/// all fingers.
+fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>, count: usize) -> Vec<Contact> {
+    let step = count.div_ceil(MAX_CONTACTS).max(1);
+    let is_prime_to_fingers = |step: &usize| [2, 3, 5, 7].iter().all(|one| step % one != 0);
+    let step = (step..).find(is_prime_to_fingers).unwrap_or(1);
+    contacts.copied().step_by(step).collect()
+}
+
+/// Whether each contact may be an outlier. `patch` contains a selection of the contacts. `None` if there are too few
+/// contacts.
+fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
+    let count_of_fitted = patch.samples.len();
+    if count_of_fitted < MIN_CONTACTS {
         return None;
     }
     let square = Square::of(patch);
-    let most = *DEGREES.end();
-    let rows = |patch: &Patch| -> Vec<DMatrix<f64>> {
-        let samples = patch.samples.iter();
-        samples.map(|sample| series(square, most, sample)).collect()
-    };
-    let fitted = rows(&thinned);
-    let heights = thinned.samples.iter().map(|sample| sample.w);
-    let heights = DVector::from_iterator(contacts, heights);
-    let start = start_weights(&thinned);
+    let samples = patch.samples.iter();
+    let heights = samples.clone().map(|sample| sample.w);
+    let heights = DVector::from_iterator(count_of_fitted, heights);
+    let start = start_weights(patch);
+    let values = samples.map(|sample| products_at(square.place([sample.u, sample.v])).0);
+    let values: Vec<_> = values.collect();
     let degrees = DEGREES.filter(|&degree| {
-        degree == *DEGREES.start() || contacts >= MIN_CONTACTS_PER_COEFFICIENT * count(degree)
+        degree == *DEGREES.start()
+            || count_of_fitted >= MIN_CONTACTS_PER_COEFFICIENT * count(degree)
     });
-    let fits = degrees.filter_map(|degree| robust(&fitted, count(degree), &heights, &start));
+    let fits = degrees.filter_map(|degree| robust(&values, count(degree), &heights, &start));
     let (_, coefficients) = fits.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
-    let has_normals = patch.has_normals();
-    let all = if contacts == patch.samples.len() {
-        fitted
-    } else {
-        rows(patch)
-    };
-    let mut is_suspect = vec![false; all.len()];
-    for kind in 0..if has_normals { 3 } else { 1 } {
-        let residuals = patch.samples.iter().zip(&all).map(|(sample, row)| {
-            let [along_u, along_v] = sample.slopes.unwrap_or_default();
-            let row = row.row(kind);
-            let fitted = row.columns(0, coefficients.len()) * &coefficients;
-            ([sample.w, along_u, along_v][kind] - fitted[0]).abs()
+    let [half_u, half_v] = square.half();
+    let residuals = |sample: &Sample| {
+        let (values, along_a, along_b) = products_at(square.place([sample.u, sample.v]));
+        let fitted = [values, along_a, along_b].map(|values| {
+            let products = coefficients.iter().zip(values);
+            products.map(|(one, value)| one * value).sum::<f64>()
         });
-        let residuals: Vec<f64> = residuals.collect();
-        let limit = SUSPECT * std(&residuals, coefficients.len());
-        for (one, residual) in is_suspect.iter_mut().zip(residuals) {
-            *one |= residual > limit;
+        let height = (sample.w - fitted[0]).abs();
+        let slopes = sample.slopes.map_or([0.0; 2], |[along_u, along_v]| {
+            [along_u - fitted[1] / half_u, along_v - fitted[2] / half_v].map(f64::abs)
+        });
+        [height, slopes[0], slopes[1]]
+    };
+    let of_fitted: Vec<[f64; 3]> = patch.samples.iter().map(residuals).collect();
+    let limits: [f64; 3] = std::array::from_fn(|kind| {
+        let of_kind = of_fitted.iter().map(|residuals| residuals[kind]);
+        SUSPECT * std(of_kind.collect(), coefficients.len())
+    });
+    let is_suspect = |contact: &Contact| {
+        let residuals = sample(&patch.frame, 0, contact).map(|sample| residuals(&sample));
+        !residuals.is_ok_and(|residuals| (0..3).all(|kind| residuals[kind] <= limits[kind]))
+    };
+    Some(contacts.iter().map(is_suspect).collect())
+}
+
+/// Products of Chebyshev polynomials at a place of the square, in the order of [`products`], and their derivatives along
+/// both axes.
+fn products_at(place: [f64; 2]) -> ([f64; COUNT], [f64; COUNT], [f64; COUNT]) {
+    let [of_a, of_b] = place.map(|x| {
+        let mut all = [[1.0, 0.0]; MAX_DEGREE + 1];
+        all[1] = [x, 1.0];
+        for order in 2..=MAX_DEGREE {
+            let ([last, slope], [before, slope_before]) = (all[order - 1], all[order - 2]);
+            all[order] = [
+                2.0 * x * last - before,
+                2.0 * last + 2.0 * x * slope - slope_before,
+            ];
         }
+        all
+    });
+    let mut all = ([0.0; COUNT], [0.0; COUNT], [0.0; COUNT]);
+    for (index, [i, j]) in products(MAX_DEGREE).enumerate() {
+        all.0[index] = of_a[i][0] * of_b[j][0];
+        all.1[index] = of_a[i][1] * of_b[j][0];
+        all.2[index] = of_a[i][0] * of_b[j][1];
     }
-    Some(is_suspect)
+    all
 }
 
 /// Weights of the contacts at the start of a robust fit.
@@ -170,13 +218,14 @@ fn start_weights(patch: &Patch) -> Vec<f64> {
 /// Standard deviation and coefficients of a polynomial that few outliers affect only slightly. `None` if the contacts do
 /// not determine the polynomial.
 fn robust(
-    rows: &[DMatrix<f64>],
+    values: &[[f64; COUNT]],
     coefficients: usize,
     heights: &DVector<f64>,
     start: &[f64],
 ) -> Option<(f64, DVector<f64>)> {
-    let entry = |row: usize, column: usize| rows[row][(0, column)];
-    let rows = DMatrix::from_fn(rows.len(), coefficients, entry);
+    let rows = DMatrix::from_fn(values.len(), coefficients, |row, column| {
+        values[row][column]
+    });
     let start = DVector::from_column_slice(start);
     let mut weights = start.clone();
     let (mut is_first, mut last) = (true, f64::INFINITY);
@@ -192,7 +241,7 @@ fn robust(
         }
         let solved = gram.cholesky()?.solve(&(weighted * heights));
         let residuals = (heights - &rows * &solved).abs();
-        let std = std(residuals.as_slice(), coefficients);
+        let std = std(residuals.as_slice().to_vec(), coefficients);
         let is_steady = (std - last).abs() < MAX_CHANGE * std;
         found = Some((std, solved));
         if is_steady && !is_first {
@@ -212,10 +261,10 @@ fn robust(
 }
 
 /// Standard deviation that corresponds to the median of absolute residuals, after a fit of `coefficients`.
-fn std(residuals: &[f64], coefficients: usize) -> f64 {
+fn std(residuals: Vec<f64>, coefficients: usize) -> f64 {
     let freedom = residuals.len().saturating_sub(coefficients).max(1);
     let correction = 1.0 + 5.0 / freedom as f64;
-    (STD_PER_MEDIAN * correction * median(residuals.to_vec())).max(MIN_STD)
+    (STD_PER_MEDIAN * correction * median(residuals)).max(MIN_STD)
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
