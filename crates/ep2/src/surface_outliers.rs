@@ -121,7 +121,8 @@ fn outliers(contacts: &[Contact], counts: &[usize], outward: &Vector3<f64>) -> V
 /// all fingers.
 fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>, count: usize) -> Vec<Contact> {
     let step = count.div_ceil(MAX_CONTACTS).max(1);
-    let is_prime_to_fingers = |step: &usize| [2, 3, 5, 7].iter().all(|one| step % one != 0);
+    let is_prime_to_fingers =
+        |step: &usize| [2, 3, 5, 7].iter().all(|one| !step.is_multiple_of(*one));
     let step = (step..).find(is_prime_to_fingers).unwrap_or(1);
     contacts.copied().step_by(step).collect()
 }
