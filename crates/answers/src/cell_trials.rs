@@ -15,8 +15,8 @@ use crate::trial_counts::TrialCounts;
 
 /// Number of the first fresh trial. Fresh trials only verify an answer; the search uses trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
-/// If more scenes than this number are in memory, the scenes that are not needed now are dropped, because scenes with a
-/// camera are large.
+/// Largest number of scenes in memory. If there are more, the scenes that are not needed now are dropped, because
+/// scenes with a camera are large.
 const MAX_CACHED_SCENES: usize = 64;
 /// Kind of failure of a scene whose readings do not determine an estimate, even without noise.
 const UNDETERMINED: &str = "undetermined";

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::trial_counts::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// The sentences state the share of failed trials if it is larger than this value.
+/// If the share of failed trials is larger than this value, the sentences state the share.
 const STATED_FAILURES: f64 = 0.05;
 
 /// How reliably the objects of a study are distinguished, both by one trial of each object and by the means of several
@@ -39,8 +39,8 @@ pub struct Discrimination {
 pub struct Group {
     /// Values of the fields in [`Discrimination::columns`] for this group, formatted as in the tables.
     pub settings: Vec<String>,
-    /// The objects, in ascending order of their true values. If the compared quantity is `class`, they are in the order
-    /// of the config.
+    /// The objects, in ascending order of their true values. If the compared quantity is `class`, the objects are in
+    /// the order of the config.
     pub objects: Vec<Object>,
     /// All pairs of the group's objects.
     pub pairs: Vec<Pair>,
@@ -58,7 +58,7 @@ pub struct Object {
     /// The true class of more than half of the places on the observed patch; `None` if there is no such class, or if
     /// the compared quantity is not `class`.
     pub class: Option<&'static str>,
-    /// Number of trials, and number of failed trials.
+    /// Number of trials of this object, and number of failed trials.
     pub counts: TrialCounts,
     /// Mean of the object's estimates; `None` if every trial failed.
     pub mean: Option<f64>,

@@ -141,7 +141,7 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// The quantity that is compared, and its index among the quantities of the scene. If no quantity is wanted, the
+/// The quantity that is compared, and its index among the quantities of the scene. If the user names no quantity, the
 /// object's curvature is compared.
 pub(crate) fn place_of(
     quantities: &'static [Quantity],

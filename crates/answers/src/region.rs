@@ -77,7 +77,7 @@ pub struct DesignPoint {
 pub struct Sample {
     /// Index of the cell.
     pub cell: usize,
-    /// Number of trials, and number of failed trials.
+    /// Number of trials of the cell, and number of failed trials.
     pub counts: TrialCounts,
     /// The statistic of the target and its standard error; `None` if the statistic is undefined.
     pub statistic: Option<(f64, f64)>,

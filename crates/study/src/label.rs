@@ -48,7 +48,7 @@ impl Label {
         with_unit(&self.words, &self.unit)
     }
 
-    /// A value of the table as it is displayed, with its unit: a share of `0.05` becomes `5 %`. Texts that are not
+    /// A value of a table as it is displayed, with its unit: a share of `0.05` becomes `5 %`. Texts that are not
     /// numbers stay unchanged.
     pub fn value(&self, text: &str) -> String {
         let bare = self.bare_value(text);
@@ -60,7 +60,7 @@ impl Label {
         }
     }
 
-    /// A value of the table as it is displayed, without its unit.
+    /// A value of a table as it is displayed, without its unit.
     pub fn bare_value(&self, text: &str) -> String {
         number::finite(text).map_or_else(
             || text.to_owned(),

@@ -118,7 +118,7 @@ impl Table {
         self.rows.push(numbers.into_iter().map(shortest).collect());
     }
 
-    /// The table as CSV text (RFC 4180): a field that contains a comma, a quotation mark or a line break is quoted.
+    /// The table as CSV text (RFC 4180): a value that contains a comma, a quotation mark or a line break is quoted.
     pub fn to_csv(&self) -> String {
         header(&self.columns) + &self.rows_to_csv()
     }
@@ -150,7 +150,7 @@ pub fn push_row(text: &mut String, row: &[String]) {
     text.push('\n');
 }
 
-/// Reads the rows of a CSV table that palpate wrote. All lines of such a table have the same number of fields.
+/// Reads the rows of a CSV table that palpate wrote. All lines of such a table have the same number of values.
 pub struct Rows<R> {
     reader: Reader<R>,
     record: StringRecord,
@@ -186,7 +186,7 @@ impl<R: Read> Rows<R> {
     /// The next row and its line number, counted from 1; `None` after the last row.
     ///
     /// # Errors
-    /// [`csv::Error`] if a row has more or fewer fields than the other lines, or if the text cannot be read.
+    /// [`csv::Error`] if a row has more or fewer values than the other lines, or if the text cannot be read.
     pub fn next_row(&mut self) -> Result<Option<(u64, &StringRecord)>, csv::Error> {
         if !self.reader.read_record(&mut self.record)? {
             return Ok(None);

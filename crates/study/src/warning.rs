@@ -35,7 +35,7 @@ impl Warning {
         }
     }
 
-    /// Returns a warning with this text; `None` if there is no text.
+    /// Returns the warning with this code and text; `None` if there is no text.
     pub fn of(code: &str, text: Option<impl Into<String>>) -> Option<Self> {
         text.map(|text| Self::new(code, text, []))
     }

@@ -17,7 +17,8 @@ use crate::timing::Evaluation;
 /// Seed of the frame that contains discs with random hues.
 const FRAME: u64 = 11;
 
-/// The published sensor with ideal images. Its discs are misaligned by up to 0.3 of their diameter.
+/// The published sensor, whose camera images have no defects such as blur. Its discs are misaligned by up to 0.3 of
+/// their diameter.
 ///
 /// # Errors
 /// An error if the sensor is invalid.

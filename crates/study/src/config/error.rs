@@ -94,7 +94,7 @@ pub(super) struct Fault {
     pub(super) location: String,
     /// Whether the excerpt in the message marks the key of the field instead of its value.
     pub(super) is_key: bool,
-    /// Position of a syntax error, as a byte range.
+    /// Position of a syntax error in the config's text, as a byte range.
     pub(super) span: Option<Span>,
 }
 
@@ -131,7 +131,7 @@ impl Fault {
         }
     }
 
-    /// Restricts the fault's location to a part of the field. `part` is the path of this part within the field.
+    /// Restricts the fault's location to a part of its field. `part` is the path of this part within the field.
     pub(super) fn at(self, part: impl std::fmt::Display) -> Self {
         let location = match self.location.as_str() {
             "" => part.to_string(),

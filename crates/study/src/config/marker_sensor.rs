@@ -58,7 +58,7 @@ pub struct DiscsConfig {
     pub misalignment: f64,
     /// Share of the skin's strain that the discs follow: 0 for rigid discs, 1 for discs as soft as the skin. A strained
     /// disc stays a circle, but its area changes. The misalignment of the discs strains with the skin. By default,
-    /// strain of the discs is not simulated. Only for an incompressible skin.
+    /// strain of the discs is not simulated. This key requires an incompressible skin.
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub strain: Option<f64>,
     /// Share of the skin's strain that the yellow discs follow. The default is `strain`. If this key is stated,
@@ -149,10 +149,12 @@ pub enum LayoutTable {
         /// Distance between neighbouring markers.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         pitch: f64,
-        /// Distance between the outermost markers of a row, along x. It is reduced to a multiple of the pitch.
+        /// Distance between the outermost markers of a row, along x. This distance is reduced to a multiple of the
+        /// pitch.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         width: f64,
-        /// Distance between the outermost markers of a column, along y. It is reduced to a multiple of the pitch.
+        /// Distance between the outermost markers of a column, along y. This distance is reduced to a multiple of the
+        /// pitch.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         height: f64,
     },

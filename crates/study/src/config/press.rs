@@ -230,8 +230,8 @@ pub struct PressMotionConfig {
     /// azimuth from the x axis.
     #[serde(default)]
     pub contact_deg: [f64; 2],
-    /// Distance by which the object moves along x after the press, without slip. Unless it is 0, the model must be a
-    /// half-space.
+    /// Distance by which the object moves along x after the press, without slip. Unless this distance is 0, the model
+    /// must be a half-space.
     #[serde(default)]
     #[schemars(extend("x-unit" = "length"))]
     pub shift: f64,

@@ -63,7 +63,7 @@ pub enum Sample {
 }
 
 impl SweepConfig {
-    /// Paths of the fields that the axis sets.
+    /// Paths of the fields that this axis sets.
     pub(crate) fn targets(&self) -> impl Iterator<Item = &str> {
         self.path
             .iter()
@@ -85,8 +85,8 @@ pub enum Spacing {
 }
 
 impl Spacing {
-    /// Number between two ends, rounded to 12 digits. `share` is the fraction of the way from the first end to the
-    /// second.
+    /// Number between the ends of a range, rounded to 12 digits. `share` is the fraction of the way from the first end
+    /// to the second.
     fn between(self, from: f64, to: f64, share: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         rounded(match self {
@@ -270,7 +270,7 @@ impl SweptValue {
         }
     }
 
-    /// Text that represents the value in results.
+    /// Text that represents the value in the result tables.
     pub(super) fn text(&self) -> Cow<'_, str> {
         match &self.label {
             Some(label) => label.into(),

@@ -190,7 +190,7 @@ fn object(schema: &Json, others: &[Json], node: &Value) -> Result<(), Fault> {
     }
 }
 
-/// Names of the kinds that have a key.
+/// Names of the kinds of a table that have this key.
 pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     let mut found: Vec<&str> = Vec::new();
     for variant in variants {
