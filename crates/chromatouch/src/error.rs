@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum LayoutError {
-    /// A setting is out of its range.
+    /// A setting of the layout is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting<String>),
     /// A row of markers would extend to the point opposite the apex or beyond it.
@@ -34,7 +34,7 @@ pub enum LayoutError {
         markers = Number(*markers)
     )]
     TooManyMarkers {
-        /// Number of markers of the layout.
+        /// Number of markers that the layout would have.
         markers: f64,
         /// Largest allowed number of markers.
         limit: usize,

@@ -8,7 +8,7 @@ use palpate_statistics::BadSetting;
 
 use crate::LayoutError;
 
-/// Largest allowed number of markers of a layout.
+/// Largest allowed number of markers in a layout.
 pub(crate) const MOST_MARKERS: usize = 100_000;
 
 /// An arrangement of markers around the apex of a spherical skin.
@@ -50,21 +50,21 @@ pub enum Layout {
     Grid {
         /// Distance between neighbouring markers, length.
         pitch: f64,
-        /// Distances between the outermost markers of the grid along x and along y, length.
+        /// Distances (length) between the outermost markers of the grid, along x and along y.
         size: [f64; 2],
     },
     /// Equally spaced markers on a great circle that passes through the apex along x. The apex is in the middle.
     Line {
-        /// Number of markers.
+        /// Number of markers on the line.
         markers: u32,
-        /// Distance between the first and the last marker along the skin, length.
+        /// Distance (length) between the first and the last marker along the skin.
         length: f64,
     },
     /// Equally spaced markers along +x, starting at the apex.
     Radius {
-        /// Number of markers.
+        /// Number of markers along +x.
         markers: u32,
-        /// Distance between the first and the last marker along the skin, length.
+        /// Distance (length) between the first and the last marker along the skin.
         length: f64,
     },
 }
@@ -80,10 +80,11 @@ impl Layout {
         }
     }
 
-    /// Coordinates (x, y) of the markers on the skin of a sensor with the radius `sensor_radius`, length. They are the
-    /// logarithm map at the apex: a marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along
-    /// the skin. The markers are sorted from the apex outward. Exceptions: the markers of a [`Layout::Line`] are sorted
-    /// along +x, and the markers of a [`Layout::Grid`] by y and then by x. The radius of a flat skin is infinite.
+    /// Coordinates (x, y) of the markers on the skin of a sensor with the radius `sensor_radius`; all are lengths. A
+    /// marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along the skin (logarithm map at
+    /// the apex). The markers are sorted from the apex outward. Exceptions: the markers of a [`Layout::Line`] are
+    /// sorted along +x, and the markers of a [`Layout::Grid`] by y and then by x. The radius of a flat skin is
+    /// infinite.
     ///
     /// # Errors
     /// [`LayoutError`] if the radius is out of range or the layout is impossible.
@@ -233,7 +234,7 @@ pub(crate) struct TooClose {
     /// The smaller index of the two points, counted from 0.
     pub(crate) first: usize,
     pub(crate) second: usize,
-    /// Distance between the points.
+    /// Distance between the two points.
     pub(crate) distance: f64,
 }
 

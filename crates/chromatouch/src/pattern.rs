@@ -18,10 +18,10 @@ pub use strain::FoldStrain;
 
 use crate::LayoutError;
 
-/// Smallest number of gores of a pattern.
+/// Smallest allowed number of gores of a pattern.
 pub(crate) const FEWEST_GORES: u32 = 3;
 
-/// Largest number of gores of a pattern.
+/// Largest allowed number of gores of a pattern.
 pub(crate) const MOST_GORES: u32 = 360;
 
 /// Largest allowed number of chords for one side of a gore's outline, from the apex to the equator.
@@ -40,7 +40,7 @@ pub struct Pattern {
 struct FlatPlace {
     /// Number of the gore from 0, counter-clockwise from +x. The apex belongs to gore 0.
     gore: u32,
-    /// Distance from the gore's middle meridian, length; positive counter-clockwise around the apex.
+    /// Distance (length) from the gore's middle meridian; positive counter-clockwise around the apex.
     across: f64,
     /// Distance from the apex along the gore's middle meridian, length.
     from_apex: f64,
@@ -51,7 +51,7 @@ struct FlatPlace {
 
 impl Pattern {
     /// A pattern of `gores` gores per turn. The outline of a gore has `samples` steps from the apex to the equator.
-    /// `radius` is the radius of the layer that will be cut, length.
+    /// `radius` is the radius (length) of the layer that will be cut.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`], [`PatternError::TooManyGores`]; [`LayoutError::BadSetting`] if `samples` or
@@ -94,9 +94,9 @@ impl Pattern {
         })
     }
 
-    /// Closed outline of one gore as points (distance from the middle meridian, distance from the apex), length. The
-    /// outline goes from the right end of the gore's edge at the equator up to the apex and down again. It has 2m + 1
-    /// points, where m is the number of steps per side.
+    /// Closed outline of one gore. Each point consists of two lengths: the distance from the middle meridian and the
+    /// distance from the apex. The outline goes from the right end of the gore's edge at the equator up to the apex and
+    /// down again. It has 2m + 1 points, where m is the number of steps per side.
     fn outline(&self) -> impl Iterator<Item = [f64; 2]> {
         let right = (0..=self.samples).rev().map(|step| self.edge(step));
         let left = (1..=self.samples).map(|step| self.edge(step));

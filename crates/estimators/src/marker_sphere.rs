@@ -94,8 +94,8 @@ impl<'a> MarkerSphere<'a> {
         Ok(DiscDepths { magenta, yellow })
     }
 
-    /// Standard deviation of each coordinate of a marker's misalignment, which is an angle at the centre of the sensor,
-    /// rad.
+    /// Standard deviation of each coordinate of a marker's misalignment. The misalignment is an angle (rad) at the
+    /// centre of the sensor.
     pub fn misalignment_std(&self) -> Result<f64, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
         // For a point that is uniformly distributed in a circle, the standard deviation of each coordinate is half of

@@ -64,7 +64,7 @@ pub struct Contact<'b> {
     /// Relative curvature 1/R_s + 1/R_o (1/length), where R_s is the radius of the sensor and R_o the radius of the
     /// object.
     pub relative_curvature: f64,
-    /// Distance by which the bodies have approached each other since they first touched, length.
+    /// Distance (length) by which the bodies have approached each other since they first touched.
     pub indentation: f64,
     /// Radius of the contact area, length.
     pub radius: f64,

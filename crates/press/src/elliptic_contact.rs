@@ -64,7 +64,7 @@ static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 pub struct EllipticContact {
     /// Relative principal curvatures, 1/length, the smaller one first.
     pub relative_curvatures: [f64; 2],
-    /// Distance by which the bodies have approached each other since they first touched, length.
+    /// Distance (length) by which the bodies have approached each other since they first touched.
     pub indentation: f64,
     /// Semi-axes of the contact area, the longer one first, length.
     pub semi_axes: [f64; 2],

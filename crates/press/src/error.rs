@@ -26,7 +26,7 @@ pub enum PressError {
     OffSkin {
         /// Number of the marker, counted from 0.
         marker: usize,
-        /// Distance of the marker from the apex along the skin, length.
+        /// Distance (length) of the marker from the apex along the skin.
         distance: f64,
         /// Half the circumference of the sensor, length. The distance of a marker from the apex must be smaller.
         limit: f64,
@@ -47,7 +47,7 @@ pub enum PressError {
         relative_curvature = Number(*relative_curvature)
     )]
     Conforming {
-        /// Sum of the curvatures of the sensor and the object, 1/length.
+        /// Sum of the sensor's and the object's curvatures, 1/length.
         relative_curvature: f64,
     },
     /// The object is concave, and its curvature is larger than the sensor's. The sensor therefore touches the object's
@@ -58,7 +58,7 @@ pub enum PressError {
         relative_curvature = Number(*relative_curvature)
     )]
     EdgeContact {
-        /// Sum of the curvatures of the sensor and the object, 1/length.
+        /// Sum of the sensor's and the object's curvatures, 1/length.
         relative_curvature: f64,
     },
     /// The indentation is too large: it reaches the layer's base or the sensor's centre.
@@ -143,7 +143,7 @@ pub enum PressError {
         distance = Number::rounded(*distance)
     )]
     OffMarkers {
-        /// Distance between the contact and the nearest marker along the skin, length.
+        /// Distance (length) between the contact and the nearest marker along the skin.
         distance: f64,
     },
     /// A marker was visible in the frame at rest, but the fitted sensor model predicts that the camera cannot see it.

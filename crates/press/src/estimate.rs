@@ -132,8 +132,8 @@ pub struct PrincipalCurvatures {
 pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
-    /// Relative curvature 1/R_s + 1/R_o, 1/length, corrected for the bias of least squares. The interval is computed by
-    /// profile likelihood. If one marker contradicts the other markers, but not enough to be rejected as an outlier,
+    /// Relative curvature 1/R_s + 1/R_o (1/length), corrected for the bias of least squares. The interval is computed
+    /// by profile likelihood. If one marker contradicts the other markers, but not enough to be rejected as an outlier,
     /// the interval also contains the interval of a fit without this marker.
     pub relative_curvature: Estimated,
     /// Relative curvature of the best fit, without bias correction, 1/length.
@@ -141,13 +141,13 @@ pub struct PressEstimate {
     /// The principal curvatures of the object; `None` unless an elliptic contact was fitted. With an elliptic contact,
     /// all other curvatures in this estimate are mean curvatures.
     pub principal: Option<PrincipalCurvatures>,
-    /// Indentation: distance by which the bodies have approached each other since they first touched, length.
+    /// Indentation: distance (length) by which the bodies have approached each other since they first touched.
     pub indentation: Estimated,
     /// Radius of the contact area, length.
     pub contact_radius: Estimated,
-    /// Position of the contact in the coordinates of the skin, length.
+    /// Position (length) of the contact in the coordinates of the skin.
     pub contact: [f64; 2],
-    /// Standard errors of the contact's position along the axes at the contact, length. If the markers are in a row,
+    /// Standard errors (length) of the contact's position along the axes at the contact. If the markers are in a row,
     /// the contact is only searched on this row. The standard error across the row is then 0.
     pub contact_std: [f64; 2],
     /// Estimated offset that is added to all normal displacements, length; `None` if it was not fitted.
@@ -156,9 +156,9 @@ pub struct PressEstimate {
     pub gain: Option<Estimated>,
     /// Numbers of the markers that were rejected as outliers, counted from 0.
     pub wrong_markers: Vec<usize>,
-    /// Standard deviation of the noise of normal displacements, stated or estimated, length.
+    /// Standard deviation (length) of the noise of normal displacements, stated or estimated.
     pub normal_std: f64,
-    /// Standard deviation of the noise of tangential displacements, stated or estimated, length; `None` if tangential
+    /// Standard deviation (length) of the noise of tangential displacements, stated or estimated; `None` if tangential
     /// displacements were not used.
     pub tangential_std: Option<f64>,
     /// Share of the normal displacements' variance that the fit explains.

@@ -70,7 +70,7 @@ pub enum Prior {
 /// Cramér–Rao bounds, which are the smallest possible standard errors of unbiased estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Smallest possible standard error of the relative curvature, and also of the object's curvature, 1/length.
+    /// Smallest possible standard error (1/length) of the relative curvature, and also of the object's curvature.
     pub relative_curvature: f64,
     /// Smallest possible standard error of the indentation, length.
     pub indentation: f64,
@@ -104,7 +104,7 @@ pub struct Bounds {
 pub struct ForwardFit {
     /// Model of the soft body that the fit uses.
     pub body: Body,
-    /// Prior of the baseline, an offset that is added to all normal displacements, length. Its ideal value is 0.
+    /// Prior of the baseline, an offset (length) that is added to all normal displacements. Its ideal value is 0.
     pub baseline: Prior,
     /// Prior of the gain, a factor on all normal displacements. Its ideal value is 1.
     pub gain: Prior,

@@ -24,8 +24,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::body::Field;
 
-/// The series for points far from the contact is used if the ratio of the contact's radius to the distance of the point
-/// from the middle of the contact is below this value. The series is then exact to rounding errors.
+/// Limit of the ratio of the contact's radius to the distance of a point from the middle of the contact. Below this
+/// limit, the series for points far from the contact is used. The series is then exact to rounding errors.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
 /// Number of terms of the series for points far from the contact.

@@ -49,10 +49,10 @@ pub struct ImageFit<V> {
     pub common_stds: Vec<f64>,
     /// Joint prior, with covariances, of some of the sensor deviations in `common_stds`.
     pub departure_prior: Option<DeparturePrior>,
-    /// Standard deviation of each component of the misalignment between a marker's two discs, rad; 0 if the discs are
+    /// Standard deviation (rad) of each component of the misalignment between a marker's two discs; 0 if the discs are
     /// aligned.
     pub misalignment_std: f64,
-    /// Standard deviation of each component of a sideways shift of the object after the first contact, length. It is 0
+    /// Standard deviation (length) of each component of a sideways shift of the object after the first contact. It is 0
     /// if the object does not shift. Only half-spaces have a model of shifts.
     pub shift_std: f64,
 }

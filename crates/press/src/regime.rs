@@ -30,7 +30,7 @@ pub enum ContactRegime {
     Edge,
 }
 
-/// The relative curvature counts as 0 if its absolute value is below this share of the sensor's curvature.
+/// Tolerance relative to the sensor's curvature. A relative curvature whose absolute value is smaller counts as 0.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
 impl ContactRegime {

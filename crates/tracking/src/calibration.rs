@@ -100,14 +100,14 @@ impl Calibration {
         Ok(())
     }
 
-    /// The inward displacement of a marker, length, computed from the change of its image. The result is `None` if
+    /// The inward displacement (length) of a marker, computed from the change of its image. The result is `None` if
     /// there is no calibration for normal displacements, or if the change is not finite.
     pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
         self.normal.as_ref()?.read(marker, change)
     }
 
     /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
-    /// is the shift of the marker's image along the axes at its place, px. The shift in px is the focal length (px per
+    /// is the shift (px) of the marker's image along the axes at its place. This shift is the focal length (px per
     /// radian) multiplied by the angle of the shift. The result is `None` if there is no calibration for tangential
     /// displacements, or if a number is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {

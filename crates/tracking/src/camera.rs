@@ -108,7 +108,7 @@ impl Equidistant {
         }
     }
 
-    /// Great-circle displacement from one image point to another, rad, along the axes at the first place. It is 0 if a
+    /// Great-circle displacement (rad) from one image point to another, along the axes at the first place. It is 0 if a
     /// point does not belong to a valid place.
     ///
     /// In the radial direction of the image, this displacement equals the distance in pixels divided by the focal
@@ -180,7 +180,7 @@ fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     ]
 }
 
-/// Great-circle displacement from one place to another (logarithm map), rad, along the axes at `from`.
+/// Great-circle displacement (rad) from one place to another (logarithm map), along the axes at `from`.
 pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let [start, x_axis, y_axis] = frame(from);
     let [end, ..] = frame(to);

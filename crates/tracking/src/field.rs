@@ -9,7 +9,7 @@ use crate::camera::great_circle;
 /// A place on the skin, and the displacement of the skin at this place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displaced {
-    /// The place at rest, as its logarithm map from the apex, rad.
+    /// The place (rad) at rest, as its logarithm map from the apex.
     pub place: [f64; 2],
     /// Displacement along the skin (length). Its components are along the axes of the apex, parallel-transported along
     /// the meridian to the place.
@@ -347,7 +347,7 @@ mod tests {
     }
 
     /// A field is also possible for few markers, for markers on a line, and for markers that are almost at the same
-    /// place. Its convex hull is then small.
+    /// place. The convex hull of these markers is then small.
     #[test]
     fn thin_fields() {
         let of = |x: f64, y: f64| Displaced {

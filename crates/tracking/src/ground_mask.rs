@@ -122,8 +122,8 @@ impl GroundMask {
             }));
     }
 
-    /// Divides the values of the top-hat transform into two classes, background and markers. `None` if the contrast of
-    /// the classes is too small.
+    /// Divides the values of the top-hat transform into two classes, background and markers. The result is `None` if
+    /// the contrast of the classes is too small.
     pub(crate) fn classes(&self) -> Option<Classes> {
         let mut histogram = [0u32; 256];
         let squares = self.top_hat.iter().zip(&self.inside);

@@ -8,7 +8,7 @@ use crate::binning::BinnedFrame;
 pub struct Mask {
     /// Column and row of the circle's centre, px; the middle of the first pixel is (0, 0).
     pub centre_px: [f64; 2],
-    /// Radius of the circle, px.
+    /// Radius of the image circle, px.
     pub radius_px: f64,
 }
 

@@ -62,7 +62,7 @@ pub struct Track {
 pub struct Change {
     /// Shift of the centroid, px.
     pub shift_px: [f64; 2],
-    /// Change of the hue of the marker's summed light, turns, from -0.5 to below 0.5.
+    /// Change of the hue (turns) of the marker's summed light, from -0.5 to below 0.5.
     pub hue_turns: f64,
     /// Change of the logarithm of the marker's diameter, that is, half the change of the logarithm of its size.
     pub growth: f64,
@@ -98,8 +98,8 @@ impl Track {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Change of the mean hue of a marker, turns. The mean hue is arithmetic, not cyclic. `None` unless the status of
-    /// the marker is `Tracked`.
+    /// Change of the mean hue of a marker, turns. The mean hue is arithmetic, not cyclic. The result is `None` unless
+    /// the status of the marker is `Tracked`.
     pub fn mean_hue_change(&self) -> Option<f64> {
         let (rest, pressed) = self.rest.zip(self.pressed)?;
         let change = pressed.mean_hue_turns - rest.mean_hue_turns;

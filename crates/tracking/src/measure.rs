@@ -8,13 +8,12 @@ use crate::Ground;
 use crate::lighting::{Lighting, Local};
 use crate::shapes::{Shape, Window};
 
-/// Width of the ring in which the background around a marker is measured, px. The ring surrounds the window of the
-/// marker.
+/// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
 /// Share of the full signal at which a marker ends. Its end is at the distance from the marker's shape at which the
 /// mean signal of several markers falls below this share.
 const END_SIGNAL: f64 = 0.004;
-/// Largest distance of a saturated pixel from a shape at which the pixel still counts as part of the marker, px.
+/// Largest distance (px) of a saturated pixel from a shape at which the pixel still counts as part of the marker.
 const HUE_REACH_PX: i32 = 2;
 /// Number of markers that are used to measure how far markers extend beyond their shapes.
 const SAMPLE_SIZE: usize = 12;

@@ -4,7 +4,7 @@
 //! doubled until two overlapping windows cover `n` pixels. Along columns and along rows, the image is compared with a
 //! shifted copy of itself. No transposition is needed, and all operations use whole vectors.
 
-/// Buffers that the opening reuses.
+/// Buffers that are reused for each opening.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Opening {
     here: Vec<u8>,

@@ -249,7 +249,7 @@ impl Window {
         sums
     }
 
-    /// First and last column of a row.
+    /// First and last column of the window in the row `row`.
     pub(crate) fn row(&self, row: i32) -> (i32, i32) {
         usize::try_from(row - self.top)
             .ok()

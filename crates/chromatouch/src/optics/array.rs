@@ -76,7 +76,7 @@ pub struct MarkerArray {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layer {
     name: &'static str,
-    /// Distance of the discs from the sensor's centre at rest, length.
+    /// Distance (length) between each disc and the sensor's centre at rest.
     pub(super) distance: f64,
     /// Ratio of a disc's radius to its distance from the sensor's centre.
     half_width: f64,
@@ -88,8 +88,8 @@ pub(super) struct Stand {
     pub(super) direction: Vector3<f64>,
     pub(super) x_axis: Vector3<f64>,
     pub(super) y_axis: Vector3<f64>,
-    /// Displacement of the yellow disc relative to the magenta disc along the skin, as angles at the sensor's centre
-    /// along both tangent axes, rad.
+    /// Displacement of the yellow disc relative to the magenta disc along the skin. The components are angles (rad) at
+    /// the sensor's centre, along both tangent axes.
     pub(super) misalignment: [f64; 2],
 }
 
@@ -97,7 +97,7 @@ pub(super) struct Stand {
 /// middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
-    /// Unit vector to the middle of the disc.
+    /// Unit vector from the camera to the middle of the disc.
     pub(super) direction: Vector3<f64>,
     /// Sine of the disc's angular radius, which is less than 90°.
     pub(super) sine: f64,
@@ -273,7 +273,7 @@ impl MarkerArray {
         [&self.magenta, &self.yellow]
     }
 
-    /// Distance between the sensor's centre and the nearest disc at rest, length.
+    /// Distance (length) between the sensor's centre and the nearest disc at rest.
     pub(super) fn nearest(&self) -> f64 {
         self.magenta.distance.min(self.yellow.distance)
     }
@@ -349,10 +349,10 @@ impl Layer {
         Ok(self.half_width * (1.0 + motion.stretch))
     }
 
-    /// A disc as viewed from a camera that is not in the sensor's centre. It is computed from `sight`, the view from
-    /// the centre. It is approximated by a circular cap with the same solid angle, which is correct to first order in
-    /// the solid angle. If the motion moves the disc behind the camera, the function returns the inward motion of the
-    /// disc as the error.
+    /// A disc as viewed from a camera that is not in the sensor's centre. The view is computed from `sight`, the view
+    /// from the centre. The disc is approximated by a circular cap with the same solid angle, which is correct to first
+    /// order in the solid angle. If the motion moves the disc behind the camera, the function returns the inward motion
+    /// of the disc as the error.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;

@@ -36,8 +36,7 @@ pub struct Camera {
     pub(super) rim_rad: f64,
     pub(super) rim_cosine: f64,
     pub(super) px_per_rad: f64,
-    /// Offset of the image circle's centre from the middle of the frame, px. The components are columns to the right
-    /// and rows down.
+    /// Offset (px) of the image circle's centre from the middle of the frame: columns to the right, and rows down.
     offset_px: [f64; 2],
 }
 
@@ -161,13 +160,13 @@ impl Camera {
         self.size_px
     }
 
-    /// Pixels per radian at the image's centre: the focal length, px. An equidistant fisheye has this radial scale
-    /// everywhere.
+    /// Focal length, px: the number of pixels per radian at the image's centre. An equidistant fisheye has this radial
+    /// scale everywhere.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
 
-    /// Centre of the image circle, which is on the camera's axis: column and row, px.
+    /// Column and row (px) of the image circle's centre, which is on the camera's axis.
     pub fn centre_px(&self) -> [f64; 2] {
         let middle = 0.5 * (f64::from(self.size_px) - 1.0);
         self.offset_px.map(|offset| middle + offset)
@@ -219,7 +218,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// Distance in the image between the image's centre and a direction with the polar angle `polar`, px.
+    /// Distance (px) between the image's centre and the image of a direction with the polar angle `polar`.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,

@@ -5,7 +5,7 @@ use super::{Camera, Colours, OddTerms, Optics, OpticsError};
 /// Differences between the parameters of a sensor and their nominal values. By default, all are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Departure {
-    /// Additional depth of the magenta discs and of the yellow discs, length.
+    /// Additional depths (length) of the magenta discs and of the yellow discs.
     pub depths: [f64; 2],
     /// Relative difference of the diameters of the magenta discs and of the yellow discs.
     pub diameters: [f64; 2],
@@ -15,7 +15,7 @@ pub struct Departure {
     pub px_per_rad: f64,
     /// Shift of the camera, length: along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
-    /// Rotation of the camera about the same axes as in `place`, rad.
+    /// Rotation (rad) of the camera about the same axes as in `place`.
     pub turn_rad: [f64; 3],
     /// Difference of the transmittances of magenta discs for red, green and blue light.
     pub magenta: [f64; 3],
@@ -120,7 +120,7 @@ impl Optics {
         }
     }
 
-    /// Returns the optics of this sensor with other misalignments of its markers, rad (see
+    /// Returns the optics of this sensor with other misalignments (rad) of its markers (see
     /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments)). If there are fewer misalignments than
     /// markers, the remaining markers keep their misalignments.
     ///

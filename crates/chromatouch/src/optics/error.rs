@@ -26,7 +26,7 @@ pub enum OpticsError {
         k3: f64,
         /// Coefficient k5 of the fifth power of the angle.
         k5: f64,
-        /// Largest angle from the axis up to which the image radius increases, degrees.
+        /// Largest angle (degrees) from the axis up to which the image radius increases.
         reach_deg: f64,
         /// Angle at the rim of the image circle, degrees.
         field_deg: f64,
@@ -53,7 +53,7 @@ pub enum OpticsError {
     OffTheSkin {
         /// Index of the marker, from 0.
         marker: usize,
-        /// Place of the marker in the coordinates of the skin, length.
+        /// Place (length) of the marker in the coordinates of the skin.
         place: [f64; 2],
         /// Half the circumference of the skin, length.
         limit: f64,
@@ -61,7 +61,7 @@ pub enum OpticsError {
     /// There are more markers than allowed.
     #[error("there would be {markers} markers; at most {limit} are possible")]
     TooManyMarkers {
-        /// Number of markers.
+        /// Number of markers of the sensor.
         markers: usize,
         /// Largest allowed number of markers.
         limit: usize,
@@ -75,7 +75,7 @@ pub enum OpticsError {
     DiscsOverlap {
         /// Index of one marker, from 0.
         first: usize,
-        /// Index of the other marker.
+        /// Index of the other marker, from 0.
         second: usize,
         /// Distance between the centres of the two overlapping discs, length.
         distance: f64,
@@ -90,7 +90,7 @@ pub enum OpticsError {
     WrongCount {
         /// Number of displacements that the caller passed.
         motions: usize,
-        /// Number of markers.
+        /// Number of markers of the sensor.
         markers: usize,
     },
     /// The motion of a disc is not finite, or is at least as long as the disc's distance from the sensor's centre.
@@ -106,7 +106,7 @@ pub enum OpticsError {
         disc: &'static str,
         /// Length of the impossible motion: of the disc normal to the skin or along the skin, or of the disc's edge.
         motion: f64,
-        /// The disc's distance from the centre at rest, length.
+        /// The disc's distance (length) from the sensor's centre at rest.
         distance: f64,
     },
 }

@@ -11,10 +11,10 @@ const LEAST_SLOPE: f64 = 0.01;
 /// bisections, the result is exact to the last digit of a double.
 const STEPS: usize = 64;
 
-/// Odd terms of a fisheye, in addition to the equidistant term. The lens is r = f (θ + k3 θ³ + k5 θ⁵), where θ is the
-/// angle from the axis, r the distance from the image's centre and f the focal length. Both coefficients are 0 for an
-/// equidistant lens. k3 is -1/24 for an equisolid, 1/12 for a stereographic and -1/6 for an orthographic lens (Kannala
-/// and Brandt, *A generic camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
+/// Odd terms of a fisheye, in addition to the equidistant term. The law of the lens is r = f (θ + k3 θ³ + k5 θ⁵). Here
+/// θ is the angle from the axis, r the distance from the image's centre and f the focal length. Both coefficients are 0
+/// for an equidistant lens. k3 is -1/24 for an equisolid, 1/12 for a stereographic and -1/6 for an orthographic lens
+/// (Kannala and Brandt, *A generic camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OddTerms {
     /// Coefficient k3 of the third power, per rad².
@@ -119,8 +119,8 @@ impl OddTerms {
         -(constant / at + k5 * at) / 3.0
     }
 
-    /// Returns these terms if they are valid for a lens whose field extends to the angle `rim`, rad; otherwise returns
-    /// an error.
+    /// Returns these terms if they are valid for a lens whose field of view extends to the angle `rim` (rad). Otherwise
+    /// returns an error.
     pub(super) fn checked(self, rim: f64) -> Result<Self, OpticsError> {
         for (setting, term) in [("k3", self.k3), ("k5", self.k5)] {
             OpticsError::unless(term.abs() <= MOST_TERM, setting, term, "from -100 to 100")?;

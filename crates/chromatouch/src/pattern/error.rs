@@ -46,9 +46,9 @@ pub enum PatternError {
     DiscsOverlap {
         /// Index of one marker in the layout, from 0.
         first: usize,
-        /// Index of the other marker.
+        /// Index of the other marker in the layout, from 0.
         second: usize,
-        /// Distance between the centres of the two markers' discs on the flat pattern, length.
+        /// Distance (length) between the centres of the two markers' discs on the flat pattern.
         distance: f64,
         /// Diameter of the larger disc of each marker, length.
         diameter: f64,
@@ -62,7 +62,7 @@ pub enum PatternError {
     DiscAcrossEdge {
         /// Index of the marker in the layout, from 0.
         marker: usize,
-        /// Distance from the disc's centre to the nearest edge of the gore, length.
+        /// Distance (length) from the disc's centre to the nearest edge of the gore.
         distance: f64,
         /// Diameter of the larger disc of the marker, length.
         diameter: f64,
@@ -75,9 +75,9 @@ pub enum PatternError {
     NotDrawable {
         /// Radius of the sphere, mm.
         radius_mm: f64,
-        /// Smallest radius of a drawing, mm.
+        /// Smallest allowed radius of the sphere in a drawing, mm.
         least: f64,
-        /// Largest radius of a drawing, mm.
+        /// Largest allowed radius of the sphere in a drawing, mm.
         most: f64,
     },
 }

@@ -12,7 +12,7 @@ use crate::{Layout, LayoutError};
 pub struct Discs {
     /// Diameter of the inner disc, which is nearer to the camera.
     pub magenta: f64,
-    /// Diameter of the outer disc.
+    /// Diameter of the outer disc, which is nearer to the surface of the skin.
     pub yellow: f64,
 }
 
@@ -145,8 +145,8 @@ fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), Patt
 }
 
 impl CuttingSheet {
-    /// Closed outlines of the gores, counter-clockwise, length. The apex is at the origin of the coordinates (x, y),
-    /// and the skin is viewed from outside.
+    /// Closed outlines of the gores, as points in counter-clockwise order. The coordinates (x, y) of a point are
+    /// lengths. The apex is at their origin, and the skin is viewed from outside.
     pub(super) fn cuts(&self) -> &[Vec<[f64; 2]>] {
         &self.cuts
     }

@@ -70,8 +70,8 @@ impl FoldStrain {
         })
     }
 
-    /// Strain at a place of the gore. `longitude` is measured from the middle meridian and `latitude` from the equator,
-    /// rad. The other principal stretch is 1/(1 + strain).
+    /// Strain at a place of the gore. The angles (rad) `longitude` and `latitude` are measured from the middle meridian
+    /// and from the equator. The other principal stretch is 1/(1 + strain).
     ///
     /// # Errors
     /// [`LayoutError::BadSetting`] for a place outside the gore.

@@ -62,7 +62,7 @@ fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     }
 }
 
-/// Hue of a colour whose red component is the largest, turns.
+/// Hue (turns) of a colour whose red component is the largest.
 fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
     assert!(red > green && red > blue);
     ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)

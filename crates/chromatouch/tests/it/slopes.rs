@@ -1,4 +1,4 @@
-//! Derivatives of the features, compared with central differences.
+//! Compares the derivatives of the markers' features with central differences.
 
 use nalgebra::Vector4;
 use palpate_chromatouch::{

@@ -15,8 +15,8 @@
 use crate::body::Field;
 use crate::half_space::{self, Spheroidal};
 
-/// If the ratio of the contact's radius to the distance of a point from the contact is below this value, the contact is
-/// treated as a point force.
+/// Limit of the ratio of the contact's radius to the distance of a point from the contact. Below this limit, the
+/// contact is treated as a point force.
 const POINT: f64 = 1e-10;
 /// Exponent of the limit e^9 of the amplification of rounding errors. The radial functions are computed by an upward
 /// recurrence if it amplifies rounding errors by at most this factor; otherwise by a downward recurrence.

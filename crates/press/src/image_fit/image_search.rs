@@ -66,7 +66,7 @@ impl<V: View + Clone> ImageFit<V> {
         search(problem)
     }
 
-    /// Cramér–Rao bound: smallest possible standard error of the relative curvature, 1/length. It follows from the
+    /// Cramér–Rao bound: smallest possible standard error (1/length) of the relative curvature. It follows from the
     /// stated errors of the markers and of the sensor. The arguments describe the press: relative curvature, position
     /// in the coordinates of the skin, and indentation.
     ///

@@ -160,8 +160,8 @@ pub(super) struct Resting<'a, V> {
     pub(super) frame: Arc<RestFrame>,
 }
 
-/// Values of the fitted parameters: the uncertain common sensor deviations, in standard deviations, and the
-/// misalignments, rad.
+/// Values of the fitted parameters: the uncertain common sensor deviations (in standard deviations) and the
+/// misalignments (rad).
 #[derive(Clone)]
 pub(super) struct State {
     pub(super) common: DVector<f64>,

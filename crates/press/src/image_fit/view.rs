@@ -66,7 +66,7 @@ impl Seen {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<'a> {
     /// Deviations of the parameters from their nominal values (sensor deviations), common to all markers. The first two
-    /// are the additional depths of the magenta and of the yellow discs, length. The [`View`] defines the other
+    /// are the additional depths (length) of the magenta and of the yellow discs. The [`View`] defines the other
     /// deviations.
     pub common: &'a [f64],
     /// Misalignment of each marker's two discs, as angles at the sensor's centre, rad.

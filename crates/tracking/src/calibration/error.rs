@@ -31,7 +31,7 @@ pub enum CalibrationError {
         /// Number of points to which the line is fitted.
         count: usize,
     },
-    /// A number is not finite.
+    /// A number of a calibration point is not finite or too large.
     #[error("point {point} (counting from 0): a number is not finite, or beyond 1e100")]
     NotFinite {
         /// Index of the point that contains the number, counted from 0.
@@ -40,7 +40,7 @@ pub enum CalibrationError {
     /// The signal does not change with the displacement.
     #[error("{what} does not change with the displacement: there is no slope to calibrate")]
     NoSlope {
-        /// Name of the signal, such as hue or size.
+        /// Name of the signal from which displacements are computed, such as hue or size.
         what: &'static str,
     },
     /// A number of a calibration or of a camera is out of its range.

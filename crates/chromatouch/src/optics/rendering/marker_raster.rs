@@ -230,10 +230,10 @@ fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2
     [outward * x - around * y, outward * y + around * x]
 }
 
-/// Share of a pixel that lies on the inner side of a straight edge. `inside` is the distance of the pixel's centre from
-/// the edge, px, positive on the inner side. (x, y) is the normal of the edge along columns and rows, and may have any
-/// length. A pixel collects the light of its whole area, because this minimises the aliasing of sums of light and of
-/// first moments.
+/// Share of a pixel that lies on the inner side of a straight edge. `inside` is the distance (px) of the pixel's centre
+/// from the edge, positive on the inner side. The vector (x, y) is the normal of the edge along columns and rows. It
+/// may have any length. A pixel collects the light of its whole area, because this minimises the aliasing of sums of
+/// light and of first moments.
 #[inline]
 fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     let (x, y) = (x.abs(), y.abs());

@@ -1,4 +1,4 @@
-//! One row of a frame in linear light.
+//! One row of a frame, whose levels are proportional to the light.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ impl Row {
         }
     }
 
-    /// The pixel of a column.
+    /// The red, green and blue levels of the pixel in a column.
     fn pixel(&mut self, column: usize) -> &mut [f32] {
         &mut self.levels[3 * column..3 * column + 3]
     }
@@ -141,8 +141,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Half the length of the chord that a row cuts from a circle around the centre of the image, px. It is negative if
-    /// the circle does not reach the row.
+    /// Half the length (px) of the chord that a row cuts from a circle around the centre of the image. It is negative
+    /// if the circle does not reach the row.
     fn half_chord(&self, radius: f64, number: usize) -> f64 {
         let y = self.camera.centre_px()[1] - number as f64;
         let square = radius * radius - y * y;
@@ -152,7 +152,7 @@ impl<'a> Rows<'a> {
         square.sqrt()
     }
 
-    /// Columns of the pixels in a row whose distance from the middle of the row is at most `half`, px.
+    /// Columns of the pixels in a row that are at most `half` (px) from the middle of the row.
     fn columns(&self, half: f64) -> Range<usize> {
         if half < 0.0 {
             return 0..0;
