@@ -43,9 +43,9 @@ pub(crate) struct Crossing {
     pub(crate) std: f64,
 }
 
-/// Divides a roll into runs, which are successive samples with the same active pad. If the active pad changes back to
-/// the pad before, the samples between both changes are omitted, because a pad that alternates with its neighbour does
-/// not locate the contact. Places are divided by `radius`.
+/// Divides a roll into runs, which are successive samples with the same active pad. Samples between a change of the
+/// active pad and the change back are omitted, because a pad that alternates with its neighbour does not locate the
+/// contact. Places are divided by `radius`.
 pub(crate) fn runs(radius: f64, samples: &[RollSample]) -> Vec<Run> {
     let mut all: Vec<Run> = Vec::new();
     let mut place = Vector2::repeat(f64::NAN);

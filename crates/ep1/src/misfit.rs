@@ -223,8 +223,8 @@ impl<'r> Refit<'r> {
     }
 
     /// The roll that contradicts the other rolls most; `None` if no contradiction is significant. Its residual is
-    /// compared with the stated noise if this noise explains the other rolls; otherwise it is compared with the
-    /// residuals of the other rolls.
+    /// compared with the stated noise, if this noise explains the other rolls. Otherwise the residual is compared with
+    /// the residuals of the other rolls.
     fn outlier(&self, is_noise_stated: bool) -> Option<Misfit> {
         if !self.chi_squared.is_finite() {
             return None;

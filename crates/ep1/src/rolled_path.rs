@@ -2,7 +2,7 @@
 //!
 //! Lengths are in radii of the probe. The contact frame is carried along the path on both bodies. In this frame, the
 //! object's curvature form is a polynomial in the contact's position x on the object. By the equations of Codazzi, the
-//! derivatives of the form are symmetric tensors, so that the drive g = (−Δθ_y, Δθ_x), summed over the path, is the
+//! derivatives of the form are symmetric tensors. Therefore the drive g = (−Δθ_y, Δθ_x), summed over the path, is the
 //! gradient of one polynomial:
 //!
 //! ```text

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3};
 
-/// Rotations count as parallel if the ratio of their spread across their main axis to their spread along this axis is
-/// below this value.
+/// Smallest accepted spread of the rotations across their main axis, relative to their spread along this axis. With a
+/// smaller spread, the rotations count as parallel.
 pub(crate) const SMALLEST_SPREAD: f64 = 1e-6;
 
 /// A symmetric 2×2 matrix.

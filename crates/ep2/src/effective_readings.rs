@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 use crate::Contact;
 use crate::patch::FingerMap;
 
-/// Consecutive contacts of a finger count as one reading if the ratio of their distance to a long step is at most this
-/// value.
+/// Largest distance between consecutive contacts of a finger that count as one reading, relative to the length of a
+/// long step.
 const REST_SHARE: f64 = 0.1;
 /// Quantile of the step lengths that is used as the length of a long step.
 const LONG_STEP_QUANTILE: f64 = 0.9;
@@ -223,7 +223,8 @@ fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usi
 }
 
 /// Merges the contacts of resting fingers. `None` if no gap separates short steps from long steps, or if a finger moves
-/// by short steps: each finger must stay at one position during short steps and leave it by a long step.
+/// by short steps. During short steps, a finger must stay at one position, and it must leave this position by a long
+/// step.
 fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut sorted = steps(contacts);
     sorted.retain(|&step| step > 0.0);

@@ -77,8 +77,8 @@ pub enum Ep2Error {
         /// Root-mean-square spread of the contacts across the line, divided by their spread along the line.
         spread: f64,
     },
-    /// The patch is not a graph over the plane that is perpendicular to its mean normal (without normals, over the
-    /// plane through its points).
+    /// The patch is not a graph over its mean plane. This plane is perpendicular to the mean normal or, without
+    /// normals, fitted to the contacts.
     #[error(
         "the patch is not a graph over its mean plane: at contact {contact} (counting from 0) the \
          angle between normal and mean normal is {angle_deg:.1} degrees, more than 85; split the \

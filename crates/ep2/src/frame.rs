@@ -7,10 +7,10 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// If the spread of the contacts across a line or plane, divided by their spread along it, is below this value, the
-/// spread across counts as rounding error.
+/// Smallest spread of the contacts across a line or plane, relative to their spread along it, that is not a rounding
+/// error.
 const ROUNDING: f64 = 1e-12;
-/// Normals have no mean direction if the length of their mean is below this value.
+/// Smallest length of the mean of the unit normals. If the mean is shorter, the normals have no mean direction.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
 /// Points have no mean plane if they spread across their principal plane almost as much as within it. This is the
 /// largest accepted ratio of the spread across the plane to the smaller spread within it.
@@ -26,8 +26,8 @@ const LONG: f64 = 1.15;
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis
-/// is the mean direction of travel of the fingers; if there is none, the direction of a side of the patch. The origin
-/// is the mean contact, and the unit of length is half the patch's larger side.
+/// is the mean direction in which the fingers travel. If they have no common direction, it is the direction of a side
+/// of the patch. The origin is the mean contact, and the unit of length is half the patch's larger side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchFrame {
     origin: Point3<f64>,

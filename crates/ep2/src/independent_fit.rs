@@ -29,9 +29,9 @@ const MAX_GROWTH: f64 = 1.3;
 /// Largest number of contacts in a fit. Larger logs are replaced by means of consecutive contacts, whose errors across a
 /// stroke are smaller. Otherwise the fitted surface would follow the errors of single contacts.
 const MAX_FITTED: usize = 10_000;
-/// The contacts of a finger must be in the order of its path if means of consecutive contacts are fitted. They are in
-/// this order if the ratio of two root-mean-square distances is below this value: their distance from the means of
-/// consecutive contacts, divided by their distance from the mean of all contacts.
+/// Means of consecutive contacts are fitted only if the contacts of a finger are in the order of its path. The order is
+/// tested by the root-mean-square distance of the contacts from the means of consecutive contacts. This is its largest
+/// accepted ratio to the root-mean-square distance from the mean of all contacts.
 const MAX_BLOCK_RATIO: f64 = 0.05;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
@@ -124,9 +124,10 @@ impl IndependentFit {
     /// exceed the effect of the noise if there are many contacts. Fits that are based on an implicit quadric do not
     /// change.
     ///
-    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline, and the
-    /// difference counts as far as it exceeds the standard error of the spline. A penalised spline that deviates from
-    /// quadrics and implicit quadrics is compared with the fit around an implicit quadric.
+    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline. If
+    /// the difference minus the spline's standard error exceeds the estimate's standard error, the standard errors are
+    /// increased. A penalised spline that deviates from quadrics and implicit quadrics is compared with the fit around
+    /// an implicit quadric.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].

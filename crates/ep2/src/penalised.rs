@@ -87,8 +87,8 @@ pub(crate) struct Basis {
     is_known: bool,
     /// Noise of the contacts of the patch; `None` if it is neither stated nor estimated.
     noise: Option<NoiseEstimate>,
-    /// Curvature in the middle of a fit around an implicit quadric, if the contacts make this quadric more probable than a
-    /// quadric, but deviate from both.
+    /// Curvature in the middle of a fit around an implicit quadric that was not used. This quadric is more probable
+    /// than an ordinary quadric, but the contacts deviate from both quadrics.
     pub(crate) rejected: Option<Curvature>,
 }
 

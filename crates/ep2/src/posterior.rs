@@ -138,9 +138,9 @@ impl Maps {
     }
 }
 
-/// The covariance of two derivatives at a place, as a series of products T_i(a) T_j(b) of twice the degree that is
-/// grouped by i. It is computed from the covariance between the coefficients of the two series, because a product of
-/// Chebyshev polynomials is a sum of Chebyshev polynomials.
+/// The covariance of two derivatives at a place, as a series of products T_i(a) T_j(b). Its degree is twice the degree
+/// of the derivatives, and its coefficients are grouped by i. It is computed from the covariance between the
+/// coefficients of the two series, because a product of Chebyshev polynomials is a sum of Chebyshev polynomials.
 fn covariance_series(covariance: &DMatrix<f64>, degree: usize) -> Vec<f64> {
     let side = 2 * degree + 1;
     let mut series = vec![0.0; side * side];

@@ -72,9 +72,9 @@ pub enum Status {
     Interpolating,
     /// The sum of squared residuals equals the required sum within the tolerance.
     Smoothing,
-    /// The sum of squared residuals is larger than the required sum, and no further knot can be added: there are more
-    /// coefficients than points, the largest number of knots is reached, or no interval may be split. The result is the
-    /// least-squares spline for the last knots.
+    /// The sum of squared residuals is larger than the required sum, but no further knot can be added. The reason is
+    /// one of these: there are more coefficients than points, the largest number of knots is reached, or no interval
+    /// may be split. The result is the least-squares spline for the last knots.
     KnotsExhausted,
     /// The search for the smoothing parameter `p` did not reach the required sum of squared residuals.
     Unsettled,

@@ -1,5 +1,5 @@
-//! The method of the 1996 paper: a smoothing spline is fitted to the contacts, and a second one to points of the first
-//! spline and of its tangents.
+//! The method of the 1996 paper. A smoothing spline is fitted to the contacts. A second spline is fitted to points of
+//! the first spline and of its tangents.
 
 use palpate_statistics::BadSetting;
 
@@ -19,7 +19,7 @@ pub enum TangentNormals {
     FirstFit,
 }
 
-/// The number of splines that are fitted one after the other.
+/// Number of splines that the method `two-pass` fits one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Passes {
     /// One spline, fitted to the contacts.

@@ -15,8 +15,8 @@ use crate::{
 /// For well-conditioned numbers, relative errors are at most 1e-14. Errors of curvature forms are relative to the
 /// larger principal curvature, and errors of torsions to the torsion. Errors of heights and points are relative to the
 /// object's size. Errors are larger in four cases: for heights near a rim, where `R² − x²` cancels; for a Gaussian
-/// curvature far below H²; for the closest point from inside a hollow; and at places whose coordinates are large
-/// compared with the details of the surface.
+/// curvature far below the square of the mean curvature; for the closest point from inside a hollow; and at places
+/// whose coordinates are large compared with the details of the surface.
 ///
 /// ```
 /// use nalgebra::Vector3;

@@ -16,8 +16,8 @@ use super::layout_matching::CAMERA;
 pub struct CameraEstimate {
     /// Unit of all lengths.
     pub length_unit: LengthUnit,
-    /// Position of the camera relative to the sensor's centre, length: two coordinates parallel to the chart axes at
-    /// the apex, and one toward the apex.
+    /// Position of the camera relative to the sensor's centre (length). The first two coordinates are parallel to the
+    /// chart axes at the apex; the third is toward the apex.
     pub place: [f64; 3],
     /// Standard errors of the camera's position `place`, length.
     pub place_std: [f64; 3],

@@ -56,9 +56,9 @@ pub struct FrameReading {
 
 impl FrameReader {
     /// Computes displacements and a press from the markers tracked between a frame at rest and a pressed frame. The
-    /// displacement field has `grid` points along each side and is filtered by a Gaussian with the standard deviation
-    /// `filter_std`, length along the skin. `file` is the name of the readings in messages; `None` if the readings are
-    /// not in a file.
+    /// displacements are also interpolated on a grid of `grid` points along each side, and filtered by a Gaussian. Its
+    /// standard deviation is `filter_std` (length along the skin). `file` is the name of the readings in messages;
+    /// `None` if the readings are not in a file.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if the calibration is for another sensor or lacks normal displacements, if the

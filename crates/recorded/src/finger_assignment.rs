@@ -3,8 +3,8 @@
 use nalgebra::Point3;
 use palpate_statistics::Number;
 
-/// A step leads from one contact to the next. If the two contacts belong to different fingers, the length of the step
-/// is at least this multiple of the median length of all steps.
+/// A step leads from one contact to the next. A step between two fingers must be at least this multiple of the median
+/// length of all steps.
 const MIN_JUMP: f64 = 3.0;
 /// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;

@@ -214,8 +214,8 @@ impl TrackCounts {
 
 /// Smallest median shift of the markers, px, that causes the warning that all markers moved in the same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// Smallest ratio of the markers' median shift to the scatter of their shifts that causes the warning that all markers
-/// moved in the same way.
+/// Smallest median shift of the markers, relative to the scatter of their shifts, that causes the warning that all
+/// markers moved in the same way.
 const MIN_COMMON_RATIO: f64 = 2.5;
 /// Smallest number of markers for which a common motion is computed.
 const MIN_MARKERS: usize = 8;

@@ -75,8 +75,8 @@ impl<'a> JsonTable<'a> {
         }
     }
 
-    /// The object of each row, with a number for messages: the line of the object or, if the whole list is written in one
-    /// line, the index of the object from 1.
+    /// The JSON object of each row, with a number for messages. The number is the line of the object. If the whole list
+    /// is written in one line, it is the number of the object, counted from 1.
     fn objects<'f>(&'f self, file: &'f RecordedFile) -> Box<dyn Iterator<Item = Object> + 'f> {
         match &self.rows {
             Rows::Sequence(text) => {

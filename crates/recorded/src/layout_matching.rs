@@ -34,8 +34,8 @@ const ROUNDS: usize = 4;
 /// Standard deviations of the four numbers of a marker's image in the rough fits: both centroid coordinates (px), hue
 /// (turns), and logarithm of the size. They are large, because the misalignments of the discs are still unknown.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
-/// Smallest share of the layout's markers that the final round must find, and largest share of found markers that may
-/// not belong to the layout.
+/// Two limits for the final round: the smallest share of the layout's markers that must be found, and the largest share
+/// of found markers that do not belong to the layout.
 const SHARES: [f64; 2] = [0.66, 0.2];
 /// The same two shares as in [`SHARES`], but for the rough rounds.
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];

@@ -84,8 +84,8 @@ impl RollRecording {
         Ok(left_out)
     }
 
-    /// Whether the rolls whose shift is zero are lost readings. They are lost readings if the other rolls predict that
-    /// the contact moved in each of these rolls, by more than pads or noise can hide.
+    /// Whether the rolls whose shift is zero are lost readings. They are lost readings if, according to the other
+    /// rolls, the contact moved in each of these rolls by more than pads or noise can hide.
     fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses);
         let sound: Vec<ProbeReading> = sound

@@ -262,7 +262,7 @@ impl PictureOptions {
     }
 }
 
-/// The estimator and its elastic model. A Gaussian itself has neither a thickness nor a Poisson's ratio, but the
+/// The estimator and its elastic model. The estimator `gaussian` has neither a thickness nor a Poisson's ratio, but the
 /// elastic model that calibrates it has one of the two.
 fn estimator(
     given: &Map<String, Json>,

@@ -24,10 +24,10 @@ use crate::{Contact, Motion};
 /// quaternion `w, i, j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and
 /// an unused component (an even number is faster).
 const STATE: usize = 12;
-/// On a general surface, the derivative of the state depends only on this number of leading state components.
+/// Number of leading state components on which the derivative of the state depends, on a general surface.
 pub(crate) const OF_SPACE: usize = 10;
-/// On a graph, the derivative of the state depends only on this number of leading state components, because it does not
-/// depend on the height.
+/// Number of leading state components on which the derivative of the state depends, on a graph. There, the derivative
+/// does not depend on the height of the contact.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {

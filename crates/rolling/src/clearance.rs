@@ -24,8 +24,8 @@ const CONTACT: f64 = 1e-4;
 /// The clearance is computed at samples of the roll. This is the longest path of the probe's centre between two such
 /// samples, relative to the probe's radius. A longer path is always bisected.
 const LONGEST: f64 = 0.25;
-/// A path of the probe's centre between two samples of the roll is not bisected further if its length, relative to the
-/// probe's radius, is below this value.
+/// Shortest path of the probe's centre that is still bisected, relative to the probe's radius. The path leads from one
+/// sample of the roll to the next.
 const SHORTEST: f64 = 1e-3;
 /// If the slope between two neighbouring height samples is larger than this, there is a wall between the two samples.
 const STEEP: f64 = 2.0;
@@ -175,7 +175,7 @@ fn crossing(
     Some(low)
 }
 
-/// Parts of the object are examined if their distance from the probe's centre is at most this value.
+/// Largest distance from the probe's centre at which parts of the object are examined.
 fn reach(radius: f64, margin: f64) -> f64 {
     radius * (1.0 + LONGEST) + margin
 }

@@ -9,8 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// If the relative curvature, divided by the probe's curvature, is below this value, a singular motion is reported as a
-/// fault of conforming bodies.
+/// Limit for the relative curvature, divided by the probe's curvature. Below this limit, a singular motion is reported
+/// as a fault of conforming bodies.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.

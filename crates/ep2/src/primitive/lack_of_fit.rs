@@ -16,8 +16,8 @@ const MAX_DEGREE: usize = 4;
 /// A patch counts as a graph over its plane if all normals are within 72 degrees of the mean normal. This is the cosine
 /// of 72 degrees, rounded.
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of the equations is skipped if it is almost a linear combination of the earlier columns: the independent
-/// share of its squared length is at most this value.
+/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. This is the
+/// largest share of its squared length that is independent of these columns.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// With noise, the limit [`RANK_TOLERANCE`] is replaced by this factor times the variance of the positions' errors, if
 /// that is larger. The new limit is at most [`MAX_RANK_TOLERANCE`].

@@ -121,9 +121,10 @@ impl Pose {
         }
     }
 
-    /// Returns four values that describe `place` relative to the surface. The first is its position q relative to the
-    /// reference point, in the axes of the pose. The second is q without its component along the axis of a cylinder;
-    /// for the other shapes, it is q. The third is the square root √(1 + 2 k f), where k is the curvature and f = k
+    /// Returns four values that describe `place` relative to the surface. The first is the position q of `place`
+    /// relative to the reference point, in the axes of the pose. The second is q without its component along the axis
+    /// of a cylinder; for the other shapes, it is q. The third is the square root √(1 + 2 k f), where k is the
+    /// curvature and f = k
     /// |q|²/2 + q·n, as in the description of this module. The fourth is the signed distance from the surface.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {

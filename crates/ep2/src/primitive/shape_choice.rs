@@ -25,8 +25,8 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
 
 /// The index of the most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
-/// The shapes are compared by the Bayesian information criterion. "None of these" is 0.01 / p times as probable as the
-/// best shape, where p is the p-value of the best shape's lack of fit.
+/// The shapes are compared by the Bayesian information criterion. The probability of "none of these" is 0.01 / p times
+/// the probability of the best shape. Here p is the p-value of the best shape's test for lack of fit.
 pub(super) fn choose(
     candidates: &[Candidate],
     stated: StatedNoise,

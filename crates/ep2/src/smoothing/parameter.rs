@@ -2,8 +2,8 @@
 
 /// Maximum number of values of the smoothing parameter p that are tried.
 const MOST_TRIALS: usize = 20;
-/// If a parameter is far from the root, the next parameter is the current parameter multiplied by this factor (if the
-/// parameter is too large) or divided by it (if it is too small).
+/// Factor for steps that are far from the root. A parameter that is too large is multiplied by this factor, and a
+/// parameter that is too small is divided by it.
 const FAR: f64 = 0.04;
 /// If a step by the factor [`FAR`] would pass a bound, the next parameter is between the bound and the last trial
 /// instead. Its distance from the bound is this share of the distance between the bound and the last trial.

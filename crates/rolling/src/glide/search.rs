@@ -27,8 +27,8 @@ const STEP_SHARE: f64 = 0.5;
 const MAX_LAST_STEP: f64 = 1e-3;
 /// Largest distance between tip and object that counts as touching, relative to the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// If the search makes no progress and [`Foot::clearance`] is below this value, the search has reached a fold of the
-/// offset surface.
+/// Limit for [`Foot::clearance`]. If the clearance is smaller where the search makes no further progress, the search
+/// has reached a fold of the offset surface.
 const FOLD: f64 = 1e-3;
 /// If the vertical component of the unit normal is below this value, a contact counts as lying on the object's
 /// silhouette.

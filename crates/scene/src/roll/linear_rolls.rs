@@ -25,8 +25,8 @@ struct LinearRoll {
     /// Change of the contact's path if the rotation about x has an error of one unit. The unit is the size of the
     /// error: its standard deviation or its bound.
     per_error_x: [f64; 2],
-    /// Change of the contact's path if the rotation about y has an error of one unit. The unit is the same as in
-    /// `per_error_x`.
+    /// Change of the contact's path if the rotation about y has an error of one unit. The unit is the size of the
+    /// error: its standard deviation or its bound.
     per_error_y: [f64; 2],
     reported: ProbeRotation,
 }
