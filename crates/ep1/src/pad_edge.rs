@@ -372,9 +372,12 @@ fn entries(slopes: &Matrix2<f64>) -> Vector3<f64> {
     Vector3::new(slopes[(0, 0)], 2.0 * slopes[(0, 1)], slopes[(1, 1)])
 }
 
-/// The mean of the changes of the set that are furthest along the axes, the half-widths along the axes, and the starts.
-/// `None` if the set is empty.
-fn middle(rows: &[RollRows]) -> Option<(Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>)> {
+/// The middle of a set: the mean of the changes that are furthest along the axes, the half-widths along the axes, and the
+/// mean change of the start of each roll.
+type Middle = (Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>);
+
+/// The middle of the set. `None` if the set is empty.
+fn middle(rows: &[RollRows]) -> Option<Middle> {
     let (mut mean, mut half_widths) = (Vector3::zeros(), Vector3::zeros());
     let mut starts = vec![Vector2::zeros(); rows.len()];
     for axis in 0..3 {

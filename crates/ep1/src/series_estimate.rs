@@ -64,7 +64,7 @@ pub(crate) enum Uncertainty {
     /// The noise was estimated from residuals with these degrees of freedom.
     Student(usize),
     /// The readings are exact, so that a set contains the true mobility.
-    Set(PadEdgeSet),
+    Set(Box<PadEdgeSet>),
 }
 
 /// An estimate from series of rolls.

@@ -211,7 +211,7 @@ impl Problem<'_> {
             (true, 1),
             &lengths,
             None,
-            Uncertainty::Set(set),
+            Uncertainty::Set(Box::new(set)),
         ))
     }
 
