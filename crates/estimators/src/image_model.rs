@@ -10,7 +10,7 @@ use palpate_tracking::{Marker, MarkerErrors};
 /// markers.
 #[derive(Clone, Debug)]
 pub struct ImageModel {
-    /// Camera and markers of the nominal sensor.
+    /// Camera and markers of the sensor with its nominal parameters.
     pub optics: Optics,
 }
 

@@ -9,7 +9,7 @@ use palpate_tracking::{MarkerErrors, Track};
 
 use crate::image_model::{ImageModel, marker_image};
 
-/// Input of the fit: the images of the markers.
+/// Input of [`ImageEstimator`]: the images of the markers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerImages {
     /// Images of the markers at rest in this trial; `None` if all trials use the same images at rest.

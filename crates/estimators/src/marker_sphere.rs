@@ -17,7 +17,7 @@ pub struct MarkerSphere<'a> {
     pub radius: f64,
     /// Depth of the markers under the skin, length; for markers with two discs, the mean of their depths.
     pub marker_depth: f64,
-    /// Arrangement of the markers.
+    /// Arrangement of the markers under the skin.
     pub layout: Layout,
     /// Number of straight segments along each side of a gore's outline in drawings.
     pub outline_samples: u32,
@@ -44,7 +44,7 @@ impl<'a> MarkerSphere<'a> {
         }
     }
 
-    /// Chart coordinates of the markers.
+    /// Chart coordinates of the markers on the skin.
     pub fn places(&self) -> Result<Vec<[f64; 2]>, FieldError> {
         self.layout
             .places(self.radius)
@@ -65,7 +65,7 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
-    /// Diameters of the discs.
+    /// Diameters of each marker's two discs.
     pub fn diameters(&self) -> Result<Discs, FieldError> {
         let discs = self.discs()?;
         Ok(Discs {
@@ -74,7 +74,7 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
-    /// Depths of the two discs.
+    /// Depths of each marker's two discs under the skin.
     pub fn disc_depths(&self) -> Result<DiscDepths, FieldError> {
         let discs = self.discs()?;
         let half = 0.5 * discs.separation;

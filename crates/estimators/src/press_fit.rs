@@ -23,8 +23,8 @@ pub struct PressFitSetup<'a> {
     pub markers: &'a Markers,
     /// Depth of the markers under the skin, length.
     pub marker_depth: f64,
-    /// Indentation (length) of the press that calibrates the width c of the Gaussian model. It is a press on a plane.
-    /// `None` if the indentation is not stated.
+    /// Indentation (length) of a press on a plane, by which the width c of the Gaussian model is calibrated. `None` if
+    /// the indentation is not stated.
     pub calibrated_at: Option<f64>,
     /// Whether the estimator receives the indentation as an input instead of fitting it.
     pub knows_indentation: bool,

@@ -49,13 +49,13 @@ enum Rung {
 /// The two methods by which contacts with a bonded layer are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
-    /// Interpolation in tables, which is faster for many contacts.
+    /// Interpolation in tables of solved contacts, which is faster for many contacts.
     Tables,
     /// Solution of the equations for each contact, which is faster for few contacts and more accurate.
     Solved,
 }
 
-/// A contact between an object and the body.
+/// A contact between an object and the soft body.
 #[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
@@ -70,7 +70,7 @@ pub struct Contact<'b> {
     pub radius: f64,
 }
 
-/// Displacement of a point of the skin.
+/// Displacement of a point of the skin in a press.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
     /// Inward displacement along the normal, length.

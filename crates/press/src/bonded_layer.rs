@@ -128,7 +128,7 @@ impl BondedLayer {
         Ok(Self { resolution, ..self })
     }
 
-    /// Thickness of the soft layer, length.
+    /// Thickness of the layer, length.
     pub(crate) const fn thickness(&self) -> f64 {
         self.thickness
     }

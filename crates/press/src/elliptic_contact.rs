@@ -62,23 +62,23 @@ static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EllipticContact {
-    /// Relative principal curvatures, 1/length, the smaller one first.
+    /// Relative principal curvatures (1/length), the smaller one first.
     pub relative_curvatures: [f64; 2],
     /// Distance (length) by which the bodies have approached each other since they first touched.
     pub indentation: f64,
-    /// Semi-axes of the contact area, the longer one first, length.
+    /// Semi-axes (length) of the contact area, the longer one first.
     pub semi_axes: [f64; 2],
     /// Pressure in the middle of the contact, divided by the effective modulus E/(1 − ν²).
     pub peak_pressure: f64,
     poisson: f64,
 }
 
-/// Displacement of a point under an elliptic contact, length.
+/// Displacement (length) of a point of the half-space under an elliptic contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EllipticDisplacement {
-    /// Displacement of a point inward (into the soft body), length.
+    /// Displacement (length) of the point inward, that is, into the soft body.
     pub normal: f64,
-    /// Displacements along the longer and the shorter axis of the contact.
+    /// Displacements (length) along the longer and the shorter axis of the contact.
     pub along: [f64; 2],
 }
 
@@ -123,7 +123,7 @@ impl EllipticContact {
         })
     }
 
-    /// Geometric mean of the semi-axes, length.
+    /// Geometric mean of the contact's semi-axes, length.
     pub fn radius(&self) -> f64 {
         let [long, short] = self.semi_axes;
         long.sqrt() * short.sqrt()

@@ -22,7 +22,7 @@ const INDENTATION: usize = 5;
 type Step = SVector<f64, UNKNOWNS>;
 type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Maximum number of Levenberg–Marquardt steps.
+/// Maximum number of Levenberg–Marquardt steps in a fit.
 const MAX_STEPS: usize = 60;
 
 /// The minimisation stops if the next step is predicted to decrease chi-squared by less than this value.
@@ -264,7 +264,7 @@ struct Fit {
     /// displacements, then the stated indentation.
     residuals: Vec<f64>,
     chi_squared: f64,
-    /// Half the Hessian of chi-squared.
+    /// Half the Hessian of chi-squared with respect to the fitted parameters.
     hessian: Square,
 }
 
@@ -302,7 +302,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Number of readings, without the stated indentation.
+    /// Number of measured displacement components. The stated indentation does not count.
     fn readings(&self) -> usize {
         self.reading.normal.len()
             * if self.reading.tangential.is_some() {

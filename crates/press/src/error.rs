@@ -67,7 +67,7 @@ pub enum PressError {
         indentation = Number(*indentation), limit = Number(*limit)
     )]
     TooDeep {
-        /// The indentation that is too deep, length.
+        /// The impossible indentation, length.
         indentation: f64,
         /// Limit of the indentation: it must be less than this length.
         limit: f64,
@@ -94,7 +94,7 @@ pub enum PressError {
         Number::rounded(*ratio)
     )]
     LayerTooThin {
-        /// Ratio of the contact's radius to the thickness.
+        /// Ratio of the contact's radius to the layer's thickness.
         ratio: f64,
         /// Largest ratio of contact radius to thickness for which the equations can be solved.
         limit: f64,
@@ -120,7 +120,7 @@ pub enum PressError {
     NoContact {
         /// Difference of chi-squared: the best fit without a contact minus the best fit with a contact.
         improvement: f64,
-        /// Smallest improvement of chi-squared that counts as a contact.
+        /// Smallest decrease of chi-squared that counts as a contact.
         needed: f64,
     },
     /// The markers moved, but not as in a press on this body. Either no press fits the readings better than no contact
@@ -133,7 +133,7 @@ pub enum PressError {
     OtherBody {
         /// Chi-squared of the readings. It compares them either with unmoved markers or with the fit.
         chi_squared: f64,
-        /// Degrees of freedom, which is the expected value of chi-squared.
+        /// Number of degrees of freedom. It is the expected value of chi-squared.
         freedom: usize,
     },
     /// The contact of the best fit is far from all markers.

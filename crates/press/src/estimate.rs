@@ -115,7 +115,7 @@ impl Verdict {
 /// Principal curvatures of an object, estimated from one press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipalCurvatures {
-    /// Principal curvatures of the object, the larger one first, 1/length.
+    /// Principal curvatures (1/length) of the object, the larger one first.
     pub curvatures: [Estimated; 2],
     /// Angle between the direction of the smaller curvature (the axis of a cylinder) and the x axis at the contact,
     /// from −π/2 to π/2.
@@ -136,7 +136,7 @@ pub struct PressEstimate {
     /// by profile likelihood. If one marker contradicts the other markers, but not enough to be rejected as an outlier,
     /// the interval also contains the interval of a fit without this marker.
     pub relative_curvature: Estimated,
-    /// Relative curvature of the best fit, without bias correction, 1/length.
+    /// Relative curvature (1/length) of the best fit, without bias correction.
     pub most_likely_curvature: f64,
     /// The principal curvatures of the object; `None` unless an elliptic contact was fitted. With an elliptic contact,
     /// all other curvatures in this estimate are mean curvatures.

@@ -42,7 +42,7 @@ pub(crate) trait LeastSquares {
         state.contact(skin, body)
     }
 
-    /// Number of equations from the used markers.
+    /// Number of equations from the markers that the fit uses.
     fn equations(&self) -> usize {
         let [markers, each] = self.used();
         markers * each
@@ -104,8 +104,8 @@ pub(crate) trait LeastSquares {
         promise: f64,
     ) -> Result<Option<Self::Fit>, PressError>;
 
-    /// The same fit with derivatives that were computed again for its fit parameters. The result is `None` if this was
-    /// already the case.
+    /// The same fit with derivatives that are computed again for its fit parameters. The result is `None` if its
+    /// derivatives already belong to these parameters.
     fn refreshed(&self, _fit: &Self::Fit) -> Result<Option<Self::Fit>, PressError> {
         Ok(None)
     }

@@ -32,7 +32,7 @@ pub struct MarkerDisplacement {
     pub tangential: [f64; 2],
 }
 
-/// Position of a marker as viewed from the contact.
+/// Position of a marker relative to the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// Distance from the contact to the marker along the skin.
@@ -314,7 +314,8 @@ impl PressSlopes {
         self.curvature * value - self.indentation * per_a * self.per_d
     }
 
-    /// Derivatives of the inward displacement, multiplied by the factor `gain`.
+    /// Derivatives of a marker's inward displacement with respect to the four fit parameters, multiplied by the factor
+    /// `gain`.
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, sight: &Sight, gain: f64) -> Slopes {
         // If the contact moves towards the marker, their distance decreases. Therefore the derivative has a negative
@@ -328,7 +329,7 @@ impl PressSlopes {
         ]
     }
 
-    /// Derivatives of the displacements along the skin.
+    /// Derivatives of a marker's two displacements along the skin with respect to the four fit parameters.
     #[inline(always)]
     pub(crate) fn tangential(&self, field: &Field, sight: &Sight) -> [Slopes; 2] {
         let nearer = -self.curvature * field.radial_per_r;

@@ -73,8 +73,8 @@ impl Skin {
         self.radius.recip()
     }
 
-    /// The place with the coordinates (x, y). Coordinates of more than half a turn are reduced by whole turns. If x and
-    /// y, divided by the radius, are not finite angles, the result is the apex.
+    /// The place with the coordinates (x, y). Coordinates that correspond to more than half a turn around the sphere
+    /// are reduced by whole turns. If x and y, divided by the radius, are not finite angles, the result is the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x, y].map(|along| along / self.place_radius());
         let angle = libm::hypot(x, y);

@@ -46,7 +46,7 @@ impl Fitted {
         Self { sought, priors }
     }
 
-    /// Number of parameters that are fitted.
+    /// Number of fit parameters that are fitted, that is, not exact.
     pub(crate) fn count(&self) -> usize {
         self.sought.iter().filter(|&&sought| sought).count()
     }
@@ -76,7 +76,7 @@ impl Fitted {
 pub(crate) struct Sums {
     /// Chi-squared, including the squared deviations from the priors.
     pub(crate) chi_squared: f64,
-    /// Half the gradient of chi-squared.
+    /// Half the gradient of chi-squared with respect to the fit parameters.
     pub(crate) gradient: Unknowns,
     /// Half the Hessian of chi-squared, without second derivatives of the model.
     pub(crate) hessian: Square,

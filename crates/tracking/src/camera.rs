@@ -28,7 +28,7 @@ use crate::{CalibrationError, Change, Marker, Track};
 pub struct Equidistant {
     centre_px: [f64; 2],
     px_per_rad: f64,
-    /// The odd terms in θ³ and θ⁵ of the lens, if it has any.
+    /// The odd terms in θ³ and θ⁵ of the lens; `None` if the lens has no odd terms.
     terms: Option<OddTerms>,
 }
 

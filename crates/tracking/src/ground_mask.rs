@@ -210,8 +210,8 @@ pub(crate) struct Classes {
 
 impl Classes {
     /// Divides the pixels into two classes such that the variance between the classes is largest (Otsu, 1979). The
-    /// limit is then moved to the middle between the means of the classes. The result is `None` if all values are
-    /// equal.
+    /// limit between the classes is then moved to the middle between their means. The result is `None` if all values
+    /// are equal.
     pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
         let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
         let sum: f64 = weighted(histogram);

@@ -289,9 +289,9 @@ impl Rim {
     }
 }
 
-/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. The limit
-/// follows from the differences within the corners. Both results are sums over the pixels of a bin. The result is
-/// `None` unless at least three corners have the same colour.
+/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. This
+/// colour difference is computed from the differences within the corners. Both results are sums over the pixels of a
+/// bin. The result is `None` unless at least three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);

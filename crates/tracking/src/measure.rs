@@ -463,9 +463,9 @@ impl Patch {
     }
 }
 
-/// Multiplies each difference by the ratio of its true variance to its total variance (empirical Bayes shrinkage). The
-/// reason is that the fitted light of an evenly lit frame is much more accurate than the mean of the few pixels around
-/// a marker.
+/// Multiplies each of the differences `offsets` by the ratio of its true variance to its total variance (empirical
+/// Bayes shrinkage). The reason is that the fitted light of an evenly lit frame is much more accurate than the mean of
+/// the few pixels around a marker.
 fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {
         let (mut square, mut noise, mut count) = (0.0, 0.0, 0.0);

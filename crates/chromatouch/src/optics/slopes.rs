@@ -57,8 +57,8 @@ impl Optics {
     /// contains their derivatives with respect to the requested values of the departure. The result is `None` for
     /// markers that are not visible.
     ///
-    /// The error of the derivatives is about 5e-5 of the largest derivative. It is larger where the edges of two discs
-    /// touch, because the features have a kink there.
+    /// The error of the derivatives is about 5e-5 of the largest derivative. The error is larger where the edges of two
+    /// discs touch, because the features have a kink there.
     ///
     /// # Errors
     /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] for `requested` unless

@@ -14,7 +14,7 @@ use super::reflection::{BEYOND, Spectrum, Wave, bessel};
 use crate::PressError;
 use crate::body::Field;
 
-/// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own table.
+/// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own tables.
 pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
 /// Number of contact radii in a table. A panel (an interval of distances from the contact) has the same number of
 /// distances.
@@ -27,7 +27,7 @@ const GROWTH: f64 = 1.5;
 /// Terms of the pressure's series are omitted if their ratio to the largest term is below this value.
 const RELATIVE_CUTOFF: f64 = 1e-12;
 
-/// Contacts in one range of radii, at one depth.
+/// Table of the contacts whose radii are in one range, for one depth.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     range: [f64; 2],
@@ -287,7 +287,7 @@ fn lagrange(range: [f64; 2], value: f64) -> [f64; NODES] {
     shares.map(|share| share / sum)
 }
 
-/// Values of the Chebyshev polynomials, in ascending order, at [`nodes`].
+/// Values of all Chebyshev polynomials, in ascending order of the polynomials, at [`nodes`].
 struct Polynomials([[f64; NODES]; NODES]);
 
 impl Polynomials {

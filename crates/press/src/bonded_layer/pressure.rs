@@ -45,7 +45,7 @@ pub(super) struct Pressure {
     pub(super) force: f64,
     /// −∫ φ'/t dt, which is the pressure in the middle of the contact divided by E* C_r/2.
     pub(super) peak: f64,
-    /// Legendre coefficients of φ and of ∂φ/∂α.
+    /// Coefficients of φ and of ∂φ/∂α as series of Legendre polynomials.
     pub(super) terms: Vec<Term>,
     /// Three numbers for each quadrature node t of the pressure: t itself, and φ and ∂φ/∂α at t, both multiplied by the
     /// weight of the node.

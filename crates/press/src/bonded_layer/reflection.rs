@@ -48,7 +48,7 @@ fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     [decay * normal / denominator, decay * radial / denominator]
 }
 
-/// The wavenumber beyond which the result of [`at_depth`] is negligible.
+/// The wavenumber beyond which the result of [`at_depth`] is negligible at the depth `depth`.
 fn reach_at(depth: f64) -> f64 {
     NEGLIGIBLE / (2.0 - depth)
 }
@@ -71,7 +71,7 @@ pub(super) struct Waves {
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
 
-/// One term of a sum over wavenumbers.
+/// One term of a sum over wavenumbers: a wave with one wavenumber.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) wavenumber: f64,

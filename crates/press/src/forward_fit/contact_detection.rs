@@ -1,4 +1,4 @@
-//! Decides whether the readings show a contact.
+//! Decides whether the readings of a press show a contact.
 
 use palpate_statistics::HALF_WIDTHS;
 

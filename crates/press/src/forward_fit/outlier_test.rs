@@ -83,8 +83,8 @@ impl Problem<'_> {
         Ok(least_likely(counting.filter_map(chance)))
     }
 
-    /// The fit without one marker, started from the fit parameters `state` of the fit with all markers. `None` if the
-    /// other markers do not determine the press.
+    /// The fit without one marker, started from the fit parameters `state` of the fit with all markers. The result is
+    /// `None` if the other markers do not determine the press.
     pub(super) fn without(&self, marker: usize, state: &State) -> Option<(Self, State, Sums)> {
         let mut others = self.clone();
         others.kept[marker] = false;

@@ -51,7 +51,7 @@ struct Predicted {
 }
 
 impl<'a> Problem<'a> {
-    /// The tangential readings; `None` if they are not used.
+    /// The tangential displacements of the reading; `None` if the fit does not use them.
     fn tangential(&self) -> Option<&'a [[f64; 2]]> {
         self.reading
             .tangential
@@ -96,7 +96,7 @@ impl<'a> Problem<'a> {
         finite(self.fitted.prior_sums(state).chi_squared + sum.total())
     }
 
-    /// Chi-squared with its derivatives.
+    /// Chi-squared with its derivatives, for the fit parameters `state`.
     pub(super) fn sums(&self, state: &State) -> Result<Sums, PressError> {
         match self.uses_tangential() {
             true => self.sums_of::<true>(state),
@@ -181,7 +181,7 @@ impl<'a> Problem<'a> {
         Ok(sum)
     }
 
-    /// Residuals of all used markers.
+    /// Residuals of all markers that the fit uses, for the fit parameters `state`.
     pub(super) fn residuals_of_all(&self, state: &State) -> Result<Vec<[f64; 3]>, PressError> {
         let contact = self.contact(state)?;
         let residuals = |marker| self.residuals_at(&contact, state, marker);
@@ -210,7 +210,7 @@ impl<'a> Problem<'a> {
         }))
     }
 
-    /// Numbers of the used markers.
+    /// Numbers of the markers that the fit uses.
     pub(super) fn counting(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.kept.len()).filter(|&marker| self.kept[marker])
     }
@@ -420,7 +420,7 @@ impl RobustSum {
         rise.recip()
     }
 
-    /// The robust sum of all residuals so far.
+    /// The robust sum over all markers that were added so far.
     pub(super) fn total(&self) -> f64 {
         if self.product == 1.0 {
             self.sum

@@ -632,7 +632,7 @@ impl<'a> Search<'a> {
         problem.determined()
     }
 
-    /// Half-width of a 95 % interval, in standard errors.
+    /// Half-width of the 95 % intervals, in standard errors.
     fn limit(&self) -> f64 {
         if self.find_normal {
             student_half_width(0.95, self.problem.freedom())

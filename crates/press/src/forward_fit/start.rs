@@ -46,7 +46,7 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
 /// Tables of displacements for contacts with several radii. The displacements are stored at nodes, which are distances
 /// from the contact. The nodes extend to half the circumference of a sphere whose radius is the markers' scale.
 pub(super) struct Shapes {
-    /// Distance of the last node from the contact, length.
+    /// Distance (length) between the contact and the last node.
     furthest: f64,
     /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` if the
     /// contact is impossible.

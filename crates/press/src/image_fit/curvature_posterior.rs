@@ -24,8 +24,8 @@ const MAX_VARIANCE: f64 = 1.0;
 const MAX_SHIFT: f64 = 1.0;
 
 impl<V: View + Clone> Problem<'_, V> {
-    /// Posterior mean of the logarithm of the curvature, minus its most likely value. The result is 0 if it cannot be
-    /// computed. `weighed` is the fit for which the weights were computed.
+    /// Posterior mean of the logarithm of the curvature, minus the most likely value of this logarithm. The result is 0
+    /// if the mean cannot be computed. `weighed` is the fit for which the weights were computed.
     pub(super) fn mean_beside(&self, weighed: &FitState, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();

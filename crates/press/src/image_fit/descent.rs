@@ -19,7 +19,7 @@ const ENOUGH: f64 = 1e-6;
 const ROUGHLY: f64 = 1.0;
 /// Largest factor by which the variances of the readings are multiplied.
 const MAX_VARIANCE: f64 = 1e12;
-/// Ratio between the variance factors of consecutive searches.
+/// Ratio between the factors of the variances in consecutive searches.
 const FALL: f64 = 10.0;
 /// Exponents from which the first variance factor of a sequence of searches is computed. The factor is the variance of
 /// the first residuals, raised to the exponent. If chi-squared remains too large, the next exponent is tried.
@@ -44,7 +44,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// Decrease of the cost from `self` to `other`.
+    /// Decrease of the cost from `self` to the cost `other`.
     fn less(self, other: Self) -> f64 {
         match self.hidden == other.hidden {
             true => self.squares - other.squares,

@@ -55,7 +55,7 @@ impl FitState {
     }
 
     /// Standard error of a marker's normal displacement, estimated from the image of this marker alone. Both discs are
-    /// assumed to move equally. The result is the median over the used markers.
+    /// assumed to move equally. The result is the median over the markers that the fit uses.
     pub(super) fn normal_std(&self) -> f64 {
         let mut stds: Vec<f64> = self
             .normal_slopes

@@ -242,7 +242,7 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// Completes a tried set of fit parameters with the derivatives.
+    /// Adds the derivatives to the tried fit parameters `tried`.
     pub(super) fn reached(&self, tried: Tried) -> Result<FitState, PressError> {
         let Tried {
             state,

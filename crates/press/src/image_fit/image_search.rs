@@ -192,7 +192,7 @@ fn update_sensor<V: View + Clone>(
     Ok(best)
 }
 
-/// A robust fit, which a few outliers change only slightly.
+/// A robust fit, whose result changes only slightly because of a few outliers.
 fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, PressError> {
     let starts = problem.starts()?;
     let mut best: Option<FitState> = None;
@@ -300,7 +300,7 @@ const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
 const BESIDE: usize = 2;
 
 impl<V: View> Problem<'_, V> {
-    /// Start values, sorted from the most to the least likely.
+    /// Start values of the fit, sorted from the most to the least likely.
     pub(super) fn starts(&self) -> Result<Vec<State>, PressError> {
         let skin = self.fit.markers.skin();
         let at_rest = &self.rest.slopes.pictures;

@@ -19,7 +19,7 @@ pub struct Rest {
     pub common: Vec<f64>,
     /// The most likely misalignment of each marker's discs, as angles at the sensor's centre, rad.
     pub misalignments: Vec<[f64; 2]>,
-    /// Whether each marker was visible at rest.
+    /// Whether each marker has a reading in the frame at rest.
     pub seen: Vec<bool>,
     /// Chi-squared, including the priors. If the model is correct, its expected value is `freedom`.
     pub chi_squared: f64,
@@ -39,7 +39,7 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// The most likely sensor parameters.
+    /// The sensor with the most likely parameters.
     pub(super) fn sensor(&self) -> Sensor {
         Sensor {
             common: self.common.clone(),
@@ -109,8 +109,8 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit `rest` of the frame at rest, but with the model linearised at `sensor`. `None` if no such sensor is
-    /// possible.
+    /// The fit `rest` of the frame at rest, but with the model linearised at `sensor`. The result is `None` if this
+    /// sensor is impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();
