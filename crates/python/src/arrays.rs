@@ -9,8 +9,8 @@ use pyo3::types::{PyFloat, PyList};
 
 use crate::error;
 
-/// Numbers of an array argument, in C order (the last axis varies fastest). If the caller's array has this order, it
-/// is used without a copy; otherwise it is copied.
+/// Numbers of an array argument, in C order (the last axis varies fastest). An array of the caller that already has
+/// this order is used without a copy; other arrays are copied.
 pub(crate) struct Numbers<'py> {
     name: &'static str,
     data: Data<'py>,
@@ -85,8 +85,8 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// Numbers and shape of a list of lists of floats; all inner lists must have the same length. `None` for any other
-/// object. For short lists, this is faster than NumPy.
+/// Numbers and shape of a list of lists of floats; all inner lists must have the same length. The result is `None` for
+/// any other object. For short lists, this function is faster than NumPy.
 fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, [usize; 2])> {
     let rows = value.cast_exact::<PyList>().ok()?;
     let mut numbers = Vec::new();
@@ -142,7 +142,7 @@ pub(crate) fn whole(numbers: &Numbers<'_>) -> PyResult<Vec<u64>> {
     numbers.flat().iter().enumerate().map(whole).collect()
 }
 
-/// A NumPy array with these numbers and this shape.
+/// A NumPy array with the numbers `numbers` and the shape `shape`.
 pub(crate) fn array<'py>(
     py: Python<'py>,
     numbers: Vec<f64>,

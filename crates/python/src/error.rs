@@ -89,7 +89,8 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     argument(name, &[], None, message)
 }
 
-/// Settings whose argument in Python has another name than their key: the key and the name of the argument.
+/// Settings whose argument in Python has a different name than their key in the config. Each entry contains the key and
+/// the name of the argument.
 const RENAMED: [(&str, &str); 3] = [
     ("kind", "method"),
     ("from", "source"),
@@ -108,7 +109,7 @@ pub(crate) fn name(key: &str) -> &str {
     renamed.map_or(key, |(_, name)| name)
 }
 
-/// Message of a library error, with the names of settings replaced by the names of arguments.
+/// Message of a library error, in which the names of settings are replaced by the names of arguments.
 pub(crate) fn text(error: &impl Display) -> String {
     rename_settings(&error.to_string(), |key| name(key).to_owned())
 }

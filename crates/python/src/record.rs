@@ -15,7 +15,7 @@ use crate::json::to_python;
 /// A value of the library that is shown to Python as a result with fields. A field is computed only when Python reads
 /// it.
 pub(crate) trait Made: Send + Sync {
-    /// All fields of the result that the command line prints as JSON.
+    /// All fields of the result that are also in the JSON of the command line.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
     /// Computes one field without the others. Returns `None` if computing the field alone is not much faster than

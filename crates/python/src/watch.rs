@@ -23,7 +23,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Adds an amount of work that was done.
+    /// Increases the amount of completed work by `done`.
     pub(crate) fn add(&self, done: u64) {
         self.done.fetch_add(done, Ordering::Relaxed);
     }
@@ -32,8 +32,8 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Sets the total amount of work that is done. If the work is cancelled, this function panics on purpose, because
-    /// there is no other way to end the work.
+    /// Sets the total amount of completed work to `done`. If the work is cancelled, this function panics on purpose,
+    /// because there is no other way to end the work.
     pub(crate) fn reach(&self, done: u64) {
         let before = self.reached.swap(done, Ordering::Relaxed);
         self.add(done.saturating_sub(before));
@@ -102,7 +102,7 @@ pub(crate) fn watched<T: Send + 'static>(
 /// Largest number of threads that one call uses.
 const MAX_THREADS: usize = 256;
 
-/// Converts the argument `threads`. The number 0 is an error.
+/// Converts the argument `threads` to a number of threads. The number 0 is an error.
 pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> {
     let number = threads.map(|threads| NonZeroUsize::new(threads.min(MAX_THREADS)));
     if number == Some(None) {

@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 use crate::error;
 use crate::json::{from_python, to_toml};
 
-/// Converts the error of an unanswerable question to an exception. `quantity` is the name of the argument that states
-/// the quantity.
+/// Converts the error for a question that cannot be answered to an exception. `quantity` is the name of the argument
+/// that states the quantity.
 pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     let message = error.to_string();
     let (argument, value) = match error {
@@ -31,8 +31,8 @@ pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {
     error::argument("vary", &[], None, format!("vary: {message}"))
 }
 
-/// Converts the argument `vary` to fields with their values. The argument is a dictionary, or texts as on the command
-/// line.
+/// Converts the argument `vary` to fields, each with the values to try. The argument is a dictionary, or texts as on
+/// the command line.
 pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     let text = |text: &Bound<'_, PyString>| text.to_cow()?.parse::<Vary>().map_err(wrong);
     if let Ok(one) = vary.cast::<PyString>() {

@@ -32,8 +32,8 @@ type Class = fn(Python<'_>, Record) -> PyResult<Bound<'_, PyAny>>;
 
 /// One estimate of a batch.
 enum Member {
-    /// Estimate of the library, the function that converts it to a Python object, and this object. The object is made
-    /// when Python reads it for the first time.
+    /// Three parts: the estimate of the library, the function that converts the estimate to a Python object, and this
+    /// object. The object is made when Python reads it for the first time.
     Made(Arc<dyn Made>, Class, PyOnceLock<Py<Record>>),
     Restored(Py<Record>),
 }
@@ -84,8 +84,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Adds the number of the set of readings to the index in an error about an array. `with_sets` names the arrays whose
-/// first axis counts the sets.
+/// Extends the index in an error about an array: the number of the set of readings is added. `with_sets` names the
+/// arrays whose first axis counts the sets.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
@@ -103,7 +103,7 @@ pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> Re
     }
 }
 
-/// Combines the values that one field has in many estimates. An entry of `all` is `None` if the estimate does not have
+/// Combines the values that one field has in many estimates. An entry of `all` is `None` if its estimate does not have
 /// the field.
 fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<Bound<'py, PyAny>> {
     let Some(first) = all.iter().flatten().find(|one| !one.is_none()) else {
@@ -143,7 +143,7 @@ fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<
     Ok(PyList::new(py, all)?.into_any())
 }
 
-/// Converts a Python list of numbers; `None` for any other object.
+/// Converts a Python list of numbers to a vector; the result is `None` for any other object.
 fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     let list = value.cast::<PyList>().ok()?;
     list.iter().map(|item| number(&item)).collect()

@@ -31,7 +31,7 @@ struct Patch {
     fitted: GlideFitResult<'static>,
     curvatures: Vec<Curvature>,
     report: OnceLock<(recorded::GlideEstimate, GlideMap)>,
-    /// Shape of the arrays with one number per point of the map.
+    /// Shape of those arrays that contain one number for each point of the map.
     shape: Vec<usize>,
 }
 

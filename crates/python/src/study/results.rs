@@ -54,7 +54,7 @@ pub(crate) struct Results {
 }
 
 impl Results {
-    /// Converts the results of a run, and the trace of one trial if there is one.
+    /// Converts the results of a run to Python objects, and also the trace of one trial if there is one.
     pub(super) fn of(
         py: Python<'_>,
         study: &palpate::Study,
