@@ -5,13 +5,13 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::rolled_path::drive_of;
 use crate::{PadCell, RollSample, SeriesNoise};
 
-/// A straight line is fitted to the measured rotations near a change of the active pad. This is half the length of the
-/// line, in standard deviations of a measured rotation.
+/// A straight line is fitted to the measured rotations near a change of the active pad. This constant is half the
+/// length of the line, in standard deviations of a measured rotation.
 const REACH: f64 = 7.0;
 /// Largest half-length of the straight line that is fitted to the measured rotations, in samples.
 const MOST_REACH: f64 = 1e4;
-/// A crossing of a pad's edge is only known to lie between two samples. This is the smallest uncertainty of the
-/// rotation across the edge, relative to the rotation between the two samples.
+/// A crossing of a pad's edge is only known to lie between two samples. This constant is the smallest assumed width of
+/// the range of possible rotations across the edge, relative to the rotation between the two samples.
 const MIN_WIDTH: f64 = 0.05;
 /// Smallest standard deviation of a crossing, rad. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
@@ -127,8 +127,8 @@ pub(crate) fn crossings(
 /// The rotation at the change between two runs, and its standard deviation in the direction `across` of the drive.
 ///
 /// The change is between two samples, so its time is known to one interval. The rotation at this time is the value of a
-/// straight line through the measured rotations near the change. This line averages their noise. It is so short that the
-/// motion is steady along it.
+/// straight line through the measured rotations near the change. This line averages the noise of the rotations. The
+/// line is so short that the motion is steady along it.
 fn rotation_at_change(
     samples: &[RollSample],
     before: &Run,

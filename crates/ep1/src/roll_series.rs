@@ -9,8 +9,8 @@ use crate::SeriesError;
 pub struct RollSample {
     /// Time since the start of the roll, s.
     pub time_s: f64,
-    /// Rotation vector of the probe since the start of the roll, rad: its direction is the axis and its length the
-    /// angle of the finite rotation. The axes are those of the pads, carried from the pads' origin to the start of the
+    /// Rotation vector of the probe since the start of the roll (rad). Its direction is the axis, and its length is the
+    /// angle, of the finite rotation. The axes are those of the pads, carried from the pads' origin to the start of the
     /// roll along the great circle between them.
     pub rotation: Vector3<f64>,
     /// Centre of the active pad, or the contact point, length. The coordinates are those of the exponential map of the

@@ -6,8 +6,8 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// Probabilities are integrals over the mean curvature. This is half the range of integration, in standard errors of
-/// the mean curvature.
+/// Half the range of integration over the mean curvature, in standard errors of the mean curvature. The probabilities
+/// of the classes are integrals over this range.
 const REACH: f64 = 8.0;
 /// Number of intervals of Simpson's rule in each part of the range of integration over the mean curvature. It must be
 /// even.

@@ -20,12 +20,12 @@ const MIN_STEP_GAP: f64 = 8.0;
 /// Share of the shortest steps that always count as steps of a resting finger. A gap between the step lengths is
 /// searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// While a finger rests, its contacts stay near their mean. This is their largest accepted distance from the mean, as a
-/// multiple of the typical step of a resting finger.
+/// While a finger rests, its contacts stay near their mean. This constant is the largest accepted distance of a contact
+/// from the mean, as a multiple of the typical step of a resting finger.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Successive contacts at nearly the same place are merged into a run. This is the largest accepted share of short
-/// steps among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and
-/// the contacts are not merged.
+/// Successive contacts at nearly the same place are merged into a run. This constant is the largest accepted share of
+/// short steps among the steps from one run to the next. If the share is larger, the fingers were moving by short
+/// steps, and the contacts are not merged.
 const MAX_SHORT_BREAKS: f64 = 0.2;
 /// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
 const MAX_GAPS: usize = 4;
@@ -185,8 +185,8 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     }
 }
 
-/// Bits of a contact's coordinates and normal, as a key by which equal contacts are found. They are the same for +0 and
-/// −0.
+/// Bits of a contact's coordinates and normal, as a key by which equal contacts are found. The bits are the same for +0
+/// and −0.
 fn bits_of(contact: &Contact) -> [u64; 6] {
     let normal = contact.normal.unwrap_or_default();
     let [x, y, z] = contact.position.into();

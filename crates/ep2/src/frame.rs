@@ -12,8 +12,8 @@ use crate::{Contact, Ep2Error};
 const ROUNDING: f64 = 1e-12;
 /// Smallest length of the mean of the unit normals. If the mean is shorter, the normals have no mean direction.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
-/// Points have no mean plane if they spread across their principal plane almost as much as within it. This is the
-/// largest accepted ratio of the spread across the plane to the smaller spread within it.
+/// Points have no mean plane if they spread across their principal plane almost as much as within it. This constant is
+/// the largest accepted ratio of the spread across the plane to the smaller spread within the plane.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
 /// An outward direction determines a side of the patch's plane only if its angle to the plane is at least this value
 /// (rad). Noise of the contacts rotates the plane by a similar angle.
@@ -22,7 +22,7 @@ const LEAST_SIDE_RAD: f64 = 0.02;
 /// parallel to the principal directions of the spread.
 const LONG: f64 = 1.15;
 /// The fingers have a common direction of travel if the contacts scatter more along this direction than across it. This
-/// is the smallest ratio of the two scatters (sums of squares).
+/// constant is the smallest ratio of the scatter along to the scatter across (both are sums of squares).
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis

@@ -18,9 +18,9 @@ const MIN_CONTACTS: usize = 60;
 const FIRST_MEANS: usize = 30;
 /// Smallest number of means of consecutive contacts along the longest stroke.
 const MIN_MEANS: usize = 8;
-/// Two surfaces are compared: one fitted to means of contacts, the other to all contacts. This is the largest accepted
-/// ratio of the root-mean-square distances of the contacts from the two surfaces. If the ratio is larger, the surface
-/// through the means is too smooth.
+/// Two surfaces are compared: one fitted to means of contacts, the other to all contacts. This constant is the largest
+/// accepted ratio of the root-mean-square distances of the contacts from the two surfaces. If the ratio is larger, the
+/// surface through the means is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
 /// Compares the correlation length of the residuals with the length that the fit assumed. If it is larger by more than
 /// this factor, the fit is repeated with means over more contacts.
@@ -30,8 +30,8 @@ const MAX_GROWTH: f64 = 1.3;
 /// stroke are smaller. Otherwise the fitted surface would follow the errors of single contacts.
 const MAX_FITTED: usize = 10_000;
 /// Means of consecutive contacts are fitted only if the contacts of a finger are in the order of its path. The order is
-/// tested by the root-mean-square distance of the contacts from the means of consecutive contacts. This is its largest
-/// accepted ratio to the root-mean-square distance from the mean of all contacts.
+/// tested by the root-mean-square distance of the contacts from the means of consecutive contacts. This constant is its
+/// largest accepted ratio to the root-mean-square distance from the mean of all contacts.
 const MAX_BLOCK_RATIO: f64 = 0.05;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;

@@ -54,7 +54,8 @@ impl SparseMap {
     }
 }
 
-/// Number of columns of a matrix that are added to a sum in the same loop. This reduces the number of memory accesses.
+/// Number of columns of a matrix that are added to a sum in the same loop. A common loop for several columns reduces
+/// the number of memory accesses.
 const COLUMNS_PER_PASS: usize = 4;
 
 /// Product A' B, where A' consists of the last columns of `a`, and B is `b`. The number of these columns is the number

@@ -81,8 +81,8 @@ pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
 }
 
-/// A quadric over the square, and the noise that was estimated from the contacts' distances to it. In general it is the
-/// graph of an implicit quadric, z = Q(a, b) + m z²/2. This can be a sphere, an ellipsoid or a cylinder.
+/// A quadric over the square, and the noise that was estimated from the contacts' distances to it. In general, the
+/// surface is the graph of an implicit quadric, z = Q(a, b) + m z²/2, such as a sphere, an ellipsoid or a cylinder.
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
@@ -424,8 +424,8 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
 }
 
 /// Coefficient with the index `index` of the spline that equals a quadric. It is the sum of the spline coefficients of
-/// the quadric's monomials. The spline coefficient of a monomial is its blossom. This is the mean of all products of
-/// different inner knots of the B-spline, with as many factors as the degree of the monomial.
+/// the quadric's monomials. The spline coefficient of a monomial is its blossom. The blossom is the mean of all
+/// products of different inner knots of the B-spline. The number of factors is the degree of the monomial.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());

@@ -111,9 +111,9 @@ impl FrameReader {
 /// Displacements of the markers, and the press. Both are computed by a fit to the images.
 type ImageReading = (CameraReading, TrackedPress);
 
-/// Scatter of the markers at rest above which the frames may be encoded by sRGB, although they were read as linear.
-/// They are then read again with linearised pixels. If frames are read with the wrong encoding, the scatter exceeds
-/// 100.
+/// Scatter of the markers at rest above which the frames may be encoded by sRGB, although they were read as linear. In
+/// this case, the frames are read again with linearised pixels. If frames are read with the wrong encoding, the scatter
+/// exceeds 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
 /// Scatter of the markers at rest: ratio of their residuals to the noise. It is infinite if `read` is an error.

@@ -250,8 +250,8 @@ mod tests {
 
     use super::*;
 
-    /// Contacts with normals on a ball with a radius of 30 mm. They lie on lines that are `apart` mm apart; the noise
-    /// is 0.02 mm for positions and 1 degree for normals.
+    /// Contacts with normals on a ball with a radius of 30 mm. The contacts lie on lines with a distance of `apart` mm.
+    /// The noise is 0.02 mm for positions and 1 degree for normals.
     fn on_a_ball(apart: f64) -> Vec<Contact> {
         let mut stream = Stream::new(1996, 0, Channel::Position);
         let mut noise = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());

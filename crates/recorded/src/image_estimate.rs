@@ -120,7 +120,8 @@ pub(super) fn estimate_images(
 struct Matched {
     /// For each marker of the layout, the index of its track; `None` if the marker has no track.
     tracks: Vec<Option<usize>>,
-    /// Indices, in the layout, of the markers that were found in both frames. They are in the order of the tracks.
+    /// Indices, in the layout, of the markers that were found in both frames. The indices are in the order of the
+    /// tracks.
     rows: Vec<usize>,
 }
 

@@ -32,7 +32,8 @@ pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], 
 /// Number of rough matching rounds before the final round.
 const ROUNDS: usize = 4;
 /// Standard deviations of the four numbers of a marker's image in the rough fits: both centroid coordinates (px), hue
-/// (turns), and logarithm of the size. They are large, because the misalignments of the discs are still unknown.
+/// (turns), and logarithm of the size. These values are large, because the misalignments of the discs are still
+/// unknown.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Two limits for the final round: the smallest share of the layout's markers that must be found, and the largest share
 /// of found markers that do not belong to the layout.

@@ -223,8 +223,8 @@ const MAX_NOISE: f64 = 0.2;
 /// Function that swaps the components of a displacement along the skin, or changes their signs.
 type Change = fn([f64; 2]) -> [f64; 2];
 
-/// Text about a likely mistake in the displacements along the skin: swapped columns or a wrong sign. They are checked
-/// only if the fit has misfits or large residuals.
+/// Text about a likely mistake in the displacements along the skin: swapped columns or a wrong sign. The displacements
+/// are checked only if the fit has misfits or large residuals.
 pub(super) fn swapped_columns(
     fit: &ForwardFit,
     reading: &Reading<'_>,

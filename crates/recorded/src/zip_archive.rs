@@ -1,4 +1,5 @@
-//! Reads the files in a zip archive. They are stored or compressed by deflate, as `np.savez` writes them.
+//! Reads the files in a zip archive. Each file is stored without compression or compressed by deflate, as `np.savez`
+//! and `np.savez_compressed` write them.
 
 use std::borrow::Cow;
 

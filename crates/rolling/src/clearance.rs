@@ -21,8 +21,8 @@ const TOLERANCE: f64 = 5e-7;
 /// A closest point counts as the contact itself if its distance from the contact is below this value. The distance is
 /// relative to the probe's radius.
 const CONTACT: f64 = 1e-4;
-/// The clearance is computed at samples of the roll. This is the longest path of the probe's centre between two such
-/// samples, relative to the probe's radius. A longer path is always bisected.
+/// The clearance is computed at samples of the roll. This constant is the longest path of the probe's centre between
+/// two samples, relative to the probe's radius. A longer path is always bisected.
 const LONGEST: f64 = 0.25;
 /// Shortest path of the probe's centre that is still bisected, relative to the probe's radius. The path leads from one
 /// sample of the roll to the next.

@@ -1,4 +1,5 @@
-//! Errors and costs of the models, measured on rolls without noise. They are used to choose an integrator.
+//! Errors and costs of the models, measured on rolls without noise. These errors and costs are used to choose an
+//! integrator.
 
 use crate::integration::{Integration, Method};
 use crate::integrator::Dop853;
@@ -7,8 +8,8 @@ use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls
 
 /// Safety factor by which a measured error is multiplied before it is compared with a tolerance.
 const MARGIN: f64 = 1.25;
-/// Errors are measured by comparison with a reference integration. This is its tolerance, relative to the required
-/// tolerance.
+/// Errors are measured by comparison with a reference integration. This constant is the tolerance of the reference
+/// integration, relative to the required tolerance.
 const REFERENCE_SHARE: f64 = 1e-3;
 /// Number of evaluations of the contact equations per step of DOP853.
 const STAGES: usize = 12;
@@ -19,8 +20,8 @@ const RELATIVE_COST: f64 = 1.5;
 /// Numbers of steps per motion with which RK4 is tried, in ascending order of the cost.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// To choose a model, all rolls are integrated several times. This is the largest number of evaluations of the contact
-/// equations in one such integration, if the rolls have few motions.
+/// To choose a model, all rolls are integrated several times. This constant is the largest number of evaluations of the
+/// contact equations in one integration of all rolls, if the rolls have few motions.
 const MAX_EVALUATIONS: usize = 20_000;
 /// If the rolls have many motions, the largest number of evaluations in an integration is this value times the number
 /// of motions. The larger of this product and [`MAX_EVALUATIONS`] applies.

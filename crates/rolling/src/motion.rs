@@ -16,7 +16,8 @@ pub struct Motion {
 
 impl Motion {
     /// Rolling with the angular speed `rate_rad_per_s`. On an isotropic object, the contact first moves in the
-    /// direction at the angle `direction_rad` from the object's +x (projected onto the tangent plane) towards `n × x`.
+    /// direction with the angle `direction_rad`. The angle is measured from the object's +x (projected onto the tangent
+    /// plane) towards `n × x`.
     ///
     /// The rotation axis is the cross product of the object's normal and this direction. Directions that are multiples
     /// of a quarter turn, up to a thousand of them, are exact.

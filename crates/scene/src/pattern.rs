@@ -152,8 +152,8 @@ fn pattern_error(error: &PatternError) -> FieldError {
     FieldError::at(path, error)
 }
 
-/// Number of grid steps of the table of folding strains in each of its two directions: from the middle meridian of a
-/// gore to its edge, and from the equator to the apex.
+/// Number of grid steps in each direction of the table of folding strains. The two directions are from the middle
+/// meridian of a gore to its edge, and from the equator to the apex.
 const STEPS: u32 = 18;
 
 fn strain_over_gore(gores: u32) -> Result<Table, PatternError> {

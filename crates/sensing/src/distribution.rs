@@ -94,7 +94,7 @@ impl GaussianError {
         self.std > 0.0
     }
 
-    /// Draws the error of one reading. This takes one random number, or none if the standard deviation is 0.
+    /// Draws the error of one reading. The function draws one random number, or none if the standard deviation is 0.
     #[inline]
     pub fn draw(&self, stream: &mut Stream) -> f64 {
         if !self.is_random() {

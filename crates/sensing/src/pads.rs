@@ -248,8 +248,8 @@ impl Pads {
         }
     }
 
-    /// Place of the first contact on square or hexagonal pads, length: the displacement from the pads' origin, which is
-    /// the centre of the pad at the first contact. `None` for a uniform lattice.
+    /// Place of the first contact on square or hexagonal pads. It is the displacement (length) from the pads' origin,
+    /// which is the centre of the pad at the first contact. `None` for a uniform lattice.
     pub fn first_place(&self, placement: &PadPlacement) -> Option<Vector2<f64>> {
         match &placement.0 {
             Placement::Square(offset) => Some(offset * self.pitch),

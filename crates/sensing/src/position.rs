@@ -7,7 +7,7 @@ use crate::{Distribution, InvalidSensor, Stream};
 /// The axes along which a position has an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PositionAxes {
-    /// The position has errors along x, y and z. They are independent and have the same size.
+    /// The position has errors along x, y and z. The three errors are independent and have the same size.
     Xyz,
     /// The position has an error along z, but not along x or y.
     Z,

@@ -18,7 +18,8 @@ use crate::square_quadric::{Square, UNKNOWNS, rms_second_derivative};
 const MAX_LENGTH: f64 = 3.0;
 /// The smallest correlation length that a series can represent, multiplied by the degree of the series.
 const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
-/// The posterior is averaged over several correlation lengths. This is the largest ratio of two neighbouring lengths.
+/// The posterior is averaged over several correlation lengths. This constant is the largest ratio of two neighbouring
+/// lengths.
 const MAX_LENGTH_RATIO: f64 = 3.0;
 /// The correlation length with the largest prior probability.
 const EXPECTED_LENGTH: f64 = 1.75;
@@ -32,8 +33,8 @@ const EXPECTED_AMPLITUDE: f64 = 0.75;
 const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 /// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of its maximum.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// The posterior is averaged over several amplitudes of the roughness. This is their number on each side of the
-/// expected amplitude.
+/// The posterior is averaged over several amplitudes of the roughness. This constant is the number of amplitudes on
+/// each side of the expected amplitude.
 const AMPLITUDE_STEPS: i32 = 6;
 /// Difference between the logarithms of consecutive amplitudes in the average.
 const LOG_AMPLITUDE_STEP: f64 = 0.5;

@@ -13,11 +13,11 @@ use crate::effective_readings::correlation_time;
 
 /// Largest degree of the polynomial in the contacts' coordinates that describes the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// A patch counts as a graph over its plane if all normals are within 72 degrees of the mean normal. This is the cosine
-/// of 72 degrees, rounded.
+/// A patch counts as a graph over its plane if all normals are within 72 degrees of the mean normal. This constant is
+/// the cosine of 72 degrees, rounded.
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. This is the
-/// largest share of its squared length that is independent of these columns.
+/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. This constant is
+/// the largest share of its squared length that may be independent of the earlier columns.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// With noise, the limit [`RANK_TOLERANCE`] is replaced by this factor times the variance of the positions' errors, if
 /// that is larger. The new limit is at most [`MAX_RANK_TOLERANCE`].

@@ -108,7 +108,7 @@ impl Triangle {
         &self.rows[row * (self.band + 1)..][..self.band]
     }
 
-    /// The entries of a row, starting at its diagonal. They can be changed.
+    /// The entries of a row, starting at its diagonal, as a slice that can be changed.
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f64] {
         &mut self.rows[row * (self.band + 1)..][..self.band]
     }

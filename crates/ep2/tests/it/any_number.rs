@@ -285,7 +285,7 @@ proptest! {
 proptest! {
     #![proptest_config(config(24))]
 
-    /// If all lengths are multiplied by a factor, the curvatures are divided by it. They do not depend on the
+    /// If all lengths are multiplied by a factor, the curvatures are divided by it. The curvatures do not depend on the
     /// orientation of the patch.
     #[test]
     fn scaled_and_turned_patches_have_scaled_curvatures(

@@ -277,8 +277,8 @@ fn surfaces_are_not_fitted_to_correlated_noise() {
     assert!(held > 0.85 && found < 0.1, "{held} {found}");
 }
 
-/// Moves a tenth of the contacts of a log off the surface, and returns their rows. They are moved to one point near the
-/// surface, along their normals, or to one point beside the patch.
+/// Moves a tenth of the contacts of a log off the surface, and returns their rows. `kind` selects where these contacts
+/// are moved: to one point near the surface, along their normals, or to one point beside the patch.
 fn with_outliers(random: &mut Random, log: &mut [Contact], kind: u64) -> Vec<usize> {
     let offset = |random: &mut Random| random.between(1.5, 4.0) * random.normal().signum();
     let middle = log[log.len() / 2];

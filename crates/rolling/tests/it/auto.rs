@@ -9,7 +9,7 @@ use crate::scenes::{
     cylinder, dish, ellipsoid, height_field, paraboloid, plane, saddle, sphere, torus,
 };
 
-/// Random numbers from 0 to 1, which are the same in every run. They are the upper bits of a linear congruential
+/// Random numbers from 0 to 1, which are the same in every run. The numbers are the upper bits of a linear congruential
 /// generator.
 struct Numbers(u64);
 

@@ -138,9 +138,9 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
     FieldError::at(PATH, message)
 }
 
-/// Root mean square errors of displacements in the calibration presses. Only markers that move at least half as much as
-/// the marker that moves most are used. These markers are near the contact, where the motions of a marker's two discs
-/// differ most and where the readings depend most on the shape of the object.
+/// Root mean square errors of displacements in the calibration presses. Only markers whose displacement is at least
+/// half of the largest displacement are used. These markers are near the contact, where the motions of a marker's two
+/// discs differ most and where the readings depend most on the shape of the object.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for points in presses {

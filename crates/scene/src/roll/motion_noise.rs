@@ -127,8 +127,8 @@ impl NoiseTrial {
         }
     }
 
-    /// Errors of the measured rotation, rad, at the given fractions of a roll. They are 0 if the noise is an error of
-    /// the motion.
+    /// Errors of the measured rotation (rad) at the given fractions of a roll. The errors are 0 if the noise is an
+    /// error of the motion.
     pub(super) fn measured(&mut self, command: &Motion, fractions: &[f64]) -> Vec<Vector2<f64>> {
         let Some((noise, stream)) = self.0.as_mut().filter(|(noise, _)| !noise.is_of_motion())
         else {

@@ -154,9 +154,9 @@ impl SensorTrial<'_> {
         }
     }
 
-    /// The readings at all samples of one roll, and the position of the first contact. Both are displacements from the
-    /// origin of the pads (exponential map) or, for sensors without pads, from the first contact. The true contacts
-    /// `contacts` are displacements from the first contact.
+    /// The readings at all samples of one roll, and the position of the first contact. All these positions are
+    /// displacements from the origin of the pads (exponential map) or, for sensors without pads, from the first
+    /// contact. The true contacts `contacts` are displacements from the first contact.
     pub(super) fn read_samples(
         &mut self,
         radius: f64,
