@@ -26,7 +26,7 @@ const PROBED: usize = 4;
 pub(crate) struct Run {
     pub(crate) first: usize,
     pub(crate) last: usize,
-    /// Centre of the active pad.
+    /// Centre of the pad that is active in these samples.
     pub(crate) centre: Vector2<f64>,
 }
 

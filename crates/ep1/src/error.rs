@@ -12,7 +12,7 @@ pub enum Ep1Error {
     /// determines only two of them.
     #[error("{probes} probe(s); at least 2 in different directions are needed")]
     TooFewProbes {
-        /// Number of probes.
+        /// Number of probes with a reading.
         probes: usize,
     },
     /// The rotations of all probes are nearly parallel, so they do not span the tangent plane.

@@ -32,13 +32,13 @@ pub struct Measured {
 pub struct Estimate {
     /// The object's curvature form, 1/length; positive where the object is convex.
     pub curvature: CurvatureForm,
-    /// Normal curvature along u, 1/length.
+    /// Normal curvature of the object along u, 1/length.
     pub normal_curvature_u: Measured,
-    /// Normal curvature along v, 1/length.
+    /// Normal curvature of the object along v, 1/length.
     pub normal_curvature_v: Measured,
-    /// Gaussian curvature, 1/length².
+    /// Gaussian curvature of the object, 1/length².
     pub gaussian_curvature: Measured,
-    /// Mean curvature, 1/length.
+    /// Mean curvature of the object, 1/length.
     pub mean_curvature: Measured,
     /// Mean length of the shifts, in the length unit of the readings.
     pub arc_length: f64,

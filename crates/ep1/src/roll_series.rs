@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::SeriesError;
 
-/// One sample of a roll.
+/// One sample of a roll: time, rotation of the probe, and place of the contact or pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollSample {
     /// Time since the start of the roll, s.
@@ -90,9 +90,9 @@ impl PadCell {
 /// Meaning of the places in the samples: centres of pads or contact points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Places {
-    /// Centres of active pads.
+    /// The places are the centres of active pads, each with this area.
     Pads(PadCell),
-    /// Contact points.
+    /// The places are contact points.
     Contacts {
         /// Standard deviation of each coordinate of a contact point, length. If this and all other stated noise is 0,
         /// the method estimates the standard deviation from the residuals.

@@ -33,7 +33,7 @@ pub enum SeriesError {
         sample: usize,
         /// Time of the sample, s.
         time_s: f64,
-        /// Time of the sample before, s.
+        /// Time of the previous sample, s.
         last_s: f64,
     },
     /// The contact point or pad of a sample is more than half a turn from the pads' origin.

@@ -20,7 +20,7 @@ impl Symmetric {
         self.uu * self.vv - self.uv * self.uv
     }
 
-    /// The smaller eigenvalue.
+    /// The smaller eigenvalue of this matrix.
     pub(crate) fn least(&self) -> f64 {
         let half = 0.5 * (self.uu - self.vv);
         0.5 * (self.uu + self.vv) - libm::hypot(half, self.uv)
@@ -52,7 +52,7 @@ impl Symmetric {
         ]
     }
 
-    /// Adds `weight` times `other`.
+    /// Adds the matrix `other`, multiplied by `weight`, to this matrix.
     pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         self.uu += weight * other.uu;
         self.uv += weight * other.uv;

@@ -29,8 +29,8 @@ const MAX_REST_EXTENT: f64 = 3.0;
 const MAX_SHORT_BREAKS: f64 = 0.2;
 /// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
 const MAX_GAPS: usize = 4;
-/// When the strokes used so far contain this number of residuals, no further stroke is used to estimate the
-/// correlation.
+/// Number of residuals that is sufficient to estimate the correlation. When the strokes used so far contain this
+/// number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag for which the correlation of residuals is computed, as a number of residuals.
 const MAX_LAG: usize = 1000;

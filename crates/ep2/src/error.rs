@@ -29,7 +29,7 @@ pub enum Ep2Error {
         /// Index of the contact, counted from 0.
         contact: usize,
     },
-    /// A weight is not above 0.
+    /// The weight of a contact is not above 0.
     #[error(
         "contact {contact} (counting from 0): the weight is {weight}; it must be > 0",
         weight = Number(*weight)

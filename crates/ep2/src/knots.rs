@@ -1,6 +1,6 @@
 //! B-splines of one variable, and their knots.
 
-/// Highest degree of a spline.
+/// Highest degree of a spline that this module supports.
 pub(crate) const MAX_DEGREE: usize = 5;
 
 /// Values of the `degree + 1` B-splines that are not zero at a place. The remaining entries of the array are 0.
@@ -36,7 +36,7 @@ impl Knots {
         Self::new(degree, start, end, &interior)
     }
 
-    /// Degree of the polynomials.
+    /// Degree of the polynomials between the knots.
     pub(crate) const fn degree(&self) -> usize {
         self.degree
     }
@@ -46,7 +46,7 @@ impl Knots {
         &self.knots
     }
 
-    /// The interior knots.
+    /// The interior knots, without the repeated ends of the interval.
     pub(crate) fn interior(&self) -> &[f64] {
         &self.knots[self.degree + 1..self.knots.len() - self.degree - 1]
     }

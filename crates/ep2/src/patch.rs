@@ -118,7 +118,7 @@ pub struct Patch {
     /// Mean distance between neighbouring fingers, measured across their travel, in the patch's unit; `None` for a
     /// single finger.
     pub finger_distance: Option<f64>,
-    /// Number of fingers.
+    /// Number of fingers that made the contacts.
     pub fingers: usize,
 }
 

@@ -32,11 +32,11 @@ use weight::{Choice, Search};
 const MAX_INTERVALS: usize = 24;
 /// Largest number of knot intervals per side that is chosen automatically.
 const MAX_DEFAULT_INTERVALS: usize = 12;
-/// Largest ratio of the number of coefficients to the number of equations for an automatic number of intervals.
+/// Largest number of coefficients per equation, if the number of knot intervals is chosen automatically.
 const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
-/// If the ratio of the effective degrees of freedom to the number of coefficients exceeds this value, the automatic
-/// number of intervals is doubled. In this case, the contacts are so exact that the approximation error of the spline
-/// becomes visible.
+/// Largest accepted ratio of the effective degrees of freedom to the number of coefficients. If the ratio is larger,
+/// the automatic number of intervals is doubled. In this case, the contacts are so exact that the approximation error
+/// of the spline becomes visible.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
 /// The series of the posterior has more coefficients than the spline: at least this number more. Therefore the series
 /// can represent shapes that the spline cannot.

@@ -5,7 +5,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// If the coherence of a region's directions is below this value, the region has no mean direction.
+/// Smallest coherence of a region's directions for which the region has a mean direction.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map that is divided into regions of one shape class.

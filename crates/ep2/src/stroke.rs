@@ -37,7 +37,7 @@ type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 pub struct StrokeCurvature {
     /// Normal curvature along the stroke, 1/length; positive if the object is convex.
     pub value: f64,
-    /// Standard error of the curvature.
+    /// Standard error of the normal curvature, 1/length.
     pub std: f64,
     /// Half-width of the 95 % interval, as a number of standard errors.
     pub half_width: f64,

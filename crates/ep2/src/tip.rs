@@ -13,7 +13,7 @@ pub enum TipPoint {
     /// direction opposite to the object's outward direction.
     #[default]
     Lowest,
-    /// The centre of the tip.
+    /// The readings report the centre of the tip.
     Centre,
 }
 

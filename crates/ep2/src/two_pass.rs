@@ -12,10 +12,10 @@ use crate::{Ep2Error, Fit, Method, MisfitTest, Patch, Penalised, Sample, Status}
 /// The normals from which the tangents of the second pass are computed. A tangent is perpendicular to its normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TangentNormals {
-    /// The normals of the contacts; if there are none, the normals of the first fit.
+    /// The normals of the contacts; if there are none, the normals of the first spline.
     #[default]
     Measured,
-    /// The normals of the first fit.
+    /// The normals of the first spline.
     FirstFit,
 }
 

@@ -1,4 +1,4 @@
-//! Errors of surfaces.
+//! The error types of surfaces, and checks of their parameters.
 
 use std::ops::RangeInclusive;
 
@@ -23,9 +23,9 @@ pub enum SurfaceError {
     /// smooth there.
     #[error("the chart is singular {}", place([("u", u), ("v", v)]))]
     ChartSingular {
-        /// First parameter of the chart.
+        /// Value of the chart's first parameter.
         u: f64,
-        /// Second parameter of the chart.
+        /// Value of the chart's second parameter.
         v: f64,
     },
     /// Several points of the surface are equally close to the query point. An example is a query point at the centre of

@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 pub enum Meridian {
     /// The curve `z = −c r²` of a paraboloid or of a section of a saddle; the parameter is `r`.
     Paraboloid {
-        /// Coefficient, 1/length; negative for a bowl.
+        /// Coefficient c of the curve, 1/length; negative for a bowl.
         c: f64,
     },
     /// The curve `r = a sin φ`, `height = c cos φ` of a spheroid or of a section of an ellipsoid, from its pole. `a` is

@@ -58,7 +58,7 @@ pub trait Visitor {
     /// Type of the result that [`Visitor`] computes.
     type Out;
 
-    /// Runs the computation on one surface.
+    /// Runs the computation on the surface `surface`.
     fn visit<S: Surface>(self, surface: &S) -> Self::Out;
 }
 

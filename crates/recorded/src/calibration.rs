@@ -29,7 +29,7 @@ struct Located<P> {
 /// Calibration points: stated displacements of markers, and the measured changes of the markers' images.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibrationPoints {
-    /// Name of the file, for messages.
+    /// Name of the file that contains the points, for messages.
     file: String,
     unit: Option<LengthUnit>,
     normal: Vec<Located<NormalPoint>>,

@@ -56,7 +56,7 @@ fn is_determined(camera: &CameraEstimate) -> bool {
 pub(super) struct MarkersAtRest {
     /// The camera that was fitted to the markers.
     pub(super) camera: CameraEstimate,
-    /// Warning if markers are missing.
+    /// Warning if markers of the layout are missing in the frame.
     pub(super) missing: Option<Warning>,
     /// Image of each marker of the layout; `None` if it is not completely in the frame.
     pub(super) pictures: Vec<Option<Seen>>,

@@ -14,7 +14,7 @@ use super::layout_matching::CAMERA;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraEstimate {
-    /// Unit of all lengths.
+    /// Unit of all lengths in this estimate.
     pub length_unit: LengthUnit,
     /// Position of the camera relative to the sensor's centre (length). The first two coordinates are parallel to the
     /// chart axes at the apex; the third is toward the apex.

@@ -169,19 +169,19 @@ pub struct FramePair {
 /// Number of markers with each tracking status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct TrackCounts {
-    /// Markers in the frame at rest.
+    /// Number of markers in the frame at rest.
     pub at_rest: usize,
-    /// Markers that were found in both frames.
+    /// Number of markers that were found in both frames.
     pub tracked: usize,
-    /// Markers that were not found in the pressed frame.
+    /// Number of markers that were not found in the pressed frame.
     pub lost: usize,
-    /// Markers that merged with another marker in the pressed frame.
+    /// Number of markers that merged with another marker in the pressed frame.
     pub merged: usize,
-    /// Markers that were found in several pieces in the pressed frame.
+    /// Number of markers that were found in several pieces in the pressed frame.
     pub split: usize,
-    /// Markers in the pressed frame without a counterpart at rest.
+    /// Number of markers in the pressed frame without a counterpart in the frame at rest.
     pub new: usize,
-    /// Markers at rest that are only partly in the frame; they are not tracked.
+    /// Number of markers at rest that are only partly in the frame; these markers are not tracked.
     pub cut_at_rest: usize,
 }
 

@@ -20,9 +20,9 @@ const MAX_COMPONENTS: usize = 4;
 enum Rows<'a> {
     /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows.
     Sequence(Text<'a>),
-    /// The rows.
+    /// The rows of the table, already parsed.
     Records(Vec<Json>),
-    /// The values of each column.
+    /// For each column of the table, its values.
     Columns(Vec<Vec<Json>>),
 }
 

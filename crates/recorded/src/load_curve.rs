@@ -28,7 +28,7 @@ const LEAST_NOISE: f64 = 1e-10;
 /// contact pass the test with this probability. There is a warning if the readings fail the test.
 const LEVEL: f64 = 0.995;
 
-/// A recorded load curve.
+/// A recorded load curve: the forces that were measured at several indentations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadCurve {
     source: ReadingSource,

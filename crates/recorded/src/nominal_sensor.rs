@@ -48,11 +48,11 @@ pub(super) struct NominalSensor<'a> {
 pub(super) struct CameraGeometry {
     /// Image centre, px: the point where the camera's axis meets the image.
     pub(super) centre_px: [f64; 2],
-    /// Focal length, px per radian.
+    /// Focal length of the lens, px per radian.
     pub(super) px_per_rad: f64,
     /// Position of the camera relative to the sensor's centre (length).
     pub(super) place: [f64; 3],
-    /// Turn of the camera, degrees.
+    /// Rotation of the camera about three axes, degrees.
     pub(super) turn_deg: [f64; 3],
     /// Odd terms of the lens.
     pub(super) odd_terms: OddTerms,

@@ -11,7 +11,7 @@ use super::text_table::{Record, RowResult};
 use super::zip_archive;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// Maximum number of columns.
+/// Maximum number of columns of a table.
 const MAX_COLUMNS: usize = 1_000;
 
 /// Type of the elements of an array: letter, size in bytes and byte order.
@@ -97,7 +97,7 @@ struct ArrayColumn {
 
 /// A table that consists of the columns of one or several arrays.
 pub(super) struct NumpyTable<'a> {
-    /// Data of each array.
+    /// Bytes of the elements of each array.
     arrays: Vec<Cow<'a, [u8]>>,
     columns: Vec<ArrayColumn>,
     rows: usize,

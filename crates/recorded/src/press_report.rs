@@ -45,7 +45,7 @@ pub(super) struct Row {
     pub(super) row: usize,
     /// Line of the row in the file; `null` for arrays.
     pub(super) line: Option<usize>,
-    /// Texts of this row in the columns that palpate does not use, by the name of the column.
+    /// For each column that palpate does not use: its name, and its text in this row.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) columns: BTreeMap<String, String>,
 }
@@ -75,7 +75,7 @@ pub struct PressReport {
     pub(super) length_unit: &'static str,
     /// Relative curvature 1/R_s + 1/R_o, with the sensor's radius R_s and the object's radius R_o.
     pub(super) relative_curvature: Value,
-    /// Inverse of the relative curvature.
+    /// Effective radius of the contact: the inverse of `relative_curvature`.
     pub(super) effective_radius: Value,
     /// Curvature 1/R_o of the object, positive if the object is convex.
     pub(super) object_curvature: Value,

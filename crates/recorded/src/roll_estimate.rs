@@ -30,7 +30,7 @@ struct UnresolvedProbe {
     /// not given, or if the pitch is so coarse that there is no bound.
     radius_below: Option<f64>,
     unit: &'static str,
-    /// Texts of the probe's row in the columns that palpate does not use, by the name of the column.
+    /// For each column that palpate does not use: its name, and its text in the row of the probe.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
 }

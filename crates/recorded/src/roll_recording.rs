@@ -474,7 +474,7 @@ fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
 struct Roll<'a> {
     probe: u64,
     row: usize,
-    /// Time of the first row.
+    /// Time of the first row of the roll.
     start_s: f64,
     start: (usize, &'a [f64]),
     end: (usize, &'a [f64]),
@@ -546,7 +546,7 @@ fn is_rolling(rolls: &[Turned]) -> bool {
 /// Kind of a table of rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// One row per probe.
+    /// A table with one row per probe.
     Rows,
     /// A time series per probe. Its columns contain the shift of the contact since the start of the series.
     Pads,

@@ -22,7 +22,7 @@ pub enum RotationFrame {
     World,
 }
 
-/// Parses the name of a frame.
+/// Parses the name of a frame of reference.
 impl FromStr for RotationFrame {
     type Err = String;
 

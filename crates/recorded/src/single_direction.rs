@@ -30,8 +30,8 @@ pub struct DirectedCurvature {
 /// impossible.
 ///
 /// Let g be the direction in which the probe is driven, and b the path of the contact per radian. The relative
-/// curvature along b is b·g/(|b|²|g|). It does not depend on the curvature across b, so the additional roll does not
-/// change it.
+/// curvature along b is b·g/(|b|²|g|). This curvature does not depend on the curvature across b, so the additional roll
+/// has no effect on it.
 pub(super) fn single_direction(
     readings: &[ProbeReading],
     probe_radius: f64,

@@ -143,7 +143,7 @@ pub(super) fn finite<const D: usize>(
     Err(not_finite(array, place, rows[row][column]))
 }
 
-/// Error for a number in an array that is not finite.
+/// Error for a number that is not finite, at the index `index` of an array.
 pub(super) fn not_finite(array: &'static str, index: Vec<usize>, value: f64) -> RecordedError {
     RecordedError::Array {
         array,

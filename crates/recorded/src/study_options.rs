@@ -21,15 +21,15 @@ pub enum StudyMismatch {
     Kind {
         /// Kind of scene that is needed for the readings.
         needed: &'static str,
-        /// Kind of the study's scene.
+        /// Kind of scene in the study.
         found: &'static str,
     },
     /// The lengths of the study cannot be converted to the unit of the readings.
     #[error("is {}, but the readings are in {}", study.as_str(), readings.as_str())]
     Unit {
-        /// Unit of the study.
+        /// Unit of lengths in the study.
         study: LengthUnit,
-        /// Unit of the readings.
+        /// Unit of lengths in the readings.
         readings: LengthUnit,
     },
     /// A field of the study is invalid.

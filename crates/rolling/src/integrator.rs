@@ -31,7 +31,7 @@ pub(crate) trait System<const N: usize> {
 pub(crate) struct Integrated<const N: usize> {
     /// The state at the end.
     pub(crate) state: [f64; N],
-    /// Number of evaluations of the derivative.
+    /// Number of evaluations of the derivative during the integration.
     pub(crate) evaluations: usize,
 }
 

@@ -18,7 +18,7 @@ pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
 /// Tolerance of a step, relative to the tolerance of a roll. It is smaller than 1 because the errors of steps may grow
 /// during a roll.
 const STEP_SHARE: f64 = 0.1;
-/// Smallest tolerance of a step.
+/// Smallest tolerance of a step of DOP853.
 const MIN_STEP_TOLERANCE: f64 = 1e-15;
 /// Maximum number of steps of an integration.
 const MAX_STEPS: usize = 100_000;

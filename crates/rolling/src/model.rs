@@ -16,7 +16,8 @@ pub const TOLERANCES: [f64; 14] = [
 pub enum Model {
     /// The cheapest model whose error is within `tolerance`. The error is relative to the contact's length scale.
     Auto {
-        /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
+        /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
+        /// [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
         /// Form of the contact equations, which is used if the chosen model is an integrator.
         chart: Chart,
@@ -29,14 +30,15 @@ pub enum Model {
     Rk4 {
         /// Number of steps per motion, at least 1.
         steps: usize,
-        /// Form of the contact equations.
+        /// Form of the contact equations that are integrated.
         chart: Chart,
     },
     /// The integrator DOP853, which adapts its steps to a tolerance.
     Dop853 {
-        /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
+        /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
+        /// [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
-        /// Form of the contact equations.
+        /// Form of the contact equations that are integrated.
         chart: Chart,
     },
 }
@@ -100,12 +102,12 @@ pub enum InvalidRoll {
     /// The model that the user has set cannot compute these rolls.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
-        /// Name of the model.
+        /// Name of the model that the user has set.
         rung: &'static str,
         /// Reason why the model cannot compute the rolls, as text.
         reason: String,
     },
-    /// The tolerance is out of range.
+    /// The stated tolerance is out of its range.
     #[error(
         "tolerance is {tolerance}; it must be from {} to {}",
         Number(Model::SMALLEST_TOLERANCE),
@@ -113,7 +115,7 @@ pub enum InvalidRoll {
         tolerance = Number(*tolerance)
     )]
     Tolerance {
-        /// Value of the tolerance.
+        /// The stated tolerance, which is out of its range.
         tolerance: f64,
     },
 }

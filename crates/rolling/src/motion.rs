@@ -85,7 +85,7 @@ impl Motion {
 /// Sine and cosine of an angle, exact at multiples of a quarter turn. Therefore a roll along an axis does not deviate
 /// from the axis.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// An angle is recognised as a multiple of a quarter turn only up to this number of quarter turns. Up to this
+    /// Largest number of quarter turns for which an angle is recognised as a multiple of a quarter turn. Up to this
     /// limit, the rounding error of an angle is below 1e-12 quarter turns.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;

@@ -14,7 +14,7 @@ const RELATIVE_TOLERANCE: f64 = 1e-12;
 const MIN_INTERVALS: usize = 4;
 const MAX_INTERVALS: usize = 128;
 
-/// One instant of a roll.
+/// Displacement of the contact and rotation of the probe at one instant of a roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
     /// Great-circle displacement of the contact on the probe, from its first contact (logarithm map).

@@ -30,9 +30,9 @@ use palpate_study::{Column, FieldError, Table};
 /// ```
 #[derive(Clone, Debug)]
 pub struct CutPattern {
-    /// The drawing as SVG, in millimetres.
+    /// The drawing of the pattern as SVG, in millimetres.
     pub svg: String,
-    /// The drawing as DXF, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`.
+    /// The drawing of the pattern as DXF, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`.
     pub dxf: String,
     /// Number of gores around the sphere.
     pub gores: u32,

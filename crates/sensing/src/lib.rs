@@ -34,15 +34,15 @@ pub use wrist::Wrist;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u64)]
 pub enum Channel {
-    /// Error of the angular velocity.
+    /// Error of the angular velocity of a rolling probe.
     AngularVelocity = 1,
     /// Position of the first contact relative to the pads.
     PadOffset = 2,
     /// Error of the contact point that a force and torque sensor in the wrist infers.
     WristContact = 3,
-    /// Error of a sensed position.
+    /// Error of a position that a fingertip sensor reports.
     Position = 4,
-    /// Error of a sensed normal.
+    /// Error of a surface normal that a fingertip sensor reports.
     Normal = 5,
     /// Error of a marker's displacement along the skin's normal.
     NormalDisplacement = 6,
@@ -70,7 +70,7 @@ pub enum Channel {
     Sensor = 17,
     /// Position between two encoder steps at which a roll starts.
     EncoderPhase = 18,
-    /// Error of a measured rotation.
+    /// Error of a measured rotation that is drawn once for each roll.
     Rotation = 19,
     /// Error of a rotation that is drawn for each sample of a roll.
     RotationSample = 20,

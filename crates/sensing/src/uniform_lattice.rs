@@ -33,7 +33,7 @@ pub struct UniformLattice {
 const GOLDEN_TURN: u64 = 0x9E37_79B9_7F4A_7C15;
 /// The golden ratio Φ.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
-/// Largest number of pads.
+/// Largest number of pads on the whole sphere.
 const MOST_PADS: f64 = 1e15;
 
 impl UniformLattice {

@@ -21,7 +21,7 @@ impl Draws {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    /// The readings with Gaussian noise added.
+    /// Adds Gaussian noise to the readings, and returns them.
     pub(crate) fn noisy(
         &mut self,
         exact: &[ProbeReading],

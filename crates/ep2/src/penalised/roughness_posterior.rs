@@ -54,7 +54,7 @@ const MAX_INFORMATION: f64 = 1e11;
 pub(super) struct SeriesProblem<'a> {
     pub(super) equations: &'a SeriesEquations,
     pub(super) degree: usize,
-    /// Number of observations in the equations.
+    /// Number of observations (heights and slopes) in the equations.
     pub(super) observations: usize,
     /// Whether the variances of the contacts' errors are stated. If not, only the ratio between heights and slopes is
     /// used.
@@ -286,7 +286,7 @@ pub(super) fn likeliest_process(problem: &SeriesProblem<'_>) -> Result<DMatrix<f
     Ok(process)
 }
 
-/// Largest logarithm of the candidates' probabilities.
+/// Largest of the logarithms of the candidates' probabilities.
 fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f64 {
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }

@@ -29,7 +29,7 @@ pub(super) struct Spectrum {
     pub(super) right: Vec<f64>,
     /// Weighted sum of the squared deviations of all observations from the quadric.
     pub(super) square: f64,
-    /// Number of observations in the equations.
+    /// Number of observations (heights and slopes) in the equations.
     pub(super) equations: f64,
 }
 

@@ -18,8 +18,8 @@ const MIN_DECREASE: f64 = 1e-4;
 /// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller values are treated as
 /// rounding errors.
 const MIN_STD: f64 = 1e-9;
-/// Largest allowed ratio of the estimated variances of normals and positions, and of the inverse of this ratio.
-/// Positions are in the unit of the spread.
+/// Largest allowed ratio of the estimated variances of normals and positions, whichever variance is larger. Positions
+/// are in the unit of the spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 /// Smallest share of the variance of normals that is attributed to errors of the normals themselves. The rest is
 /// attributed to errors of positions.
@@ -30,7 +30,7 @@ const RANK_TOLERANCE: f64 = 1e-12;
 const START_CONTACTS: usize = 600;
 /// Number of subsets of contacts from which a robust fit starts.
 const SUBSETS: u64 = 60;
-/// Number of contacts in a subset.
+/// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
 /// Number of iterations of the fit to a subset of the contacts.
 const SUBSET_ITERATIONS: usize = 15;
@@ -55,7 +55,7 @@ pub(super) type StatedNoise = [Option<f64>; 2];
 pub(super) struct Solution {
     pub(super) pose: Pose,
     pub(super) equations: Equations,
-    /// Variances of positions and of normals.
+    /// Variances of the errors of positions and of normals.
     pub(super) variances: [f64; 2],
     /// Inverse of the weighted normal equations.
     pub(super) inverse: Gram,

@@ -82,7 +82,7 @@ impl<'a> Observations<'a> {
         self.units[0] * self.units[1]
     }
 
-    /// Number of points.
+    /// Number of points to which the spline is fitted.
     pub(super) fn len(&self) -> usize {
         self.points.len()
     }

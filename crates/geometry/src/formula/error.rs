@@ -68,7 +68,7 @@ pub enum FormulaErrorKind {
     /// A function call with too few or too many arguments.
     #[error("`{function}` takes {expected} argument{}, not {found}", if *.expected == 1 { "" } else { "s" })]
     WrongArity {
-        /// Name of the function.
+        /// Name of the called function.
         function: String,
         /// Number of arguments that the function takes.
         expected: usize,

@@ -1,4 +1,4 @@
-//! The plane.
+//! The horizontal plane.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 

@@ -1,5 +1,5 @@
-//! The same contacts in the file formats of other programs. The estimates are equal, and the settings that messages
-//! propose work.
+//! Reads the same contacts from the file formats of other programs. The estimates must be equal. If a message proposes
+//! a setting, the file must be readable with this setting.
 
 use palpate_recorded::{
     Form, GlideOptions, RecordedFile, column_names, estimate_glide, parse_glide,

@@ -51,12 +51,12 @@ pub enum InvalidTouch {
     /// The model that the user has set cannot compute the contacts of this fingertip with this object.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
-        /// Name of the model.
+        /// Name of the model that the user has set.
         rung: &'static str,
         /// Reason why the model cannot compute the contacts, as text.
         reason: String,
     },
-    /// The tolerance is out of range.
+    /// The stated tolerance is out of its range.
     #[error(
         "tolerance is {tolerance}; it must be from {} to {}",
         Number(Model::SMALLEST_TOLERANCE),

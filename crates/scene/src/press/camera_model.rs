@@ -43,11 +43,11 @@ pub(super) enum CameraModel {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ImageNoise {
-    /// Error of the hue and of the mean hue, turns.
+    /// Error of a marker's hue and of its mean hue, turns.
     hue: GaussianError,
-    /// Error of each coordinate of the centroid, px.
+    /// Error of each coordinate of a marker's centroid, px.
     centroid: GaussianError,
-    /// Relative error of the size.
+    /// Relative error of the size of a marker's image.
     size: GaussianError,
 }
 

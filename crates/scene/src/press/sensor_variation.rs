@@ -16,8 +16,8 @@ use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
 
-/// Trial numbers seed the noise of frames. If each trial has its own sensor, it reserves this number of trial numbers
-/// for its frames. The reserved numbers are smaller than the numbers for frames that all trials share.
+/// Trial numbers seed the noise of frames. If each trial has its own sensor, each trial reserves this number of trial
+/// numbers for its frames. The reserved numbers are smaller than the numbers for frames that all trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
 
 /// Trial number that seeds the noise of the first frame at rest, for the sensor that belongs to trial `trial`.

@@ -115,7 +115,7 @@ impl TouchedObject {
 pub(super) struct PressGeometry {
     pub(super) object: TouchedObject,
     pub(super) indentation: f64,
-    /// Chart coordinates of the contact.
+    /// Chart coordinates of the contact on the skin.
     pub(super) at: [f64; 2],
     /// Sideways displacement of the object along x, after it has touched the skin (length).
     pub(super) shift: f64,
