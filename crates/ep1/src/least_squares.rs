@@ -267,8 +267,9 @@ impl LeastSquares {
         }))
     }
 
-    /// Computes the estimates of the first `count` sets of `moments`. They equal the results of
-    /// [`LeastSquares::estimate`] to the last bit. Returns the number of estimates before the first undetermined one.
+    /// Computes the estimates of the first `count` sets of `moments`. These estimates equal the results of
+    /// [`LeastSquares::estimate`] to the last bit. Returns the number of estimates before the first undetermined
+    /// estimate.
     ///
     /// The function is always inlined, so that it is compiled for the vector instructions of its caller.
     #[inline(always)]

@@ -135,8 +135,8 @@ impl Law {
             .plus(&self.from_rotations, &travel.square())
     }
 
-    /// Standard errors of K_uu, K_vv, the Gaussian and the mean curvature. They are in units of `unit` = `K₁ / det²`,
-    /// where `det` is the determinant of `travel` = `K₁ B`.
+    /// Standard errors of K_uu, K_vv, the Gaussian and the mean curvature. The results are in units of `unit` = `K₁ /
+    /// det²`, where `det` is the determinant of `travel` = `K₁ B`.
     ///
     /// The residual of a probe is `e − B δg` for the shift error `e` and the rotation error `δg`. Therefore the
     /// covariance of B is linear in `B²`, and `δK₂ = −K_rel δB K_rel`. A quantity with the gradient `G` with respect to

@@ -128,8 +128,8 @@ impl Knots {
     }
 }
 
-/// Derivatives of order `degree − lower` of the B-splines of the full degree. They are computed from the values of the
-/// B-splines of degree `lower`.
+/// Derivatives of order `degree − lower` of the B-splines of the full degree. These derivatives are computed from the
+/// values of the B-splines of degree `lower`.
 #[inline(always)]
 fn differences(
     knots: &[f64],

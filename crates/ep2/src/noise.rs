@@ -63,8 +63,8 @@ pub(crate) struct Kinds<T> {
     pub(crate) slopes: T,
 }
 
-/// Variances of the errors of a height and of a slope, in the patch's unit of length. They are valid where the surface
-/// is level.
+/// Variances of the errors of a height and of a slope, in the patch's unit of length. These variances are valid where
+/// the surface is level.
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {

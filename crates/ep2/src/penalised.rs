@@ -339,8 +339,9 @@ impl Basis {
 }
 
 /// Automatic numbers of knot intervals along u and along v, as large as the limit on the coefficients per equation
-/// allows. Both numbers are equal, but across the fingers' travel there are at most as many intervals as gaps between
-/// fingers. More intervals would not be determined, because the contacts of one finger are nearly on a line.
+/// allows. Both numbers are equal, with one exception: across the fingers' travel, there are at most as many intervals
+/// as gaps between fingers. More intervals would not be determined, because the contacts of one finger are nearly on a
+/// line.
 fn default_intervals(patch: &Patch) -> [usize; 2] {
     let gaps = match patch.fingers {
         1 => MAX_DEFAULT_INTERVALS,

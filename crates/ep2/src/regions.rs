@@ -40,8 +40,9 @@ pub struct Region {
 /// Divides a map of `side` × `side` points into regions. The neighbours of a point are the adjacent points in the same
 /// row and in the same column.
 ///
-/// # Errors [`Ep2Error::BadSetting`] unless there are `side`² points; [`Ep2Error::OutOfRange`] if a number of a point
-/// is not finite, or if a result computed from the points is not.
+/// # Errors
+/// [`Ep2Error::BadSetting`] unless there are `side`² points; [`Ep2Error::OutOfRange`] if a number of a point is not
+/// finite, or if a result computed from the points is not.
 pub fn regions(
     side: usize,
     points: &[MapPoint],

@@ -47,8 +47,8 @@ pub(super) const CONTRADICTION: f64 = 25.0;
 /// If the reduced χ² of the fit is above this value, the uncertainties are multiplied by the square root of the reduced
 /// χ².
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
-/// Start values of the camera's height that are tried in addition to the nominal height. They are differences from the
-/// nominal height, in prior standard deviations.
+/// Start values of the camera's height that are tried in addition to the nominal height. The values are differences
+/// from the nominal height, in prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;

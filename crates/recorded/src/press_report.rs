@@ -109,9 +109,9 @@ pub struct PressReport {
     pub(super) noise: PressNoise,
     /// Share of the variance of the normal displacements that the fit explains.
     pub(super) r_squared: f64,
-    /// Whether the displacements alone show a contact. If they do not, the interval contains the curvatures of all
-    /// possible contacts. These contacts have the stated indentation, lie within the area of the markers, and are
-    /// compatible with the displacements.
+    /// Whether the displacements alone show a contact. If the displacements do not show a contact, the interval
+    /// contains the curvatures of all possible contacts. These contacts have the stated indentation, lie within the
+    /// area of the markers, and are compatible with the displacements.
     pub(super) contact_seen: bool,
     /// Warnings: contradictions between the readings and the model, each with its p-value, and likely mistakes.
     pub(super) warnings: Vec<Warning>,

@@ -1,5 +1,5 @@
-//! Rolls that all have the same direction. They determine the object's normal curvature along the path of the contact,
-//! but not across it.
+//! Rolls that all have the same direction. Such rolls determine the object's normal curvature along the path of the
+//! contact, but not across this path.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 use palpate_ep1::{Estimate, ProbeReading};

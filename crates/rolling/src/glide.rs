@@ -121,8 +121,8 @@ impl Glider {
         &self.object
     }
 
-    /// The contact of a tip that is lowered vertically with its centre above `(x, y)`. This is the first contact on the
-    /// way down, on the same side of the object as [`Surface::contact_at`].
+    /// The contact of a tip that is lowered vertically with its centre above `(x, y)`. The result is the first contact
+    /// on the way down. It is on the same side of the object as the point of [`Surface::contact_at`].
     ///
     /// On planes, spheres, dishes and cylinders, the contact is computed by exact formulas. On other objects, Newton's
     /// method finds it, starting below the tip. On ellipsoids and tori, the tip fits at only one contact.

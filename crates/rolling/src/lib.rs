@@ -10,10 +10,10 @@
 //! | RK4 | all rolls | measured against a finer integration when the model is chosen |
 //! | DOP853 | all rolls | its tolerance, or measured as for RK4 |
 //!
-//! These errors are for one turn of the probe. They grow with the number of turns. If the bodies nearly conform, the
-//! errors are larger by the factor `(1/R₁ + |k|)/(1/R₁ + k)`. Here R₁ is the radius of the probe, and k is the smallest
-//! curvature of the object. Rounding errors of positions are relative to the object's size. Paths shorter than 1e-150
-//! count as zero.
+//! These errors are for one turn of the probe. The errors grow with the number of turns. If the bodies nearly conform,
+//! the errors are larger by the factor `(1/R₁ + |k|)/(1/R₁ + k)`. Here R₁ is the radius of the probe, and k is the
+//! smallest curvature of the object. Rounding errors of positions are relative to the object's size. Paths shorter than
+//! 1e-150 count as zero.
 //!
 //! By default, the integrators RK4 and DOP853 use equations without charts, which have no poles. They can also use
 //! Montana's equations in charts.

@@ -13,8 +13,8 @@ const LAYERS: usize = 16;
 const IMAGES: usize = 1 << 17;
 
 /// Cache of values, each with a key. The first thread that needs a value computes it, and other threads that need the
-/// same value wait. If the total size exceeds `room`, the least recently used values are removed. They are computed
-/// again when they are needed.
+/// same value wait. If the total size exceeds `room`, the least recently used values are removed. Removed values are
+/// computed again when they are needed.
 #[derive(Debug)]
 struct Cache<K, V> {
     room: usize,

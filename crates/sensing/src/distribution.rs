@@ -69,7 +69,7 @@ impl GaussianError {
         Ok(Self { bias, ..self })
     }
 
-    /// Mean of the error.
+    /// Mean of the error (bias).
     pub const fn bias(&self) -> f64 {
         self.bias
     }

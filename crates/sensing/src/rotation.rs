@@ -90,7 +90,8 @@ impl AngularVelocityError {
         self.distribution.std(self.fraction)
     }
 
-    /// Draws the errors of `(ω_x, ω_y)` for an angular speed |ω| in rad/s. They are finite for speeds up to 1e150.
+    /// Draws the errors of `(ω_x, ω_y)` for an angular speed |ω| in rad/s. The errors are finite for speeds up to
+    /// 1e150.
     #[inline]
     pub fn draw(&self, stream: &mut Stream, rate_rad_per_s: f64) -> Vector2<f64> {
         let size = self.fraction * rate_rad_per_s;

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::Channel;
 use crate::normal_deviates::{PAIRS, normals};
 
-/// The random numbers of one channel in one trial. They depend only on seed, trial and channel.
+/// The random numbers of one channel in one trial. These numbers depend only on seed, trial and channel.
 ///
 /// The generator is SplitMix64 (Steele, Lea and Flood, 2014), whose start is a hash of seed, trial and channel. Word k
 /// is `mix(key + k STEP)`, so words can be computed in parallel. All streams are parts of one cycle of 2^64 words.
@@ -89,8 +89,8 @@ impl Stream {
     }
 
     /// Independent normal numbers in single precision, with mean 0, standard deviation 1 and absolute values up to
-    /// 6.67. They are computed with vector instructions, several times as fast as single draws. One random word gives
-    /// two numbers.
+    /// 6.67. The numbers are computed with vector instructions, several times as fast as single draws. One random word
+    /// results in two numbers.
     #[inline(always)]
     pub fn standard_normals(&mut self) -> [f32; Self::NORMALS] {
         palpate_statistics::work::drew(PAIRS as u64);

@@ -7,8 +7,8 @@ use crate::chebyshev::{count, derivative, products, values};
 use crate::noise::Variances;
 use crate::square_quadric::{Square, SquareQuadric};
 
-/// Normal equations for the coefficients of a series that describes the deviation of the surface from a quadric. They
-/// contain heights and slopes, weighted with their inverse variances.
+/// Normal equations for the coefficients of a series that describes the deviation of the surface from a quadric. The
+/// equations contain heights and slopes, weighted with their inverse variances.
 pub(super) struct SeriesEquations {
     pub(super) gram: DMatrix<f64>,
     pub(super) right: DVector<f64>,

@@ -7,7 +7,8 @@ use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector2, Vector3, Vector4};
 use super::pose::{Cloud, Pose};
 use crate::Shape;
 
-/// Number of directions that are compared as the axis of a cylinder. They are evenly distributed over the hemisphere.
+/// Number of directions that are compared as the axis of a cylinder. The directions are evenly distributed over the
+/// hemisphere.
 const DIRECTIONS: usize = 60;
 /// Number of directions from which fits of a cylinder start. They are the compared directions that fit the contacts
 /// best.

@@ -105,8 +105,8 @@ impl Mesh {
     }
 }
 
-/// Equations that make a spline smooth. They require that the jumps of the highest derivative at the knots are 0, along
-/// both axes.
+/// Equations that make a spline smooth. The equations require that the jumps of the highest derivative at the knots are
+/// 0, along both axes.
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
