@@ -30,7 +30,7 @@ pub(crate) struct Run {
     pub(crate) centre: Vector2<f64>,
 }
 
-/// A crossing of the edge `normal · place = offset`.
+/// A crossing of the pad edge `normal · place = offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     pub(crate) normal: Vector2<f64>,

@@ -106,7 +106,7 @@ impl Posterior {
 struct Maps {
     /// Maps to the first derivatives with respect to u and v.
     slopes: [SparseMap; 2],
-    /// Maps from a first derivative to its derivatives with respect to u and v.
+    /// Maps from the coefficients of a first derivative to those of its derivatives with respect to u and v.
     bends: [SparseMap; 2],
 }
 

@@ -1,4 +1,4 @@
-//! Smoothing splines for scattered heights, with knots where the data require them.
+//! Smoothing splines for the heights of scattered points, with knots where the data require them.
 //!
 //! The method is by Dierckx (An algorithm for surface-fitting with spline functions, IMA J. Numer. Anal. 1, 1981; Curve
 //! and Surface Fitting with Splines, 1993, chapter 5) and is implemented in FITPACK. Among all splines whose sum of

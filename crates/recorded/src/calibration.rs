@@ -156,9 +156,9 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
 /// Stated displacements of the marker under the contact, one for each pressed frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KnownDisplacements {
-    /// Displacement of the marker into the skin in each pressed frame (length); `None` if not stated.
+    /// Displacement of the marker into the skin in each pressed frame (length); `None` if it is not stated.
     pub normal: Option<Vec<f64>>,
-    /// Displacement of the marker along the skin in each pressed frame (length); `None` if not stated. Only the
+    /// Displacement of the marker along the skin in each pressed frame (length); `None` if it is not stated. Only the
     /// magnitudes are used.
     pub tangential: Option<Vec<f64>>,
     /// Feature from which normal displacements are computed. If normal displacements are stated, the marker with the

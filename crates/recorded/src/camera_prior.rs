@@ -198,7 +198,7 @@ impl<'a> CameraPrior<'a> {
         )
     }
 
-    /// Covariance of the camera's parameters, as differences from their nominal values.
+    /// Covariance of the differences between the camera's parameters and their nominal values.
     fn covariance(&self) -> DMatrix<f64> {
         match &self.departure_prior {
             Some(prior) => prior.covariance.clone(),

@@ -169,7 +169,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of a column that has palpate's name in the file; `None` if the file has no such column.
+    /// Place of the column that has palpate's own name in the file; `None` if the file has no such column.
     fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
         let is_assigned = |heading: &Heading<'_>| {
             let mut names = self.names.values();

@@ -118,7 +118,7 @@ pub struct PressReport {
 }
 
 impl PressReport {
-    /// Report of an estimate. Fields that do not follow from `estimate` are empty.
+    /// Report of the press estimate `estimate`. Fields that do not follow from this estimate are empty.
     pub(super) fn of(estimate: &PressEstimate, method: &'static str, unit: LengthUnit) -> Self {
         let value = |estimated, power| Value::of(&estimated, power, unit);
         let std = |std: f64| Value::bare(std, unit.as_str());

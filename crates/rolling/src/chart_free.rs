@@ -9,7 +9,7 @@
 //! ẋ₁ = ω_z y₁ − (x₁·ṅ) n               transported axis, turned by spin
 //! ```
 //!
-//! In the probe's body frame, the contact frame turns at `(−p_y, p_x, 0)/R₁`.
+//! In the probe's body frame, the contact frame rotates with the angular velocity `(−p_y, p_x, 0)/R₁`.
 
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::Surface;

@@ -15,11 +15,11 @@ use crate::{Contact, Motion, Shift};
 
 /// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
 const MAX_ITERATIONS: usize = 200;
-/// Carlson's integrals are computed by a series if the relative difference of their arguments is at most this value. A
-/// larger difference is first reduced by duplications, each of which makes the difference four times smaller. The error
-/// of the series is proportional to the sixth power of the difference.
+/// Largest relative difference of the arguments at which Carlson's integrals are computed by a series. A larger
+/// difference is first reduced by duplications, each of which makes the difference four times smaller. The error of the
+/// series is proportional to the sixth power of the difference.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
-/// Maximum number of duplications of Carlson's integrals. Arguments with a ratio of 1e300 need about 260.
+/// Maximum number of duplications of Carlson's integrals. Arguments with a ratio of 1e300 need about 260 duplications.
 const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]

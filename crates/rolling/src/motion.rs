@@ -46,7 +46,7 @@ impl Motion {
         self.angular_velocity.xy() * self.duration_s
     }
 
-    /// Angular velocity of rolling, `[−ω_y, ω_x]`, rad/s. It moves the contact over the probe.
+    /// Angular velocity of rolling, `[−ω_y, ω_x]`, rad/s. This angular velocity moves the contact over the probe.
     pub(crate) fn drive(&self) -> Vector2<f64> {
         Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
     }

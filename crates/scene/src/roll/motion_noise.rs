@@ -9,7 +9,7 @@ use palpate_study::config::Side;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionNoise {
     pub(super) error: AngularVelocityError,
-    /// Number of times during a roll at which a new error is drawn.
+    /// Number of instants during a roll at which a new error is drawn.
     pub(super) instants: u32,
     /// If the value is `Motion`, the motion of the probe has the error, and the sensor reports the commanded rotation.
     /// If the value is `Measurement`, the probe moves as commanded, and the reported rotation has the error.
