@@ -41,6 +41,9 @@ const SUSPECT: f64 = 4.5;
 const STD_PER_MEDIAN: f64 = 1.4826;
 /// Smallest standard deviation that is assumed for heights, relative to half the patch's side, and for slopes.
 const MIN_STD: f64 = 1e-6;
+/// Smallest residual of a suspect, relative to the median deviation of the heights or to the median slope. Without it,
+/// the small errors of a polynomial would count as outliers among exact readings.
+const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
 /// Largest number of fits in which suspects are found to agree with the other contacts.
 const ROUNDS: usize = 6;
 
@@ -161,9 +164,18 @@ fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
         [height, slopes[0], slopes[1]]
     };
     let of_fitted: Vec<[f64; 3]> = patch.samples.iter().map(residuals).collect();
+    let middle = median(heights.as_slice().to_vec());
+    let deviations = heights.iter().map(|height| (height - middle).abs());
+    let slopes = |axis: usize| {
+        let slopes = patch.samples.iter().filter_map(|sample| sample.slopes);
+        let slopes: Vec<f64> = slopes.map(|slopes| slopes[axis].abs()).collect();
+        (!slopes.is_empty()).then(|| median(slopes)).unwrap_or(0.0)
+    };
+    let typical = [median(deviations.collect()), slopes(0), slopes(1)];
     let limits: [f64; 3] = std::array::from_fn(|kind| {
         let of_kind = of_fitted.iter().map(|residuals| residuals[kind]);
-        SUSPECT * std(of_kind.collect(), coefficients.len())
+        let limit = SUSPECT * std(of_kind.collect(), coefficients.len());
+        limit.max(MIN_RELATIVE_RESIDUAL * typical[kind])
     });
     let is_suspect = |contact: &Contact| {
         let residuals = sample(&patch.frame, 0, contact).map(|sample| residuals(&sample));

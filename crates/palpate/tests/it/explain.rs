@@ -24,7 +24,7 @@ fn words_are_explained() {
             "fingertip",
             "A scene of a sensor with markers, without an object",
         ),
-        ("u", "First tangent direction"),
+        ("u", "Tangent direction at the contact"),
         (
             "Encoder",
             "scene.noise.encoder\n  Rounding of the measured rotation",

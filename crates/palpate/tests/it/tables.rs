@@ -444,7 +444,8 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
         "",
         |finger, place| format!("{finger},{}", numbers(place)),
     ));
-    assert_eq!((&named["fingers"], warnings(&named).len()), (&3.into(), 0));
+    // The only warning is that the bowl is assumed to be touched from above.
+    assert_eq!((&named["fingers"], warnings(&named).len()), (&3.into(), 1));
     for (between, words) in [
         ("", ": 3 fingers; all other steps"),
         ("\n  \n", "separated by blank lines: 3 fingers"),
@@ -453,7 +454,7 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
         let found = estimate(&three_fingers(places, between, |_, place| numbers(place)));
         assert_eq!(found["mean_curvature"], named["mean_curvature"]);
         assert!(
-            found["fingers"] == 3 && warnings(&found)[0].contains(words),
+            found["fingers"] == 3 && warnings(&found).iter().any(|text| text.contains(words)),
             "{found}"
         );
     }
@@ -463,13 +464,16 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
         numbers([if finger == 1 { 7.0 - x } else { x }, 0.1 * y, z])
     }));
     assert!(
-        one["fingers"] == 1 && warnings(&one)[0].contains("one finger"),
+        one["fingers"] == 1
+            && warnings(&one)
+                .iter()
+                .any(|text| text.contains("one finger")),
         "{one}"
     );
     let both = estimate(&three_fingers("finger,x_mm,y_mm,z_mm", "\n", |_, place| {
         format!("7,{}", numbers(place))
     }));
-    assert_eq!((&both["fingers"], warnings(&both).len()), (&1.into(), 0));
+    assert_eq!((&both["fingers"], warnings(&both).len()), (&1.into(), 1));
 
     let header = "t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm\n";
     let [one, other, later] = [
