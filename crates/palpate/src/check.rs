@@ -18,7 +18,7 @@ use crate::planner::{Pace, spread};
 
 /// Time limit for setting up cells completely, that is, including the camera if a camera reads the press.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for also setting up the remaining cells, now without their cameras. It applies only if the sample
+/// Time limit for also setting up the remaining cells, now without their cameras. This limit applies only if the sample
 /// contains every cell of the study.
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
 /// Time limit for running a few trials to measure the time per trial.
@@ -76,7 +76,7 @@ pub enum Rungs {
     None,
     /// The errors and computing times of the models were not measured, to save time.
     NotMeasured,
-    /// The models are the same as in an earlier group. The number is that of the earlier group's first cell.
+    /// The models are the same as in an earlier group. The number is the number of the earlier group's first cell.
     AsIn(usize),
     /// The errors and computing times of the models were measured in the cell `cell`.
     Measured {

@@ -170,8 +170,8 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of trials to average, for the case that there are too few trials to form groups of this size. It is computed
-/// as if the means were normally distributed.
+/// Number of trials to average, for the case that there are too few trials to form groups of this size. This number is
+/// computed as if the means were normally distributed.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],

@@ -14,7 +14,7 @@ use crate::trial_record::{Record, TrialObservations};
 /// Sums over the observations of one quantity. All statistics of the quantity are computed from these sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
-    /// Histogram of the errors. It can be merged in any order without rounding errors.
+    /// Histogram of the errors. Histograms can be merged in any order without rounding errors.
     histogram: Histogram,
     /// Sums of each block, in the order of the blocks. [`Self::fold`] merges all of them into the first entry.
     blocks: Vec<Sums>,

@@ -7,7 +7,8 @@ use std::time::Duration;
 use crate::cell::BLOCK;
 use crate::cell::Task;
 
-/// Intended run time of a job. It is long compared with the overhead of the queue, and short compared with a whole run.
+/// Intended run time of a job. This time is long compared with the overhead of the queue, and short compared with a
+/// whole run.
 pub const JOB: Duration = Duration::from_millis(4);
 /// Largest number of blocks in a job.
 const MAX_BLOCKS: u64 = 64;

@@ -19,7 +19,7 @@ use crate::summary::CellStatistics;
 /// measurement ends only after a certain time.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
-/// Settings of a run. They do not change its results.
+/// Settings of a run. These settings do not change the results of the run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
     /// Number of worker threads; by default one per processor.

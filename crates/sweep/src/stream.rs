@@ -15,7 +15,7 @@ use crate::trial_record::{Record, TrialObservations};
 
 /// A sweep: its tasks, the experiments of their cells, and the results of the tasks.
 pub trait Sweep: Sync {
-    /// Type of the experiment of a cell. It runs the trials of the cell.
+    /// Type of a cell's experiment, which runs the trials of the cell.
     type Trial: Trial + Send;
     /// Type of the result of a task, which [`Self::finish`] computes.
     type Result: Send;
@@ -201,7 +201,7 @@ struct Ran<S: Sweep> {
     /// Index of the task.
     number: u64,
     task: Task,
-    /// Number of the trial that follows the last of these trials.
+    /// Number of the trial after the last trial in these results.
     end: u64,
     /// The experiment of the cell. `None` if the task is complete, because the experiment is then no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,

@@ -146,9 +146,9 @@ impl Sums {
     }
 }
 
-/// Mean of some numbers. `plain` is their sum divided by their count, and is returned if it is finite. It is not finite
-/// if the sum overflowed. In this case, `of_shares` computes the mean in another way: it divides each number by the
-/// count before it adds them.
+/// Mean of some numbers. `plain` is their sum divided by their count, and is returned if it is finite. If the sum
+/// overflowed, `plain` is not finite. In this case, `of_shares` computes the mean in another way: it divides each
+/// number by the count before it adds them.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,

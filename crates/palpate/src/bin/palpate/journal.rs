@@ -218,7 +218,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Opens a journal to continue it. Removes the damaged bytes after its valid part.
+    /// Opens a journal to continue it. Removes the damaged bytes after the journal's valid part.
     pub(crate) fn resumed(dir: &Path, found: &JournalState) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
         let mut file = OpenOptions::new().write(true).open(&path)?;

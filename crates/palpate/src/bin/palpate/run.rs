@@ -199,9 +199,9 @@ fn study_of(args: &RunArgs) -> Result<Study, Failure> {
     Ok(study)
 }
 
-/// Loads a study, and replaces its seed and number of trials if these arguments are given. `chosen_by` names another
-/// argument that chooses the number of trials, if it was given. If the study has a stop rule, `trials` and `chosen_by`
-/// are errors.
+/// Loads a study, and replaces its seed and its number of trials by the arguments `seed` and `trials`, if these are
+/// given. `chosen_by` names another argument that chooses the number of trials, if it was given. If the study has a
+/// stop rule, `trials` and `chosen_by` are errors.
 pub(crate) fn overridden(
     config: &Path,
     seed: Option<u64>,

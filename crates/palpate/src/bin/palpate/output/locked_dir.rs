@@ -89,7 +89,7 @@ impl LockedDir {
         &self.output
     }
 
-    /// Starts a temporary file. It later becomes the file `name` of the directory.
+    /// Starts a temporary file, which later becomes the file `name` of the directory.
     pub(crate) fn draft(&self, name: &str) -> Result<Draft, Failure> {
         Draft::new(&self.output.dir.join(name)).map_err(Failure::work)
     }
@@ -126,7 +126,7 @@ impl LockedDir {
 
     /// Writes files of a study, each given by name and contents, as [`Self::write`] does. Also removes files of other
     /// studies, and tables in the other format (CSV or Parquet), if palpate wrote them. Returns one line of text for
-    /// each file that it did not remove because a user wrote or edited it.
+    /// each file that was not removed because a user wrote or edited the file.
     pub(crate) fn replace(
         &mut self,
         files: Vec<(&str, Contents<'_>)>,

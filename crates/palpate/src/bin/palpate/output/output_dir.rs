@@ -31,7 +31,7 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// Guard for a command that reads the files `inputs`. Without `force`, the command must not overwrite them.
+    /// Guard for a command that reads the files `inputs`. Without `force`, the command must not overwrite these files.
     pub(crate) fn new<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Self {
         let inputs = inputs.into_iter().cloned().collect();
         Self { inputs, force }
@@ -89,7 +89,7 @@ impl OutputDir {
     }
 
     /// Rejects the file `name` if palpate did not write it, or if it was edited later. Without a manifest, the first
-    /// lines of the file must equal those of the new contents.
+    /// lines of the file must equal the first lines of the new contents.
     pub(crate) fn refuse(
         &self,
         name: &str,
@@ -192,8 +192,8 @@ fn head_of(contents: &[u8]) -> Option<&[u8]> {
     (is(b"#") || line.contains(&b',')).then_some(line)
 }
 
-/// Makes a manifest for a directory that has a run's config but no manifest. It lists all files in the directory that
-/// have a file name of palpate.
+/// Makes a manifest for a directory that has a run's config but no manifest. The manifest lists all files in the
+/// directory that have a file name of palpate.
 fn known_files(dir: &Path) -> Option<Manifest> {
     let config = dir.join(names::CONFIG);
     if !names::is_run_config(&config) {

@@ -50,7 +50,7 @@ impl OutputFile {
     }
 
     /// Rejects an existing file that palpate did not write, before the work starts. `is_ours` decides whether palpate
-    /// wrote it.
+    /// wrote a file.
     pub(crate) fn refuse_other(&self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
         let Some(path) = &self.path else {
             return Ok(());

@@ -25,7 +25,8 @@ pub(crate) enum Contents<'a> {
     Draft(Draft),
 }
 
-/// Temporary file for new contents that are written piece by piece. It is in the same directory as the final file.
+/// Temporary file for new contents that are written piece by piece. The temporary file is in the same directory as the
+/// final file.
 pub(crate) struct Draft {
     file: BufWriter<NamedTempFile>,
     sha256: Sha256,

@@ -27,7 +27,7 @@ pub(super) struct JournalRun<'s, 'a> {
     warnings: Warnings,
     /// Number of finished tasks.
     tasks: u64,
-    /// Rows of the unfinished cell in the table of trials, as CSV text. They are not in the journal yet.
+    /// Rows of the unfinished cell in the table of trials, as CSV text. These rows are not in the journal yet.
     rows: String,
     is_shared: bool,
 }
