@@ -1,7 +1,7 @@
 //! Finds outliers near the surface: contacts that contradict a smooth surface through the other contacts.
 //!
 //! Robust polynomials find suspects. A suspect is an outlier only if a fit to the contacts without suspects also
-//! contradicts it, because polynomials do not follow every surface.
+//! contradicts it, because polynomials do not follow every surface. Outliers that lie together are kept.
 
 use std::ops::RangeInclusive;
 
@@ -46,6 +46,17 @@ const MIN_STD: f64 = 1e-6;
 const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
 /// Largest number of fits in which suspects are found to agree with the other contacts.
 const ROUNDS: usize = 6;
+/// Number of the nearest contacts of an outlier that are examined, and the largest number of outliers for which this is
+/// done.
+const NEIGHBOURS: usize = 4;
+const MAX_EXAMINED: usize = 100;
+/// Smallest distance of a neighbour, relative to the distance of the nearest contact that is no outlier. Outliers at one
+/// point beside the surface are nearer to each other.
+const MIN_DISTANCE_RATIO: f64 = 0.3;
+/// Largest mean share of outliers among the nearest contacts of an outlier; the second limit is relative to the share of
+/// outliers among all contacts. If the share is larger, the surface differs from the model there.
+const MAX_NEIGHBOUR_SHARE: f64 = 0.3;
+const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
 
 impl SoundContacts {
     /// Also leaves out contacts that contradict a smooth surface through the other contacts. `contacts` are the same
@@ -63,7 +74,7 @@ impl SoundContacts {
             counts[run] += 1;
         }
         let is_outlier = outliers(&self.distinct.contacts, &counts, outward);
-        if !is_outlier.contains(&true) {
+        if !is_outlier.contains(&true) || !are_scattered(&self.distinct.contacts, &is_outlier) {
             return Ok(self);
         }
         let runs = self.distinct.run_of_row.iter().zip(&self.rows);
@@ -76,6 +87,32 @@ impl SoundContacts {
         let outliers = within_share(self.outliers, contacts.len())?;
         Ok(Self::without(contacts, outliers))
     }
+}
+
+/// Whether outliers are scattered among the other contacts. Contacts that lie together, such as those of a bump, are part
+/// of the surface.
+fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
+    let share = |are: &[bool]| are.iter().filter(|one| **one).count() as f64 / are.len() as f64;
+    let places = contacts.iter().map(|contact| contact.position);
+    let outliers: Vec<usize> = (0..contacts.len()).filter(|&one| is_outlier[one]).collect();
+    let step = outliers.len().div_ceil(MAX_EXAMINED);
+    let shares = outliers.iter().step_by(step).map(|&outlier| {
+        let place = contacts[outlier].position;
+        let others = places.clone().zip(is_outlier).enumerate();
+        let others = others.filter(|(index, _)| *index != outlier);
+        let mut near: Vec<(f64, bool)> = others
+            .map(|(_, (other, is_outlier))| ((other - place).norm(), *is_outlier))
+            .collect();
+        near.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+        let sound = near.iter().find(|(_, is_outlier)| !is_outlier);
+        let least = sound.map_or(0.0, |(distance, _)| MIN_DISTANCE_RATIO * distance);
+        near.retain(|(distance, _)| *distance >= least);
+        let near = near.iter().take(NEIGHBOURS);
+        share(&near.map(|(_, is_outlier)| *is_outlier).collect::<Vec<_>>())
+    });
+    let shares: Vec<f64> = shares.collect();
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    mean <= MAX_NEIGHBOUR_SHARE.max(MAX_RELATIVE_NEIGHBOUR_SHARE * share(is_outlier))
 }
 
 /// Whether each contact is an outlier. `counts` are the numbers of rows that the contacts represent. Outliers between the
