@@ -206,7 +206,10 @@ fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
     let slopes = |axis: usize| {
         let slopes = patch.samples.iter().filter_map(|sample| sample.slopes);
         let slopes: Vec<f64> = slopes.map(|slopes| slopes[axis].abs()).collect();
-        (!slopes.is_empty()).then(|| median(slopes)).unwrap_or(0.0)
+        match slopes.is_empty() {
+            true => 0.0,
+            false => median(slopes),
+        }
     };
     let typical = [median(deviations.collect()), slopes(0), slopes(1)];
     let limits: [f64; 3] = std::array::from_fn(|kind| {
