@@ -3,19 +3,18 @@
 
 use std::f64::consts::GOLDEN_RATIO;
 
-use nalgebra::Vector3;
 use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
 use super::contact_detection::{detect, on_markers};
-use super::problem::{BASELINE, GAIN, Problem, RobustSum, WRONG};
+use super::problem::{Problem, WRONG};
 use super::start::{RADII, Shapes, median, starts};
 use super::undetected_contacts::UndetectedContacts;
-use super::{ForwardFit, Measured, Prior, Reading};
-use crate::least_squares::{EXACTLY, LeastSquares, minimise};
+use super::{ForwardFit, Reading};
+use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::outcome::until_best;
 use crate::profile::profile;
 use crate::state::State;
-use crate::unknowns::{ACROSS, EXACT, Fitted, Square, Sums};
+use crate::unknowns::{EXACT, Square, Sums};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
@@ -24,8 +23,6 @@ const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
 /// Number of outliers from which an additional fit is tried. The cause of several outliers may be the error of another
 /// marker that was not rejected.
 const SEVERAL: usize = 2;
-/// Markers are in a row if the ratio of their variance across the row to their variance along it is below this value.
-const ROW: f64 = 1e-5;
 /// Significance level for the marker that contradicts the other markers most. If the p-value of this marker is lower,
 /// the interval is extended by the interval of a fit without the marker.
 const SUSPECT: f64 = 0.05;
@@ -63,112 +60,6 @@ enum Found<'a> {
     /// The readings show no contact, but an indentation is stated, so there must be one. This is the estimate from the
     /// stated indentation.
     Left(Box<PressEstimate>),
-}
-
-impl<'a> Problem<'a> {
-    /// The least-squares problem for a first fit: all markers are used, and all standard deviations are 1.
-    pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
-        let largest = reading
-            .normal
-            .iter()
-            .fold(0.0, |most: f64, one| most.max(one.abs()));
-        let is_sought = |prior: Prior, scale: f64| match prior {
-            Prior::Exact => false,
-            Prior::Within(std) => std > EXACT * scale,
-            Prior::Free => true,
-        };
-        let around = |prior: Prior, value: f64| match prior {
-            Prior::Within(std) => Some(Measured { value, std }),
-            Prior::Exact | Prior::Free => None,
-        };
-        let others = [around(fit.baseline, 0.0), around(fit.gain, 1.0)];
-        let markers = reading.markers;
-        let mut fitted = Fitted::new(reading.indentation, others);
-        fitted.sought[BASELINE] = is_sought(fit.baseline, largest);
-        fitted.sought[GAIN] = is_sought(fit.gain, 1.0);
-        let mut problem = Self {
-            fit,
-            reading,
-            fitted,
-            normal_std: 1.0,
-            tangential_std: 1.0,
-            kept: vec![true; reading.normal.len()],
-            circle: None,
-            tolerance: f64::INFINITY,
-            widest: match markers.scale() < markers.skin().place_radius() {
-                true => fit.body.end_of_tables(),
-                false => f64::INFINITY,
-            },
-        };
-        if !problem.uses_tangential() {
-            problem.circle = common_circle(reading);
-            problem.fitted.sought[ACROSS] = problem.circle.is_none();
-        }
-        problem
-    }
-
-    /// Restricts the fit to the markers within the window around the contact.
-    pub(super) fn keep_window(&mut self, state: &State) {
-        let Some(window) = self.fit.window else {
-            return;
-        };
-        let markers = self.reading.markers;
-        for (kept, place) in self.kept.iter_mut().zip(markers.places()) {
-            *kept = markers.sight(&state.place, place).distance <= window;
-        }
-    }
-}
-
-impl Problem<'_> {
-    /// The minimum of chi-squared near the fit parameters `state`. If `held` is the index of a fit parameter, this
-    /// parameter is held constant.
-    pub(super) fn minimum(
-        &self,
-        state: State,
-        enough: f64,
-        held: Option<usize>,
-    ) -> Result<(State, Sums), PressError> {
-        minimise(self, self.fit_at(state)?, enough, held)
-    }
-
-    /// Sum of the squared residuals of all markers. Each marker contributes at most the square of the outlier
-    /// threshold. The sum is infinite if the contact is impossible.
-    fn unexplained(&self, state: &State) -> f64 {
-        let Ok(contact) = self.contact(state) else {
-            return f64::INFINITY;
-        };
-        let square = |marker: usize| {
-            let residuals = self.residuals_at(&contact, state, marker);
-            let square: f64 = residuals.iter().map(|residual| residual * residual).sum();
-            square.min(WRONG * WRONG)
-        };
-        (0..self.kept.len()).map(square).sum()
-    }
-
-    /// Chi-squared of the unused markers, computed as if there were no contact.
-    fn left_out(&self) -> f64 {
-        let mut sum = RobustSum::new(self.tolerance);
-        for marker in (0..self.kept.len()).filter(|&marker| !self.kept[marker]) {
-            sum.add(self.readings_of(marker, 0.0));
-        }
-        sum.total()
-    }
-}
-
-/// The pole of the great circle on which all markers lie; `None` if there is no such circle.
-fn common_circle(reading: &Reading<'_>) -> Option<Vector3<f64>> {
-    let places = reading.markers.places();
-    let first = places.first()?;
-    let mut spread = nalgebra::Matrix2::zeros();
-    for place in places {
-        let sight = reading.markers.sight(first, place);
-        let along = sight.bearing * sight.reach;
-        spread += along * along.transpose();
-    }
-    let eigen = spread.symmetric_eigen();
-    let across = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-    (eigen.eigenvalues.min() <= ROW * eigen.eigenvalues.max())
-        .then(|| first.x_axis * across[0] + first.y_axis * across[1])
 }
 
 impl<'a> Search<'a> {
