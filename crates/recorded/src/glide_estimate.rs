@@ -5,28 +5,28 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 use palpate_ep2::{
     Contact, Curvature, EffectiveReadings, Ep2Error, IndependentFit, MapPoint, Method, MisfitTest,
-    Outlier, Patch, Regions, RoundTip, Shape, ShapeError, ShapeFit, SoundContacts, Status,
-    StrokeCurvature, regions, stroke_curvature,
+    Outlier, Patch, Regions, RoundTip, Shape, ShapeFit, SoundContacts, Status, StrokeCurvature,
+    regions, stroke_curvature,
 };
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::{Misfit, StatedQuantity};
 
-use super::error::{RecordedError, explained};
+use super::error::RecordedError;
 use super::glide_options::GlideOptions;
-use super::glide_recording::GlideRecording;
+use super::glide_recording::{
+    GlideRecording, ONE_FINGER, of_row, refused, shape_refused, stroke_refused,
+};
 use super::glide_report::{
     GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, tidy,
 };
 use super::glide_warnings::{directions, distant, misfit_warnings, normals, spacing, stated_noise};
-use super::log_warnings::{
-    across, assumed_side, correlated, left_out, listed, shape_warnings, two_groups,
-};
+use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings, two_groups};
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
 use super::shape_report::{LeftOut, ShapeReport, StrokeReport};
 use super::value::{FORMAT_VERSION, Value};
-use palpate_study::config::{LengthUnit, SettingError};
+use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
 /// Estimates the curvature of a patch from recorded contacts.
@@ -509,91 +509,6 @@ fn with_length_noise(
     };
     options.estimator = options.estimator.with_length_noise(distance);
     Ok(options)
-}
-
-/// Text for messages: why the distance between fingers cannot be computed.
-const ONE_FINGER: &str = "all contacts belong to one finger, so there is no distance between \
-     fingers";
-
-/// Converts the error of a fit. If a single contact caused it, the new error states the line of this contact.
-fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
-    let contact = match error {
-        Ep2Error::NotFinite { contact }
-        | Ep2Error::BadWeight { contact, .. }
-        | Ep2Error::BadNormal { contact, .. }
-        | Ep2Error::MissingNormal { contact }
-        | Ep2Error::Folded { contact, .. } => Some(*contact),
-        _ => None,
-    };
-    let message = remedied(error, recorded.fingers);
-    let signs = match error {
-        Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => directions(&recorded.contacts),
-        _ => None,
-    };
-    let message = signs.map_or(message.clone(), |signs| format!("{message}; {signs}"));
-    let message = explained(message, error.name());
-    match contact {
-        Some(contact) => recorded.source.fail_at(contact, message),
-        None => recorded.source.fail(message),
-    }
-}
-
-/// The same error, in which the index of the contact is replaced by its row in the recording.
-fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
-    match error {
-        Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
-            contact: rows[contact],
-            angle_deg,
-        },
-        error => error,
-    }
-}
-
-/// Converts the error of a fit to contacts of a single stroke. The message states the curvature along the stroke.
-fn stroke_refused(
-    recorded: &GlideRecording,
-    error: &Ep2Error,
-    stroke: &StrokeCurvature,
-    unit: LengthUnit,
-) -> RecordedError {
-    let error_text = remedied(error, recorded.fingers);
-    let message = format!("{}: {error_text}", across(stroke, unit).text);
-    recorded.source.fail(explained(message, error.name()))
-}
-
-/// Converts the error of a shape fit to an error that states the rows of the readings.
-fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> RecordedError {
-    match error {
-        ShapeError::Contacts(error) => refused(recorded, error),
-        ShapeError::TooManyOutliers { outliers, .. } => {
-            let rows = listed(outliers.iter().map(|&row| recorded.source.row(row)));
-            let message = format!("{error}: {rows}");
-            recorded.source.fail(explained(message, error.name()))
-        }
-    }
-}
-
-/// Message of the error. If a setting can solve the problem, the message names this setting.
-fn remedied(error: &Ep2Error, fingers: usize) -> String {
-    match error {
-        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
-            format!("{ONE_FINGER}: two-pass needs setting `inter_finger_distance`")
-        }
-        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => {
-            SettingError::of_number("inter_finger_distance", bad.value, bad.expected).to_string()
-        }
-        Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
-            format!("{error}: does its normal point inward?")
-        }
-        Ep2Error::NoSide { .. } => {
-            let curve = match fingers {
-                1 => "; contacts along one curve do not determine the surface beside the curve",
-                _ => "",
-            };
-            format!("{error}; give another with setting `outward`{curve}")
-        }
-        _ => error.to_string(),
-    }
 }
 
 /// The thresholds of the 1996 paper (0.005 and 0.03 for a patch of 3 × 3), scaled to a patch with the side lengths `u`

@@ -16,10 +16,13 @@ use super::error::RecordedError;
 use super::finger_assignment::parted;
 use super::header::Header;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
-use super::roll_rotation::{RotationForm, RotationFrame, between};
+use super::roll_rotation::{
+    RotationForm, RotationFrame, SCALAR_FIRST, SCALAR_LAST, Turned, between, is_rolling,
+    scalar_names,
+};
 use super::roll_series::SeriesReadings;
 use super::source::{ReadingSource, copies, finite, same_length};
-use super::table_format::{Form, pair};
+use super::table_format::Form;
 use super::table_layout::without_names;
 use super::text_table::TextTable;
 
@@ -455,20 +458,6 @@ fn layouts(count: usize) -> Vec<Vec<&'static str>> {
 /// choice matters. A note then names the frame that was used.
 const MAX_FRAME_DIFFERENCE: f64 = 0.02;
 
-/// Orders in which a file may list the components of a quaternion. A list contains the positions of x, y, z and w. In
-/// the first order, the scalar part w is last; in the second, it is first.
-const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
-const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
-
-/// Setting that names the components of a quaternion in this order.
-fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
-    let pairs = QUATERNION.iter().zip(order);
-    let pairs: Vec<String> = pairs
-        .map(|(column, place)| pair(column.name, names[place]))
-        .collect();
-    pairs.join(",")
-}
-
 /// First and last row of a roll, each with its line number.
 #[derive(Clone, Copy)]
 struct Roll<'a> {
@@ -479,9 +468,6 @@ struct Roll<'a> {
     start: (usize, &'a [f64]),
     end: (usize, &'a [f64]),
 }
-
-/// Rotation vector of a roll, and the shift of its contact.
-type Turned = (Vector3<f64>, [f64; 2]);
 
 impl Roll<'_> {
     /// Rotation and shift of the roll from its start to its end. The error is the line number of a wrong row, and a
@@ -522,25 +508,6 @@ impl Roll<'_> {
             },
         ))
     }
-}
-
-/// Limits for rotations and shifts that count as rolls. `MAX_SPIN` is the largest ratio of the rotations about the
-/// normal to the other rotations. `MIN_CORRELATION` is the smallest correlation between the shifts and the shifts that
-/// the same rotations cause on a plane.
-const MAX_SPIN: f64 = 0.3;
-const MIN_CORRELATION: f64 = 0.5;
-
-/// Whether the shifts are consistent with a probe that rolls by the rotations. In a roll, a negative rotation about v
-/// moves the contact towards +u.
-fn is_rolling(rolls: &[Turned]) -> bool {
-    let sum = |term: &dyn Fn(&Turned) -> f64| rolls.iter().map(term).sum::<f64>();
-    let spin = sum(&|(turned, _)| turned.z * turned.z);
-    let turn = sum(&|(turned, _)| turned.xy().norm_squared());
-    let along = sum(&|(turned, [u, v])| turned.x * v - turned.y * u);
-    let shift = sum(&|(_, [u, v])| u * u + v * v);
-    turn > 0.0
-        && spin <= MAX_SPIN * MAX_SPIN * turn
-        && along >= MIN_CORRELATION * (turn * shift).sqrt()
 }
 
 /// Kind of a table of rolls.

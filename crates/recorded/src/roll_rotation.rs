@@ -7,6 +7,7 @@ use palpate_statistics::Number;
 use palpate_study::readings::{AXIS_ANGLE, Column, MATRIX, QUATERNION, ROTATION_VECTOR};
 
 use super::header::Header;
+use super::table_format::pair;
 
 /// Largest accepted error in the length of a quaternion or of an axis, and in the scalar products of a matrix's axes.
 /// Such errors occur because files contain rounded numbers.
@@ -143,4 +144,40 @@ pub(super) fn between(
         RotationFrame::World => end * start.inverse(),
     };
     rotation.scaled_axis()
+}
+
+/// Orders in which a file may list the components of a quaternion. A list contains the positions of x, y, z and w. In
+/// the first order, the scalar part w is last; in the second, it is first.
+pub(super) const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
+pub(super) const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
+
+/// Setting that names the components of a quaternion in this order.
+pub(super) fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
+    let pairs = QUATERNION.iter().zip(order);
+    let pairs: Vec<String> = pairs
+        .map(|(column, place)| pair(column.name, names[place]))
+        .collect();
+    pairs.join(",")
+}
+
+/// Rotation vector of a roll, and the shift of its contact.
+pub(super) type Turned = (Vector3<f64>, [f64; 2]);
+
+/// Limits for rotations and shifts that count as rolls. `MAX_SPIN` is the largest ratio of the rotations about the
+/// normal to the other rotations. `MIN_CORRELATION` is the smallest correlation between the shifts and the shifts that
+/// the same rotations cause on a plane.
+const MAX_SPIN: f64 = 0.3;
+const MIN_CORRELATION: f64 = 0.5;
+
+/// Whether the shifts are consistent with a probe that rolls by the rotations. In a roll, a negative rotation about v
+/// moves the contact towards +u.
+pub(super) fn is_rolling(rolls: &[Turned]) -> bool {
+    let sum = |term: &dyn Fn(&Turned) -> f64| rolls.iter().map(term).sum::<f64>();
+    let spin = sum(&|(turned, _)| turned.z * turned.z);
+    let turn = sum(&|(turned, _)| turned.xy().norm_squared());
+    let along = sum(&|(turned, [u, v])| turned.x * v - turned.y * u);
+    let shift = sum(&|(_, [u, v])| u * u + v * v);
+    turn > 0.0
+        && spin <= MAX_SPIN * MAX_SPIN * turn
+        && along >= MIN_CORRELATION * (turn * shift).sqrt()
 }
