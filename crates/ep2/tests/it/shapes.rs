@@ -328,6 +328,24 @@ fn outliers_are_left_out_of_any_smooth_surface() {
     assert!(clean <= 36 && 50 * kept <= count && lost <= 36, "{figures}");
 }
 
+/// Contacts that a polynomial does not follow, such as whole columns of an exact grid, are not outliers.
+#[test]
+fn exact_contacts_of_few_strokes_are_kept() {
+    for surface in [
+        Surface::Cylinder(25.0),
+        Surface::Wave(1.0, 25.0, 1.0),
+        Surface::Sphere(12.0),
+    ] {
+        for (fingers, contacts) in [(3, 12), (6, 6), (5, 40)] {
+            let exact = surface.strokes(9.0, fingers, contacts);
+            let log = noisy(&mut Random::new(0), &exact, contacts, 0.0, None);
+            let sound = SoundContacts::new(&log).unwrap();
+            let sound = sound.without_misfits(&log, &Vector3::z()).unwrap();
+            assert_eq!(sound.outliers, []);
+        }
+    }
+}
+
 #[test]
 fn bad_logs_are_errors() {
     let at = |x: f64, y: f64, z: f64| Contact::new(0, Point3::new(x, y, z), None);
