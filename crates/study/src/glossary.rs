@@ -350,12 +350,16 @@ pub fn related(word: &str) -> Option<Term> {
     }
 }
 
+/// Smallest length of a word that is similar to every longer word that contains it.
+const MIN_PART: usize = 3;
+
 /// Up to five names that are similar to a word, the most similar first.
 pub fn similar(word: &str) -> Vec<&'static str> {
     let word = spelt(word);
     let likeness = |term: Term| {
         let name = spelt(term.name);
-        let likeness = match !word.is_empty() && (name.contains(&word) || word.contains(&name)) {
+        let is_part = |part: &str, whole: &str| part.len() >= MIN_PART && whole.contains(part);
+        let likeness = match is_part(&word, &name) || is_part(&name, &word) {
             true => 1.0,
             false => strsim::jaro_winkler(&name, &word),
         };
