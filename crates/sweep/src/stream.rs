@@ -377,7 +377,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             }
             line.head += 1;
         }
-        // A rule may have ended the last task before its last trial. Then stop the queue here.
+        // A stopping rule may have ended the last task before its last trial. Then stop the queue here.
         if line.tasks == self.sweep.tasks() {
             self.queue.stop();
         }

@@ -64,7 +64,7 @@ pub(super) fn reader(
     if !is_stated {
         return Err(refused(
             "depth",
-            "is missing: calibration needs either depth or like",
+            "is missing: with a calibration, state `depth` or `like`",
         ));
     }
     Ok(Some(FrameReader::Displacements {
