@@ -180,6 +180,10 @@ fn few_crossings_give_wide_bounds() {
             for rolls in [along, all] {
                 let bounds = bounds_around(cell, RADIUS, &rolls, truths);
                 let [low, high] = bounds[0];
+                let places = Places::Pads(cell);
+                let found = estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, &rolls);
+                let has_few = is_open || rolls.len() == 4;
+                assert_eq!(found.unwrap().has_few_crossings(), has_few);
                 assert_eq!(high.is_none(), is_open, "{low:?} {high:?}");
                 assert!(low > Some(-0.1 - 1e-12));
                 if rolls.len() == 4 && !is_open {

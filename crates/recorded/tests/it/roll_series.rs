@@ -177,3 +177,16 @@ fn pad_edges_resolve_more_than_the_pitch() {
         }
     }
 }
+
+#[test]
+fn few_crossings_cause_a_warning() {
+    for (end_s, is_warned) in [(0.3, true), (1.0, false)] {
+        let mut all = rows(1000);
+        all.retain(|row| row[1] <= end_s);
+        let settings = json!({ "kind": "pad-edge", "pitch": PITCH, "start": [0.0, 0.0] });
+        let found = estimate(&table(&all), &settings).unwrap();
+        let mut warnings = found["warnings"].as_array().unwrap().iter();
+        let is_found = warnings.any(|warning| warning["code"] == "few-crossings");
+        assert_eq!(is_found, is_warned, "{found}");
+    }
+}
