@@ -23,6 +23,8 @@ const MAX_DEVIATION: f64 = 0.06;
 const STD_OF_HALF_WIDTH: f64 = 0.4;
 /// Largest number of times that the set is linearised at its middle.
 const CENTRES: usize = 5;
+/// Largest number of times that a change is halved.
+const MAX_HALVINGS: usize = 60;
 /// Distances that are added to the linear bounds, in radii of the probe.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
 /// Largest error of a path that bends between two nodes, in radii of the probe.
@@ -153,20 +155,27 @@ impl PadEdgeSet {
                 break;
             }
             // The middle of a wide set need not be the mobility of a rolling contact.
-            let mut centre = set.centre + matrix(&change);
-            while !is_rolling(&centre) {
-                centre = (centre + set.centre) * 0.5;
-            }
+            let centre = set.centre + matrix(&set.rolling(change));
             (set.shape, set.centre) = (LocalShape::of_mobility(&centre)?, centre);
             set.mean = Vector3::zeros();
             for (start, moved) in starts.iter_mut().zip(moved) {
                 *start += moved;
             }
         }
+        set.mean = set.rolling(set.mean);
         for (roll, start) in set.rolls.iter_mut().zip(starts) {
             roll.start = start;
         }
         Some(set)
+    }
+
+    /// The change of the mobility, or the largest of its halves, quarters, … with which the contact rolls.
+    fn rolling(&self, change: Vector3<f64>) -> Vector3<f64> {
+        let changes = std::iter::successors(Some(change), |change| Some(change * 0.5));
+        let mut rolling = changes
+            .take(MAX_HALVINGS)
+            .filter(|change| is_rolling(&(self.centre + matrix(change))));
+        rolling.next().unwrap_or_default()
     }
 
     /// Mean and covariance of the linearised set.

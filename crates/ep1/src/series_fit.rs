@@ -91,11 +91,15 @@ impl Problem<'_> {
             let usable = data.iter().filter(is_used).count();
             let first = SeriesFit::<3>::new(&data, &noise, FLAT, tolerance);
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
-                let is_determined = |fit: &&SeriesFit<3>| {
+                let is_determined = |fit: &&SeriesFit<3>, sign: f64| {
                     let mobility = fit.shape.relative().try_inverse().unwrap_or_default();
-                    largest_spread(&mobility, &fit.covariance) < MAX_SPREAD
+                    largest_spread(&(mobility * sign), &fit.covariance) < MAX_SPREAD
                 };
-                let first = first.as_ref().filter(is_determined);
+                // A contact that moves against the roll is not a contact of a rolling probe.
+                if first.as_ref().is_some_and(|fit| is_determined(&fit, -1.0)) {
+                    return Err(undetermined);
+                }
+                let first = first.as_ref().filter(|fit| is_determined(fit, 1.0));
                 return self.of_sets(cell, &data, &noise, first);
             }
             if usable < 2 {
