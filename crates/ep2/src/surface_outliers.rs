@@ -14,7 +14,7 @@ use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
 /// Smallest number of contacts among which outliers are searched.
-const MIN_CONTACTS: usize = 12;
+const MIN_CONTACTS: usize = 24;
 /// Smallest ratio of the number of contacts to the number of coefficients of a polynomial.
 const MIN_CONTACTS_PER_COEFFICIENT: usize = 3;
 /// Degrees of the polynomials that are tried.
