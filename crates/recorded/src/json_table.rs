@@ -47,7 +47,7 @@ impl<'a> JsonTable<'a> {
             header_line,
         };
         if let Ok(object) = serde_json::from_str(text.all) {
-            if let Some(rows) = records(&object) {
+            if let Some(rows) = records(file, &object)? {
                 table.rows = Rows::Records(rows);
             } else if let Some((names, columns)) = columns(file, object)? {
                 table.rows = Rows::Columns(columns);
@@ -177,8 +177,12 @@ fn columns(
     Ok(Some((names, columns)))
 }
 
-/// Rows of a table that pandas wrote with the orientation `split`, `table` or `index`.
-fn records(object: &Map<String, Json>) -> Option<Vec<Json>> {
+/// Rows of a table that pandas wrote with the orientation `split`, `table` or `index`; `None` if it is no such table.
+/// Returns an error if a column occurs twice, or if a row has another number of values than there are columns.
+fn records(
+    file: &RecordedFile,
+    object: &Map<String, Json>,
+) -> Result<Option<Vec<Json>>, RecordedError> {
     let Some(Json::Array(rows)) = object.get("data") else {
         let row = |(number, row): (&String, &Json)| {
             // The keys of a column are the numbers of its rows.
@@ -187,19 +191,30 @@ fn records(object: &Map<String, Json>) -> Option<Vec<Json>> {
             let number = number.parse::<u64>().ok().filter(|_| has_names)?;
             Some((number, row.clone()))
         };
-        let mut rows: Vec<(u64, Json)> = object.iter().map(row).collect::<Option<_>>()?;
+        let rows = object.iter().map(row).collect::<Option<Vec<_>>>();
+        let mut rows = rows.unwrap_or_default();
         rows.sort_by_key(|(number, _)| *number);
-        return (!rows.is_empty()).then(|| rows.into_iter().map(|(_, row)| row).collect());
+        let rows: Vec<Json> = rows.into_iter().map(|(_, row)| row).collect();
+        return Ok(Some(rows).filter(|rows| !rows.is_empty()));
     };
     let Some(names) = object.get("columns").and_then(Json::as_array) else {
-        return object.contains_key("schema").then(|| rows.clone());
+        return Ok(object.contains_key("schema").then(|| rows.clone()));
     };
-    let row = |row: &Json| {
-        let values = row.as_array().filter(|row| row.len() == names.len())?;
-        let pairs = names.iter().map(scalar).zip(values.iter().cloned());
-        Some(Json::Object(pairs.collect()))
+    let names: Vec<String> = names.iter().map(scalar).collect();
+    if let Some(name) = (1..names.len()).find(|&at| names[..at].contains(&names[at])) {
+        let message = format!("column `{}` occurs twice; rename one of them", names[name]);
+        return Err(file.fail(1, message));
+    }
+    let row = |(number, row): (usize, &Json)| {
+        let values = row.as_array().map_or(&[][..], Vec::as_slice);
+        if values.len() != names.len() {
+            let (found, expected) = (values.len(), names.len());
+            return Err(file.fail(number, format!("{found} values for {expected} columns")));
+        }
+        let pairs = names.iter().cloned().zip(values.iter().cloned());
+        Ok(Json::Object(pairs.collect()))
     };
-    rows.iter().map(row).collect()
+    (1..).zip(rows).map(row).collect::<Result<_, _>>().map(Some)
 }
 
 /// The JSON object of a row, and the line where it begins.

@@ -31,6 +31,24 @@ fn as_json(table: &str) -> String {
 }
 
 #[test]
+fn wrong_columns_and_rows_of_pandas_are_refused() {
+    let names = "\"rotation_x_rad\",\"rotation_y_rad\",\"shift_u_mm\",\"shift_v_mm\"";
+    let twice = names.replace("shift_v", "shift_u");
+    for (names, row, words) in [
+        (names, "0.5,0,4", "r.csv:2: 3 values for 4 columns"),
+        (
+            &*twice,
+            "0.5,0,0,4",
+            "r.csv:1: column `shift_u_mm` occurs twice",
+        ),
+    ] {
+        let table = format!("{{\"columns\":[{names}],\"data\":[[0,-0.5,4,0],[{row}]]}}");
+        let error = roll(table, Form::default()).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
 fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
     let expected = rolls(ROLLS);
     let semicolons = ROLLS.replace(',', ";");
