@@ -86,10 +86,9 @@ impl RotationForm {
     pub(super) fn rotation(self, numbers: &[f64]) -> Result<UnitQuaternion<f64>, String> {
         let of_length_1 = |length: f64, columns: &str, what: &str| {
             let is_unit = (length - 1.0).abs() <= MAX_ERROR;
-            let length = Number::rounded(length);
             is_unit.then_some(()).ok_or_else(|| {
                 format!(
-                    "columns {columns}: a rotation is {what} of length 1, this one has {length}"
+                    "columns {columns}: a rotation is {what} of length 1 within {MAX_ERROR}, this one has {length:.5}"
                 )
             })
         };
