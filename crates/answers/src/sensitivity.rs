@@ -129,7 +129,9 @@ pub fn sensitivity(
         skipped: Vec::new(),
     };
     if !rms_error.is_finite() {
-        return Err(AnswerError::NoError("every trial fails"));
+        return Err(AnswerError::NoError(
+            "every trial fails, or no trial has a value of the quantity",
+        ));
     }
     if found.rms_error <= ROUNDING * base.0 {
         return Err(AnswerError::NoError(

@@ -125,7 +125,7 @@ impl SceneTarget {
             Statistic::RelativeRmsError | Statistic::RelativeMeanAbsError
         );
         match self.target.statistic {
-            _ if summary.observations == 0 => None,
+            _ if summary.observations == 0 => Some("no trial has a value of this quantity"),
             _ if is_relative && summary.truth == Some(0.0) => {
                 Some("the true value is 0; use rms_error or mean_abs_error")
             }
