@@ -59,7 +59,6 @@ enum Layers {
 #[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
-    /// The contact with a bonded layer; `None` if the body is not a bonded layer.
     layer: Option<LayerContact>,
     /// Relative curvature 1/R_s + 1/R_o (1/length), where R_s is the radius of the sensor and R_o the radius of the
     /// object.
@@ -84,18 +83,13 @@ pub struct Displacement {
 /// and derivatives the unit length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Field {
-    /// Inward displacement divided by the relative curvature.
     pub(crate) normal: f64,
-    /// Derivative of `normal` with respect to the distance r.
     pub(crate) normal_per_r: f64,
-    /// Derivative of `normal` with respect to the contact's radius.
     pub(crate) normal_per_a: f64,
     /// Displacement along the skin divided by the relative curvature. It is positive if the skin moves away from the
     /// contact.
     pub(crate) radial: f64,
-    /// Derivative of `radial` with respect to the distance r.
     pub(crate) radial_per_r: f64,
-    /// Derivative of `radial` with respect to the contact's radius.
     pub(crate) radial_per_a: f64,
 }
 
@@ -295,7 +289,6 @@ impl Body {
         })
     }
 
-    /// The contact's radius, from the indentation divided by the relative curvature.
     fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok(indentation_over_curvature.sqrt()),

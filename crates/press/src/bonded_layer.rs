@@ -38,8 +38,8 @@ pub(crate) struct BondedLayer {
     depth: f64,
     /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
     resolution: f64,
-    /// Data of the layer, such as its tables for several depths. One of these depths is the depth of `self`; `number`
-    /// is its index.
+    /// Data that the models of this layer for several depths have in common. `number` is the index of this model's
+    /// depth.
     family: Arc<Family>,
     number: usize,
 }
@@ -90,14 +90,13 @@ enum Base {
 }
 
 impl BondedLayer {
-    /// A layer with the thickness `thickness`. Its displacements are computed at the depth `depth` below its surface.
     pub(crate) fn new(thickness: f64, depth: f64) -> Result<Self, PressError> {
         let mut layers = Self::at_depths(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Models of one layer. There is one model for each depth in `depths`, in the same order. The tables of all models
-    /// are computed together, in little more time than the tables for one depth.
+    /// Models of one layer, one for each depth in `depths`, in the same order. Their tables are computed together, in
+    /// little more time than the tables for one depth.
     pub(crate) fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
@@ -128,7 +127,6 @@ impl BondedLayer {
         Ok(Self { resolution, ..self })
     }
 
-    /// Thickness of the layer, length.
     pub(crate) const fn thickness(&self) -> f64 {
         self.thickness
     }

@@ -42,7 +42,6 @@ const PANELS: i32 = 12;
 /// Number of Gauss quadrature nodes in each panel.
 const NODES: NonZeroUsize = NonZeroUsize::new(12).expect("not 0");
 
-/// Gauss nodes and weights of one quadrature panel, on [−1, 1].
 static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let rule = GaussLegendre::new(NODES);
     rule.iter().map(|(node, weight)| [*node, *weight]).collect()

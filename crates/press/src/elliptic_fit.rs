@@ -16,13 +16,11 @@ use crate::{
 /// Number of fitted parameters: the components xx, xy and yy of the matrix logarithm S of the curvature tensor, two
 /// coordinates of the contact, and the indentation.
 const UNKNOWNS: usize = 6;
-/// Index of the indentation in the fitted parameters.
 const INDENTATION: usize = 5;
 
 type Step = SVector<f64, UNKNOWNS>;
 type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Maximum number of Levenberg–Marquardt steps in a fit.
 const MAX_STEPS: usize = 60;
 
 /// The minimisation stops if the next step is predicted to decrease chi-squared by less than this value.
@@ -171,8 +169,8 @@ impl Stds {
         (is_finite && is_positive).then_some(Self(inverse))
     }
 
-    /// Standard error of a weighted sum of the components xx, xy and yy of the tensor S (logarithm of the
-    /// relative-curvature tensor).
+    /// Standard error of a weighted sum of the components xx, xy and yy of the tensor S. `weights` contains the three
+    /// weights.
     fn tensor(&self, weights: &Vector3<f64>) -> f64 {
         let tensor: Matrix3<f64> = self.0.fixed_view::<3, 3>(0, 0).into();
         weights.dot(&(tensor * weights)).max(0.0).sqrt()
@@ -260,8 +258,8 @@ fn along(angle: f64) -> Vector3<f64> {
 
 struct Fit {
     state: State,
-    /// Differences between readings and model in standard deviations: normal displacements, then tangential
-    /// displacements, then the stated indentation.
+    /// Differences between readings and model in standard deviations, in this order: normal displacements, tangential
+    /// displacements, the stated indentation.
     residuals: Vec<f64>,
     chi_squared: f64,
     /// Half the Hessian of chi-squared with respect to the fitted parameters.
@@ -274,8 +272,7 @@ struct Problem<'a> {
     reading: &'a Reading<'a>,
     /// Standard deviations of the noise of normal and tangential displacements.
     stds: [f64; 2],
-    /// Whether the standard deviations of normal and of tangential displacements are estimated from the residuals,
-    /// because they are not stated.
+    /// Whether the noise of the normal and of the tangential displacements is estimated from the residuals.
     is_estimated: [bool; 2],
 }
 
@@ -360,7 +357,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Residuals and derivatives for the fitted parameters `state`, and the next step of the search.
     fn fit_at(&self, state: State) -> Result<(Fit, Step), PressError> {
         let residuals = self.residuals(&state)?;
         let size = self.contact(&state)?.0.semi_axes[1];

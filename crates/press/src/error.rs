@@ -167,7 +167,6 @@ pub enum PressError {
 }
 
 impl PressError {
-    /// Returns [`PressError::BadSetting`] if the setting is not valid.
     pub(crate) fn unless_good(
         setting: &'static str,
         value: f64,

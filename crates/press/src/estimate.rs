@@ -46,13 +46,11 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The interval that contains all numbers.
     pub(crate) const UNBOUNDED: Self = Self {
         low: None,
         high: None,
     };
 
-    /// The smallest interval that contains both this interval and `other`.
     pub(crate) fn hull(&self, other: Self) -> Self {
         let both = |one: Option<f64>, other: Option<f64>, end: fn(f64, f64) -> f64| {
             one.zip(other).map(|(one, other)| end(one, other))

@@ -40,7 +40,6 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Returns an error if the measured value or its standard deviation is out of its range.
     pub(crate) fn check(self) -> Result<(), PressError> {
         let Self { value, std } = self;
         let good = (0.0..=1e100).contains(&std);
@@ -199,7 +198,6 @@ impl ForwardFit {
         })
     }
 
-    /// Returns an error if a setting or a reading is out of range.
     pub(super) fn validate(&self, reading: &Reading<'_>) -> Result<(), PressError> {
         let at_least_0 = |setting, value: f64| {
             let good = (0.0..=1e100).contains(&value);

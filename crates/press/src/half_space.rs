@@ -28,10 +28,8 @@ use crate::body::Field;
 /// limit, the series for points far from the contact is used. The series is then exact to rounding errors.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
-/// Number of terms of the series for points far from the contact.
 const TERMS: usize = 7;
 
-/// Number of Legendre polynomials in the series for points far from the contact.
 const ORDERS: usize = 2 * TERMS + 2;
 
 /// Number of integrals that are computed by series: Q₃⁰, Q₂⁰ and Q₁⁰ of order 0, Q₃¹, Q₂¹ and Q₁¹ of order 1, and S₁
@@ -233,7 +231,6 @@ pub(crate) struct Spheroidal {
     /// The number 1 − η². It is stored separately, because its computation from η near 1 would suffer from
     /// cancellation.
     pub(crate) off_axis: f64,
-    /// Distance r from the axis, divided by the contact radius a.
     pub(crate) r: f64,
     /// ξ² + η², which is 0 at the edge of the contact.
     pub(crate) edge: f64,

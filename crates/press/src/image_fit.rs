@@ -41,8 +41,8 @@ pub struct ImageFit<V> {
     /// The soft body, as two models: one computes displacements at the depth of the magenta discs, the other at the
     /// depth of the yellow discs.
     pub bodies: [Body; 2],
-    /// A small length, and the two bodies for discs that are deeper by this length. The fit computes derivatives with
-    /// respect to the depths of the discs from them. They are required if these depths are uncertain.
+    /// A small length, and the two bodies (one per disc colour) for discs that are deeper by this length. From them the
+    /// fit computes derivatives with respect to the depths of the discs. They are required if the depths are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
     /// Standard deviations of the sensor deviations in [`SensorState::common`]. The value 0 means that a sensor
     /// parameter is exactly equal to its nominal value.
@@ -58,7 +58,6 @@ pub struct ImageFit<V> {
 }
 
 impl<V: View> ImageFit<V> {
-    /// Returns an error if a field of this fit is out of its range.
     fn validate(&self) -> Result<(), PressError> {
         for std in &self.common_stds {
             squarable("common_stds", *std)?;
@@ -73,7 +72,6 @@ impl<V: View> ImageFit<V> {
         Ok(())
     }
 
-    /// Returns an error if a field of this fit or a reading is out of its range.
     fn check(
         &self,
         rest: &Rest,
@@ -98,8 +96,7 @@ impl<V: View> ImageFit<V> {
         indentation.map_or(Ok(()), Measured::check)
     }
 
-    /// The joint prior of sensor deviations, converted to the form that the equations need; `None` if no joint prior is
-    /// set.
+    /// The joint prior of sensor deviations in the form that the equations need; `None` if no joint prior is set.
     fn known(&self) -> Result<Option<FreePrior>, PressError> {
         let prior = self.departure_prior.as_ref();
         prior
@@ -113,7 +110,6 @@ impl<V: View> ImageFit<V> {
         stds.filter(|(_, std)| *std > 0.0).collect()
     }
 
-    /// Indices of the common sensor deviations that are uncertain (standard deviation > 0).
     fn free(&self) -> Vec<usize> {
         let free = self.free_stds().into_iter();
         free.map(|(number, _)| number).collect()

@@ -24,7 +24,6 @@ pub(crate) trait LeastSquares {
 
     fn sums_of(fit: &Self::Fit) -> &Sums;
 
-    /// The skin of the sensor, and the model of the soft body from which contacts are computed.
     fn press(&self) -> (&Skin, &Body);
 
     fn fitted(&self) -> &Fitted;
@@ -42,7 +41,6 @@ pub(crate) trait LeastSquares {
         state.contact(skin, body)
     }
 
-    /// Number of equations from the markers that the fit uses.
     fn equations(&self) -> usize {
         let [markers, each] = self.used();
         markers * each
@@ -81,18 +79,16 @@ pub(crate) trait LeastSquares {
         inverse(&sums.hessian, Self::SINGULAR).ok_or(free)
     }
 
-    /// Levenberg–Marquardt damping in the first step of a search.
     fn damping(_fit: &Self::Fit) -> f64 {
         1e-3
     }
 
-    /// The fit parameters after the step `step` from the fit parameters `state`.
     fn stepped(&self, state: &State, step: &Unknowns) -> State;
 
     /// The fit, with its derivatives, for the fit parameters `state`.
     ///
     /// # Errors
-    /// [`PressError`] if no press has these values.
+    /// [`PressError`] if no press has these fit parameters.
     fn fit_at(&self, state: State) -> Result<Self::Fit, PressError>;
 
     /// The fit after a step that is predicted to decrease chi-squared by `promise`; `None` if chi-squared increases
@@ -133,11 +129,8 @@ pub(crate) trait LeastSquares {
 
 /// An exact search stops if the next step is predicted to decrease chi-squared by less than this value.
 pub(crate) const EXACTLY: f64 = 1e-8;
-/// Maximum number of steps of the minimisation.
 const MAX_STEPS: usize = 200;
-/// Smallest relevant step, relative to the values of the fit parameters.
 const MIN_STEP: f64 = 1e-13;
-/// Damping above which the search ends.
 const MAX_DAMPING: f64 = 1e12;
 
 /// Finds the minimum of chi-squared near the fit `start`. The search stops if the next step is predicted to decrease

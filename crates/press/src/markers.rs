@@ -32,7 +32,6 @@ pub struct MarkerDisplacement {
     pub tangential: [f64; 2],
 }
 
-/// Position of a marker relative to the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// Distance from the contact to the marker along the skin.
@@ -290,7 +289,7 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
 /// displacements of the contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
-/// Values of a contact that are needed for the derivatives of displacements.
+/// Values of a contact from which the derivatives of displacements are computed.
 pub(crate) struct PressSlopes {
     pub(crate) curvature: f64,
     pub(crate) indentation: f64,
@@ -300,8 +299,8 @@ pub(crate) struct PressSlopes {
 }
 
 impl PressSlopes {
-    /// Computes the values for `contact`. `slope` is the derivative of D with respect to the contact's radius, where D
-    /// is the indentation divided by the relative curvature.
+    /// `slope` is the derivative of D with respect to the contact's radius, where D is the indentation divided by the
+    /// relative curvature.
     pub(crate) fn new(contact: &Contact<'_>, slope: f64) -> Self {
         Self {
             curvature: contact.relative_curvature,
@@ -314,8 +313,6 @@ impl PressSlopes {
         self.curvature * value - self.indentation * per_a * self.per_d
     }
 
-    /// Derivatives of a marker's inward displacement with respect to the four fit parameters, multiplied by the factor
-    /// `gain`.
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, sight: &Sight, gain: f64) -> Slopes {
         // If the contact moves towards the marker, their distance decreases. Therefore the derivative has a negative
@@ -329,7 +326,6 @@ impl PressSlopes {
         ]
     }
 
-    /// Derivatives of a marker's two displacements along the skin with respect to the four fit parameters.
     #[inline(always)]
     pub(crate) fn tangential(&self, field: &Field, sight: &Sight) -> [Slopes; 2] {
         let nearer = -self.curvature * field.radial_per_r;

@@ -13,7 +13,6 @@ use crate::markers::Sight;
 use crate::unknowns::{Square, Sums, UNKNOWNS};
 use crate::{Contact, Estimated, GoodnessOfFit, Measured, PressError};
 
-/// Number of patterns that are tested in the residuals.
 pub(crate) const PATTERNS: usize = 7;
 /// Indices of the patterns that depend only on the distance from the contact.
 const BY_DISTANCE: Range<usize> = 0..5;
@@ -70,13 +69,14 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
     })
 }
 
-/// The noise with which residuals are compared.
 #[derive(Clone, Copy)]
 pub(crate) enum Noise {
-    /// The stated noise.
     Stated,
     /// Noise that is estimated from the residuals: chi-squared of the residuals, and its degrees of freedom.
-    Found { chi_squared: f64, freedom: usize },
+    Found {
+        chi_squared: f64,
+        freedom: usize,
+    },
 }
 
 impl Noise {
@@ -182,7 +182,6 @@ pub(crate) fn stated_indentation(
 mod tests {
     use super::*;
 
-    /// Irregular numbers for tests. Some are positive and some are negative.
     fn scattered(number: usize) -> f64 {
         libm::sin(1.7 * (number * number) as f64 + 0.3)
     }

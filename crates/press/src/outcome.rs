@@ -31,7 +31,7 @@ pub(crate) fn until_best<F>(
     })
 }
 
-/// Fields of [`PressEstimate`] that fits of displacements and fits of images compute in different ways.
+/// The fields of [`PressEstimate`] that fits of displacements compute differently from fits of images.
 pub(crate) struct OfReadings {
     pub(crate) relative_curvature: Estimated,
     pub(crate) baseline: Option<Estimated>,
@@ -89,7 +89,6 @@ pub(crate) fn outcome<P: LeastSquares>(
     })
 }
 
-/// Standard errors of the reported values.
 pub(crate) struct Stds {
     pub(crate) log_curvature: f64,
     pub(crate) indentation: f64,

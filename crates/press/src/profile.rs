@@ -8,7 +8,6 @@ use crate::unknowns::{CURVATURE, INDENTATION};
 /// Tolerance of the search for an end of the interval. It is the relative error of the square root of the increase of
 /// chi-squared at the end. A result within this tolerance is improved by interpolation.
 const TOLERANCE: f64 = 0.03;
-/// Maximum number of attempts to find an end of an interval.
 const MAX_TRIES: usize = 40;
 /// Limit of the search: largest ratio between a curvature and the estimated curvature, in either direction.
 const MAX_RATIO: f64 = 1e6;
@@ -39,7 +38,7 @@ struct Found {
 }
 
 impl Found {
-    /// The step for which the square root of the increase of chi-squared is `root`. The step is interpolated by a cubic
+    /// The step at which the square root of the increase of chi-squared is `root`. It is interpolated by a cubic
     /// polynomial between the steps `self` and `other`, from their values and derivatives.
     fn through(self, other: Self, root: f64) -> f64 {
         let width = other.root - self.root;
@@ -94,8 +93,8 @@ fn walk<P: LeastSquares>(
         root: 0.0,
         per_root: std,
     };
-    // The smallest step that is beyond the end of the interval, and the fit at this step. The fit is `None` if no press
-    // is possible with this curvature.
+    // `outside` is the smallest tried step beyond the end of the interval, with the fit at this step. The fit is `None`
+    // if no press is possible with this curvature.
     let mut outside: Option<(f64, Option<Found>)> = None;
     for _ in 0..MAX_TRIES {
         let mut last = inside;

@@ -25,12 +25,10 @@ use crate::half_space::Spheroidal;
 /// Displacement of a point of the skin per unit of length that the contact shifts. The contact sticks to the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StuckShift {
-    /// Component of the displacement along the shift.
     pub(crate) along: f64,
     /// Component of the displacement along the skin and perpendicular to the shift, in the direction of increasing
     /// azimuth.
     pub(crate) across: f64,
-    /// Component of the displacement inward, along the normal of the skin.
     pub(crate) normal: f64,
 }
 

@@ -163,7 +163,6 @@ impl Skin {
         Ok(contact)
     }
 
-    /// The contact of the skin with an object, for a given relative curvature and indentation.
     pub(crate) fn press<'b>(
         &self,
         body: &'b Body,
@@ -188,7 +187,6 @@ impl Skin {
         }
     }
 
-    /// Returns an error if the indentation reaches the centre of the sensor.
     fn holds_indentation(&self, indentation: f64) -> Result<(), PressError> {
         if indentation >= self.radius {
             return Err(PressError::TooDeep {
@@ -200,7 +198,6 @@ impl Skin {
         Ok(())
     }
 
-    /// Returns an error if the contact is wider than the sensor.
     pub(crate) fn holds_contact(&self, radius: f64) -> Result<(), PressError> {
         if radius >= self.radius {
             return Err(PressError::TooWide {
@@ -220,7 +217,6 @@ impl Skin {
         place.direction.as_ref() * libm::cos(angle) + tangent.normalize() * libm::sin(angle)
     }
 
-    /// The place in the direction `direction` from the sensor's centre.
     pub(crate) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         self.place(self.chart(direction))
     }

@@ -6,7 +6,6 @@ use nalgebra::Vector3;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, OTHERS, Unknowns};
 use crate::{Body, Contact, Place, PressError, Skin};
 
-/// Values of all fit parameters of a press.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     pub(crate) log_curvature: f64,
@@ -18,7 +17,6 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// Fit parameters with the given values.
     pub(crate) fn new(
         relative_curvature: f64,
         place: Place,
@@ -33,7 +31,6 @@ impl State {
         }
     }
 
-    /// The contact between the soft body and the object, for these fit parameters.
     pub(crate) fn contact<'b>(
         &self,
         skin: &Skin,

@@ -6,15 +6,13 @@ use crate::Measured;
 use crate::cholesky::solve;
 use crate::state::State;
 
-/// Number of fit parameters of a press.
 pub(crate) const UNKNOWNS: usize = 6;
-/// Index of the logarithm of the relative curvature in the fit parameters.
+/// Index of the logarithm of the relative curvature.
 pub(crate) const CURVATURE: usize = 0;
-/// Index of the contact's displacement along the first axis at the contact, in the fit parameters.
+/// Index of the contact's displacement along the first axis at the contact.
 pub(crate) const ALONG: usize = 1;
-/// Index of the contact's displacement along the second axis at the contact, in the fit parameters.
+/// Index of the contact's displacement along the second axis at the contact.
 pub(crate) const ACROSS: usize = 2;
-/// Index of the indentation in the fit parameters.
 pub(crate) const INDENTATION: usize = 3;
 /// Index of the first of the two fit parameters that depend on the kind of fit.
 pub(crate) const OTHERS: usize = 4;
@@ -26,7 +24,7 @@ pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// smaller, the parameter counts as exact, because a fit with such a prior would suffer from rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
-/// States which fit parameters are fitted, and contains their normal priors.
+/// The fit parameters that are fitted, with their normal priors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
     /// For each fit parameter, whether it is fitted; `false` for exact parameters.
@@ -46,7 +44,6 @@ impl Fitted {
         Self { sought, priors }
     }
 
-    /// Number of fit parameters that are fitted, that is, not exact.
     pub(crate) fn count(&self) -> usize {
         self.sought.iter().filter(|&&sought| sought).count()
     }
@@ -57,7 +54,6 @@ impl Fitted {
         fitted.filter_map(|unknown| Some((unknown, self.priors[unknown]?)))
     }
 
-    /// Contribution of the priors to chi-squared, with its derivatives.
     pub(crate) fn prior_sums(&self, state: &State) -> Sums {
         let mut sums = Sums::default();
         for (unknown, Measured { value, std }) in self.priors() {
@@ -74,7 +70,6 @@ impl Fitted {
 /// Chi-squared with its derivatives with respect to the fit parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Chi-squared, including the squared deviations from the priors.
     pub(crate) chi_squared: f64,
     /// Half the gradient of chi-squared with respect to the fit parameters.
     pub(crate) gradient: Unknowns,
@@ -94,7 +89,6 @@ impl Sums {
         }
     }
 
-    /// Returns these sums for a fit in which the fit parameter with the index `held` is constant.
     pub(crate) fn holding(mut self, held: usize) -> Self {
         self.gradient[held] = 0.0;
         self.hessian.row_mut(held).fill(0.0);

@@ -38,7 +38,6 @@ pub(super) struct Table {
     rows: Vec<Vec<f64>>,
 }
 
-/// A contact that was interpolated in a table.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     /// The indentation, its derivative with respect to the radius, the force and the peak pressure; see [`Pressure`].
@@ -135,7 +134,6 @@ impl Table {
         }
     }
 
-    /// The values [`Entry::numbers`] of the contact with the radius `contact`, without the other parts of its entry.
     pub(super) fn numbers(&self, contact: f64) -> [f64; 4] {
         let mut row = [0.0; 4];
         self.interpolate(contact, &mut row);
@@ -260,7 +258,6 @@ fn position([from, to]: [f64; 2], value: f64) -> f64 {
     (2.0 * value - from - to) / (to - from)
 }
 
-/// Angle whose cosine is the Chebyshev node with the index `node`.
 fn angle(node: usize) -> f64 {
     PI * (node as f64 + 0.5) / NODES as f64
 }
@@ -287,7 +284,7 @@ fn lagrange(range: [f64; 2], value: f64) -> [f64; NODES] {
     shares.map(|share| share / sum)
 }
 
-/// Values of all Chebyshev polynomials, in ascending order of the polynomials, at [`nodes`].
+/// Values of all Chebyshev polynomials at [`nodes`]: one row per polynomial, in ascending order.
 struct Polynomials([[f64; NODES]; NODES]);
 
 impl Polynomials {

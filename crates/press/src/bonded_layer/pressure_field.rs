@@ -15,18 +15,17 @@
 use crate::body::Field;
 use crate::half_space::{self, Spheroidal};
 
-/// Limit of the ratio of the contact's radius to the distance of a point from the contact. Below this limit, the
-/// contact is treated as a point force.
+/// Below this ratio of the contact's radius to the distance of a point from the contact, the contact is treated as a
+/// point force.
 const POINT: f64 = 1e-10;
-/// Exponent of the limit e^9 of the amplification of rounding errors. The radial functions are computed by an upward
-/// recurrence if it amplifies rounding errors by at most this factor; otherwise by a downward recurrence.
+/// The radial functions are computed by an upward recurrence if it amplifies rounding errors by at most a factor of
+/// e^`UPWARD`, and otherwise by a downward recurrence.
 const UPWARD: f64 = 9.0;
-/// Exponent of the limit e^−32 without its sign. Terms of the series that are smaller than this limit are omitted.
+/// Terms of the series that are smaller than e^−`NEGLIGIBLE` are omitted.
 const NEGLIGIBLE: f64 = 32.0;
-/// Half the exponent of e^−30, without its sign. The downward recurrence starts at an order that is high enough for its
-/// start value to have an error of e^−30.
+/// The downward recurrence starts at an order so high that its start value has an error of e^(−2 `START_DECAY`).
 const START_DECAY: f64 = 15.0;
-/// Largest number of orders of the recurrence for which the values are stored without allocating memory on the heap.
+/// Up to this number of orders, the values of the recurrence are stored on the stack instead of the heap.
 const FEW: usize = 64;
 /// Lower limit of the divisor ξ² + η², where ξ and η are spheroidal coordinates. It limits the loss of digits near the
 /// contact's edge.

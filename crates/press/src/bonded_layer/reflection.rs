@@ -104,7 +104,6 @@ impl Spectrum {
         }
     }
 
-    /// The terms of the sum over wavenumbers at the depth `depth`.
     pub(super) fn waves(&self, depth: f64) -> Vec<Wave> {
         let pairs = self.nodes.iter().zip(&self.transforms);
         let waves = pairs.map(|(&[wavenumber, weight], [curved, flat])| {
@@ -130,7 +129,6 @@ impl Waves {
         }
     }
 
-    /// Correction of the displacement for the rigid base, at the distance `r` from the middle of the contact.
     pub(super) fn field(&self, r: f64) -> Field {
         let reaches = std::iter::successors(Some(FIRST_REACH), |reach| Some(2.0 * reach));
         let band = self

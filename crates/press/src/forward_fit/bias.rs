@@ -51,7 +51,6 @@ impl Problem<'_> {
             .then(|| GoodnessOfFit::new(sums.chi_squared, self.freedom()))
     }
 
-    /// Share of the variance of the used normal displacements that the model explains.
     fn r_squared(&self, state: &State) -> Result<f64, PressError> {
         let contact = self.contact(state)?;
         let moved = self.displacements(&contact, state);

@@ -78,8 +78,8 @@ impl ForwardFit {
         stated_indentation(stated, &alone.indentation, p_value)
     }
 
-    /// The least-squares problem of an estimate, with the same markers and the same noise, and the fit parameters of
-    /// the estimate.
+    /// The least-squares problem of an estimate (the same markers and the same noise), and the fit parameters of the
+    /// estimate.
     fn problem_of<'a>(
         &'a self,
         reading: &'a Reading<'a>,
@@ -156,7 +156,7 @@ impl ForwardFit {
 }
 
 impl Problem<'_> {
-    /// Returns a misfit if the stated noise does not agree with the residuals.
+    /// Returns a misfit if the stated noise contradicts the residuals.
     fn stated_noise(&self, state: &State) -> Result<Option<Misfit>, PressError> {
         let contact = self.contact(state)?;
         let (mut normal, mut tangential) = (0.0, 0.0);
@@ -189,7 +189,6 @@ impl Problem<'_> {
         Ok(test(self.fit.normal_std, normal, markers).or_else(tangential))
     }
 
-    /// Significant patterns in the residuals of a fit.
     fn pattern_misfits(
         &self,
         state: &State,

@@ -9,11 +9,9 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, EXACT, Fitted, OTHERS, Sums, Unknowns};
 use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
 
-/// Index of the baseline in the fit parameters. The baseline is an offset of all normal displacements. Fits of images
-/// do not have it.
+/// Index of the baseline, an offset of all normal displacements. Fits of images do not have this parameter.
 pub(super) const BASELINE: usize = OTHERS;
-/// Index of the gain in the fit parameters. The gain is a factor on all normal displacements. Fits of images do not
-/// have it.
+/// Index of the gain, a factor on all normal displacements. Fits of images do not have this parameter.
 pub(super) const GAIN: usize = OTHERS + 1;
 
 /// Outlier threshold: a reading is an outlier if its residual exceeds this number of standard deviations. Noise alone
@@ -22,15 +20,12 @@ pub(super) const WRONG: f64 = 5.0;
 /// Markers are in a row if the ratio of their variance across the row to their variance along it is below this value.
 const ROW: f64 = 1e-5;
 
-/// A least-squares problem: the readings, their weights, and the fitted parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
     pub(super) fit: &'a ForwardFit,
     pub(super) reading: &'a Reading<'a>,
     pub(super) fitted: Fitted,
-    /// Standard deviation of the noise of a normal displacement.
     pub(super) normal_std: f64,
-    /// Standard deviation of the noise of each component of a tangential displacement.
     pub(super) tangential_std: f64,
     /// For each marker, whether the fit uses it.
     pub(super) kept: Vec<bool>,
@@ -94,7 +89,6 @@ impl<'a> Problem<'a> {
         problem
     }
 
-    /// Restricts the fit to the markers within the window around the contact.
     pub(super) fn keep_window(&mut self, state: &State) {
         let Some(window) = self.fit.window else {
             return;
@@ -116,7 +110,6 @@ impl<'a> Problem<'a> {
         self.tangential().is_some()
     }
 
-    /// Whether the noise of all used readings is stated.
     pub(super) fn knows_noise(&self) -> bool {
         let is_stated = |std: Option<f64>| std.is_some_and(|std| std > 0.0);
         is_stated(self.fit.normal_std)
@@ -158,8 +151,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Chi-squared with its derivatives, either for normal displacements only or (with `TANGENTIAL`) for normal and
-    /// tangential displacements.
     fn sums_of<const TANGENTIAL: bool>(&self, state: &State) -> Result<Sums, PressError> {
         let contact = self.contact(state)?;
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
@@ -186,7 +177,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Residuals of a marker for the fit parameters `state`, in standard deviations: one normal and two tangential
-    /// residuals. Residuals of unused components are 0.
+    /// residuals. They are 0 for components that the fit does not use.
     pub(super) fn residuals_at(
         &self,
         contact: &Contact<'_>,
@@ -202,7 +193,6 @@ impl<'a> Problem<'a> {
         self.residuals(marker, (baseline, Vector2::zeros()))
     }
 
-    /// Displacements of all markers that the model predicts.
     pub(super) fn displacements(
         &self,
         contact: &Contact<'_>,
@@ -235,7 +225,6 @@ impl<'a> Problem<'a> {
         Ok(sum)
     }
 
-    /// Residuals of all markers that the fit uses, for the fit parameters `state`.
     pub(super) fn residuals_of_all(&self, state: &State) -> Result<Vec<[f64; 3]>, PressError> {
         let contact = self.contact(state)?;
         let residuals = |marker| self.residuals_at(&contact, state, marker);
@@ -436,7 +425,6 @@ const MAX_PRODUCT: f64 = 1e100;
 /// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers. Here s is the sum of squared
 /// residuals of a marker, and c the tolerance. The loss is about s if s is much smaller than c².
 pub(super) struct RobustSum {
-    /// Square c² of the tolerance.
     limit: f64,
     sum: f64,
     /// Product of the terms 1 + s/c² of the markers whose logarithms are not yet in `sum`. One logarithm of a product
@@ -474,7 +462,6 @@ impl RobustSum {
         rise.recip()
     }
 
-    /// The robust sum over all markers that were added so far.
     pub(super) fn total(&self) -> f64 {
         if self.product == 1.0 {
             self.sum

@@ -31,15 +31,14 @@ const SUSPECT: f64 = 0.05;
 const ROBUST: f64 = 3.0;
 /// The robust fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-2;
-/// Relative change of an estimated noise that is not noticeable. With many markers, a smaller change is, because it
-/// changes chi-squared by as much as the interval: at most by twice `MAX_RISE`.
+/// Smallest relative change of an estimated noise that counts as a change. With many readings, the limit is lower, such
+/// that chi-squared changes by at most twice `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
 /// If there are more than twice this number of markers, the search starts with this number of those that moved most and
 /// about as many others.
 const MAX_START_MARKERS: usize = 10_000;
 
-/// A search for the press that fits a reading best.
 #[derive(Clone)]
 pub(super) struct Search<'a> {
     problem: Problem<'a>,
@@ -253,7 +252,7 @@ impl<'a> Search<'a> {
         Ok(Interval::UNBOUNDED)
     }
 
-    /// Whether two results of fits are the same minimum of chi-squared.
+    /// Whether two fits ended at the same minimum of chi-squared.
     fn is_same(&self, one: &State, other: &State) -> bool {
         let near = |contact: Contact<'_>| {
             let markers = self.problem.reading.markers;
@@ -263,8 +262,8 @@ impl<'a> Search<'a> {
             && self.problem.contact(one).is_ok_and(near)
     }
 
-    /// The fit to all markers that starts from the best fit to some of them. `None` if there are not many markers, or if
-    /// one of the fits fails.
+    /// Fits some of the markers, and then all markers with the result as start value. Returns `None` if there are not
+    /// many markers, or if one of the two fits fails.
     fn begin_with_few(&mut self) -> Option<(State, Sums)> {
         let reading = self.problem.reading;
         let mut chosen: Vec<usize> = (0..reading.normal.len()).collect();
@@ -298,7 +297,8 @@ impl<'a> Search<'a> {
         Some(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// The best of the fits from all start values. If the noise is estimated, it is the fit with the smallest noise.
+    /// The best of the fits from all start values: the fit with the smallest chi-squared or, if the noise is estimated,
+    /// with the smallest noise.
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         if let Some(fit) = self.begin_with_few() {
             return Ok(fit);
@@ -339,8 +339,8 @@ impl<'a> Search<'a> {
     /// explains all markers better.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // Do not try this fit if a window is set, because markers outside of the window are not outliers. Nor if the
-        // noise is estimated, because then the residuals of two fits cannot be compared.
+        // Do not try this fit if a window is set, because markers outside of the window are not outliers. Do not try it
+        // either if the noise is estimated, because the residuals of the two fits then cannot be compared.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {
@@ -448,7 +448,6 @@ impl<'a> Search<'a> {
         is_new
     }
 
-    /// Magnitudes of the residuals of all markers, as lengths.
     fn residuals(&self, state: &State) -> Result<Vec<[f64; 3]>, PressError> {
         let problem = &self.problem;
         let contact = problem.contact(state)?;
@@ -503,7 +502,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Selects the used markers, which are the markers within the window that are not outliers.
+    /// Selects the markers that the fit uses: those within the window that are not outliers.
     fn choose(&mut self, state: &State, residuals: &[[f64; 3]]) -> Result<(), PressError> {
         let problem = &mut self.problem;
         problem.kept.fill(true);
@@ -523,7 +522,6 @@ impl<'a> Search<'a> {
         problem.determined()
     }
 
-    /// Half-width of the 95 % intervals, in standard errors.
     fn limit(&self) -> f64 {
         if self.find_normal {
             student_half_width(0.95, self.problem.freedom())

@@ -46,7 +46,6 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
 /// Tables of displacements for contacts with several radii. The displacements are stored at nodes, which are distances
 /// from the contact. The nodes extend to half the circumference of a sphere whose radius is the markers' scale.
 pub(super) struct Shapes {
-    /// Distance (length) between the contact and the last node.
     furthest: f64,
     /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` if the
     /// contact is impossible.
@@ -57,7 +56,6 @@ impl Shapes {
     /// Number of intervals between the nodes at which displacements are tabulated.
     const INTERVALS: f64 = 64.0;
 
-    /// Tables for contacts with the radii `radii`, in units of the markers' scale.
     pub(super) fn new(problem: &Problem<'_>, radii: &[f64]) -> Self {
         let scale = problem.reading.markers.scale();
         let furthest = PI * scale;
@@ -83,7 +81,6 @@ impl Shapes {
         self.contacts.iter().map(state).collect()
     }
 
-    /// Displacement at the distance `distance` from the contact, interpolated linearly between the nodes.
     fn at(&self, nodes: &[Displacement], distance: f64) -> Displacement {
         let place = Self::INTERVALS * (distance / self.furthest).sqrt().min(1.0);
         let before = (place as usize).min(nodes.len() - 2);
@@ -192,8 +189,7 @@ fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// The given directions, followed by mean directions: the mean of the first two of the given directions, the mean of
-/// the first three, and so on.
+/// The given directions, followed by the mean of the first two of them, the mean of the first three, and so on.
 fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let between = |count: usize| directions[..count].iter().sum::<Vector3<f64>>();
     let between: Vec<Vector3<f64>> = (2..=directions.len())

@@ -30,7 +30,6 @@ const PRIOR_STD: f64 = 3.0;
 /// contact radii, the list contains one contact, at the position with the smallest chi-squared.
 pub(super) struct UndetectedContacts<'p, 'a> {
     problem: &'p Problem<'a>,
-    /// Possible contacts, sorted by their curvatures.
     found: Vec<Candidate>,
 }
 
@@ -50,7 +49,6 @@ impl Candidate {
 }
 
 impl<'p, 'a> UndetectedContacts<'p, 'a> {
-    /// The possible contacts; `None` if no indentation is stated.
     pub(super) fn new(problem: &'p Problem<'a>) -> Option<Self> {
         problem.reading.indentation?;
         let narrower = |radius: &f64| Some(RADIUS_RATIO * radius);
@@ -103,7 +101,6 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         Some(unseen)
     }
 
-    /// The most likely of the possible contacts.
     pub(super) fn likeliest(&self) -> Option<State> {
         Some(self.found.iter().min_by(Candidate::likelier)?.state)
     }

@@ -27,7 +27,8 @@ pub(super) struct FreePrior {
 
 impl DeparturePrior {
     /// Converts the prior to the form that the equations need. `stds` contains the standard deviations of all common
-    /// sensor deviations. Exact sensor deviations have the standard deviation 0 and must not be in the prior.
+    /// sensor deviations; 0 means that the sensor deviation is exact. The prior must not contain exact sensor
+    /// deviations.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,

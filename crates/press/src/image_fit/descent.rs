@@ -19,24 +19,22 @@ const ENOUGH: f64 = 1e-6;
 const ROUGHLY: f64 = 1.0;
 /// Largest factor by which the variances of the readings are multiplied.
 const MAX_VARIANCE: f64 = 1e12;
-/// Ratio between the factors of the variances in consecutive searches.
 const FALL: f64 = 10.0;
-/// Exponents from which the first variance factor of a sequence of searches is computed. The factor is the variance of
-/// the first residuals, raised to the exponent. If chi-squared remains too large, the next exponent is tried.
+/// Each sequence of searches starts with the variance factor v^e, where v is the variance of the first residuals. These
+/// are the exponents e, in the order in which they are tried until chi-squared is small enough.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. For a correct sensor
-/// model, this search is unnecessary; it follows with a probability equal to this constant.
+/// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. With a correct sensor
+/// model, this happens with a probability equal to this constant.
 const PLAUSIBLE: f64 = 1e-3;
 
-/// The result of a search: the sensor parameters with the smallest cost.
 struct Minimum {
     state: State,
     pictures: Pictures,
     cost: Cost,
 }
 
-/// Cost of a set of sensor parameters. A marker is hidden if it has a reading but is not visible in the model. Costs
-/// are compared first by the number of hidden markers, then by the sum of squared residuals of the other markers.
+/// Cost of sensor parameters. A marker is hidden if it has a reading but is not visible in the model. Costs are
+/// compared first by the number of hidden markers, then by the sum of squared residuals of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,
@@ -44,7 +42,6 @@ struct Cost {
 }
 
 impl Cost {
-    /// Decrease of the cost from `self` to the cost `other`.
     fn less(self, other: Self) -> f64 {
         match self.hidden == other.hidden {
             true => self.squares - other.squares,
@@ -54,7 +51,6 @@ impl Cost {
 }
 
 impl<V: View> Resting<'_, V> {
-    /// Finds the sensor parameters that are most likely for the frame at rest.
     pub(super) fn rest(&self) -> Result<Rest, PressError> {
         let start = State {
             common: DVector::zeros(self.free.len()),
@@ -96,10 +92,10 @@ impl<V: View> Resting<'_, V> {
         Ok(self.result(state, equations, slopes, cost.squares))
     }
 
-    /// Finds the minimum by a sequence of searches. In each search, the variances of the readings are multiplied by a
-    /// factor, which decreases to 1 from search to search. The reason is that chi-squared has local minima and narrow
-    /// valleys far from its global minimum. They disappear if the variances are as large as the first residuals. While
-    /// the factor decreases, the search stays near the global minimum.
+    /// Finds the minimum by a sequence of searches in which the variances of the readings are multiplied by a factor
+    /// that decreases to 1. The reason is that chi-squared has local minima and narrow valleys far from its global
+    /// minimum. They disappear if the variances are as large as the first residuals. While the factor decreases, the
+    /// search stays near the global minimum.
     fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
         while variance > 1.0 {
             let noisier = self.noisier(variance);
@@ -124,7 +120,6 @@ impl<V: View> Resting<'_, V> {
         let own = |marker: usize| {
             let weight = self.frame.weights[marker].as_ref()?;
             let residual = self.frame.residual(marker, pictures);
-            // If a marker has a reading but is not visible in the model, its cost is infinite.
             let square =
                 residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual)));
             let [x, y] = state.misalignments[marker];
@@ -155,7 +150,6 @@ impl<V: View> Resting<'_, V> {
         Some((middle / NUMBERS as f64).min(MAX_VARIANCE))
     }
 
-    /// A copy of this fit in which the variances of all readings are multiplied by `variance`.
     fn noisier(&self, variance: f64) -> Self {
         let mut frame = (*self.frame).clone();
         for weight in frame.weights.iter_mut().flatten() {

@@ -13,13 +13,12 @@ use crate::{Body, MarkerDisplacement, Place, PressError};
 /// Step for numerical derivatives of displaced discs, relative to the scale of each fit parameter.
 const STEP: f64 = 1e-5;
 
-/// Displacements of the magenta and the yellow disc of each marker.
 pub(super) type Discs = Vec<[MarkerDisplacement; 2]>;
 
 /// Derivatives of a disc's displacement (inward, and along both axes of the skin) with respect to the fit parameters.
 pub(super) type DiscSlopes = SMatrix<f64, 3, UNKNOWNS>;
 
-/// Displacements of the discs of every marker, with their derivatives with respect to the fit parameters.
+/// Displacements of the discs of each marker, with their derivatives with respect to the fit parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Moving {
     pub(super) moved: Discs,
@@ -27,12 +26,10 @@ pub(super) struct Moving {
 }
 
 impl<V: View> ImageFit<V> {
-    /// Displacements of the magenta and the yellow disc of each marker.
     pub(super) fn moved(&self, state: &State) -> Result<Discs, PressError> {
         self.moved_by(&self.bodies, state)
     }
 
-    /// Displacements of both discs of each marker, with their derivatives with respect to the fit parameters.
     pub(super) fn moving(&self, state: &State) -> Result<Moving, PressError> {
         if self.shifts() {
             self.moving_by_differences(state)
@@ -41,7 +38,6 @@ impl<V: View> ImageFit<V> {
         }
     }
 
-    /// Whether the fit includes a sideways shift of the object.
     pub(super) fn shifts(&self) -> bool {
         self.shift_std > 0.0 && self.bodies[0].sideways().is_some()
     }

@@ -16,14 +16,13 @@ const STUCK: f64 = 16.0;
 /// computed again.
 const NEAR: f64 = 0.3;
 
-/// Fit parameters, with the residuals and derivatives for these parameters.
 #[derive(Clone)]
 pub(super) struct FitState {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) slopes: Slopes,
-    /// For each marker that the fit uses, the derivative of its whitened image with respect to an inward displacement
-    /// of both discs. The value is the norm of this derivative.
+    /// For each marker that the fit uses, the norm of the derivative of its whitened image with respect to an inward
+    /// displacement of both discs.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
     /// Whether the search reuses the derivatives, to save time. It does so as long as they predict chi-squared well.
@@ -31,14 +30,12 @@ pub(super) struct FitState {
 }
 
 impl FitState {
-    /// This fit, with [`Self::keeps_slopes`] set: the search reuses its derivatives as long as they predict chi-squared
-    /// well.
     pub(super) fn keeping_slopes(mut self) -> Self {
         self.keeps_slopes = true;
         self
     }
 
-    /// The fit for the nearby fit parameters `state`, with the derivatives of `self`.
+    /// The fit for the nearby fit parameters `state`, which reuses the derivatives of `self`.
     fn near<V: View>(
         self,
         problem: &Problem<'_, V>,
@@ -66,7 +63,8 @@ impl FitState {
         stds.get(stds.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Predicted decrease of chi-squared by the next undamped step of the search; 0 if this step cannot be computed.
+    /// Decrease of chi-squared that is predicted for the next undamped step of the search; 0 if this step cannot be
+    /// computed.
     pub(super) fn promise(&self) -> f64 {
         let gradient = self.sums.gradient;
         solve(&self.sums.hessian, &gradient).map_or(0.0, |step| gradient.dot(&step))

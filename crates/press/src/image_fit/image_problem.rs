@@ -19,8 +19,7 @@ use crate::state::State;
 use crate::unknowns::{Fitted, OTHERS, Square, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
 
-/// Index of the first component of the object's sideways shift in the fit parameters. Fits of displacements do not have
-/// a shift.
+/// Index of the first component of the object's sideways shift in the fit parameters.
 const SHIFT: usize = OTHERS;
 
 /// Whitened residuals of the used markers. Whitening transforms residuals such that their errors are independent and
@@ -29,11 +28,11 @@ pub(super) type Residuals = DVector<f64>;
 /// Derivatives of the whitened images with respect to the fit parameters.
 pub(super) type Jacobian = MatrixXx6<f64>;
 
-/// Derivatives of the images, with the matrix products from which the derivatives of chi-squared are computed.
+/// Derivatives of the whitened images, with the matrix products from which the derivatives of chi-squared are computed.
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// The part of the derivatives that changes of the common sensor deviations can imitate. It has one row per sensor
+    /// The part of the derivatives that changes of the common sensor deviations can imitate, with one row per sensor
     /// deviation.
     pub(super) shared: Jacobian,
     /// Matrix of the scalar products of the derivatives with respect to each pair of fit parameters, minus the scalar
@@ -47,7 +46,6 @@ pub(super) struct Slopes {
 pub(super) struct Problem<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) rest: Cow<'a, Rest>,
-    /// The sensor at which the model is linearised with respect to the sensor deviations.
     pub(super) sensor: Sensor,
     pub(super) seen: &'a [Option<Seen>],
     pub(super) indentation: Option<Measured>,
@@ -56,7 +54,7 @@ pub(super) struct Problem<'a, V> {
     pub(super) counting: Vec<usize>,
     /// Square root of the weight of each used marker in the robust fit.
     pub(super) trust: Vec<f64>,
-    /// Corrections of the disc displacements, because the fitted depths of the discs differ from the nominal depths.
+    /// Corrections of the disc displacements for the difference between the fitted and the nominal depths of the discs.
     /// They are computed together with the weights.
     by_depth: Vec<[MarkerDisplacement; 2]>,
     /// Whitening matrix of each used marker. It transforms the errors of the reading to independent errors of unit
@@ -64,8 +62,8 @@ pub(super) struct Problem<'a, V> {
     pub(super) whiten: Vec<Matrix4<f64>>,
     /// Derivatives of the whitened images of the used markers with respect to their misalignments.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
-    /// Difference between two sets of whitened images, to first order: for the sensor fitted at rest, and for the
-    /// sensor `sensor`.
+    /// For each marker, the whitened image for the sensor fitted at rest minus the whitened image for the sensor
+    /// `sensor`, to first order.
     from_rest: Vec<Vector4<f64>>,
     /// Derivatives of the whitened images with respect to the uncertain common sensor deviations. There is one row per
     /// equation and one column per sensor deviation.
@@ -75,7 +73,7 @@ pub(super) struct Problem<'a, V> {
     pub(super) root: DMatrix<f64>,
 }
 
-/// Fit parameters that the search tried, with their residuals and the displacements from which derivatives can be
+/// Fit parameters that the search tries, with their residuals and the disc displacements from which derivatives can be
 /// computed.
 pub(super) struct Tried {
     pub(super) state: State,
@@ -118,7 +116,6 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// Excludes the markers `wrong` from the fit.
     pub(super) fn leave_out(&mut self, wrong: &[usize]) {
         self.counting.retain(|marker| !wrong.contains(marker));
         self.trust = vec![1.0; self.counting.len()];
@@ -155,7 +152,6 @@ impl<'a, V: View> Problem<'a, V> {
         self.fitted(*state, residuals, &slopes, &moving.slopes)
     }
 
-    /// Computes the weights of all readings as if no marker moved.
     pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
         let slopes = Arc::clone(&self.rest.slopes);
         self.weigh_by(&slopes)
@@ -228,7 +224,6 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(self.deeper(self.fit.moved(state)?))
     }
 
-    /// Residuals and chi-squared for the fit parameters `state`.
     pub(super) fn tried(&self, state: State) -> Result<Tried, PressError> {
         let mut moving = self.fit.moving(&state)?;
         moving.moved = self.deeper(moving.moved);
@@ -242,7 +237,6 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// Adds the derivatives to the tried fit parameters `tried`.
     pub(super) fn reached(&self, tried: Tried) -> Result<FitState, PressError> {
         let Tried {
             state,
@@ -299,14 +293,12 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// Whitened residuals of the images for the fit parameters `state`.
     pub(super) fn residuals(&self, state: &State) -> Result<Residuals, PressError> {
         let moved = self.displaced(state)?;
         let pictures = self.pictures(&moved)?;
         self.whitened(|marker| pictures[marker])
     }
 
-    /// Whitened residuals of a model in which no marker moves.
     pub(super) fn residuals_at_rest(&self) -> Result<Residuals, PressError> {
         self.whitened(|marker| self.rest.slopes.pictures[marker])
     }
@@ -334,8 +326,8 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// The part of whitened columns that changes of the common sensor deviations can imitate. The result has one
-    /// component per sensor deviation.
+    /// The part of the whitened columns `columns` that changes of the common sensor deviations can imitate, with one
+    /// row per sensor deviation.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
         columns: &Matrix<f64, Dyn, C, S>,
@@ -386,8 +378,8 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(sums)
     }
 
-    /// The derivatives `jacobian` with the scalar products of their columns, without the part that changes of the
-    /// common sensor deviations can imitate.
+    /// The derivatives `jacobian` with the scalar products of their columns. The part that changes of the common sensor
+    /// deviations can imitate is removed from the products.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

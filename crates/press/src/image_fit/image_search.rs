@@ -24,10 +24,7 @@ const ROBUST: f64 = 16.0;
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// Maximum number of iterations in which the robust weights are computed.
 const ROUNDS: usize = 20;
-/// Maximum number of updates of the sensor parameters. Each update uses the frame at rest and the pressed frame
-/// together.
 const SENSOR_UPDATES: usize = 5;
 /// The updates of the sensor parameters end if the predicted decrease of chi-squared is less than this value, which is
 /// the square of 1/20 standard deviation.
@@ -41,7 +38,6 @@ const MIN_IMPROVEMENT: f64 = 16.0;
 const MAX_LOG_STD: f64 = 10.0;
 /// A rough fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-1;
-/// An exact fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const EXACTLY: f64 = 1e-6;
 
 impl<V: View + Clone> ImageFit<V> {
@@ -155,8 +151,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     })
 }
 
-/// Returns the best fit near the fit parameters `near`. The sensor parameters are fitted to both frames (at rest and
-/// pressed).
+/// The best fit near the fit parameters `near`. The sensor parameters are fitted to both frames (at rest and pressed).
 pub(super) fn settle<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: State,
@@ -249,7 +244,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     Ok(best)
 }
 
-/// Excludes outliers from the fit, and returns their numbers.
+/// Excludes outliers from the fit, and returns the numbers of the excluded markers.
 fn drop_wrong<V: View>(
     problem: &mut Problem<'_, V>,
     best: &FitState,

@@ -34,12 +34,10 @@ pub struct Rest {
     /// Images of the markers at rest that the model predicts, and their derivatives. They are for the sensor parameters
     /// at which the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
-    /// The readings of the frame at rest, to which the sensor's parameters were fitted.
     pub(super) frame: Arc<RestFrame>,
 }
 
 impl Rest {
-    /// The sensor with the most likely parameters.
     pub(super) fn sensor(&self) -> Sensor {
         Sensor {
             common: self.common.clone(),
@@ -109,8 +107,7 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit `rest` of the frame at rest, but with the model linearised at `sensor`. The result is `None` if this
-    /// sensor is impossible.
+    /// The fit `rest`, but with the model linearised at `sensor`; `None` if this sensor is impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();
@@ -126,7 +123,6 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-/// Readings of the markers at rest.
 #[derive(Clone, Debug)]
 pub(super) struct RestFrame {
     seen: Vec<Option<Seen>>,
@@ -135,12 +131,10 @@ pub(super) struct RestFrame {
 }
 
 impl RestFrame {
-    /// Number of markers that have a reading in the frame at rest.
     fn markers(&self) -> usize {
         self.weights.iter().flatten().count()
     }
 
-    /// Difference between the reading of a marker and its predicted image.
     pub(super) fn residual(
         &self,
         marker: usize,
@@ -151,7 +145,6 @@ impl RestFrame {
     }
 }
 
-/// A fit of a sensor to its frame at rest.
 pub(super) struct Resting<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) free: Vec<usize>,
@@ -168,7 +161,7 @@ pub(super) struct State {
     pub(super) misalignments: Vec<[f64; 2]>,
 }
 
-/// The image of each marker as four numbers; `None` for markers that are not visible.
+/// The image of each marker, as four numbers; `None` for markers that are not visible.
 pub(super) type Pictures = Vec<Option<[f64; NUMBERS]>>;
 
 /// Linear equations for a step of the common sensor deviations. The misalignments were eliminated from these equations.
@@ -182,7 +175,7 @@ pub(super) struct Equations {
 #[derive(Clone)]
 struct Own {
     square: Matrix2<f64>,
-    /// Inverse of the matrix `square`; 0 if the discs are exactly aligned.
+    /// Inverse of the matrix `square`. It is 0 if the discs are exactly aligned.
     inverse: Matrix2<f64>,
     across: OMatrix<f64, U2, Dyn>,
     right: Vector2<f64>,
@@ -213,8 +206,7 @@ impl Own {
     }
 }
 
-/// Product of the transposed matrix `one` with the matrix `other`. The product must be symmetric, because only one
-/// triangle is computed.
+/// The product `one`ᵀ · `other`. It must be symmetric, because only one triangle is computed.
 pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64> {
     let count = one.ncols();
     let mut products = DMatrix::zeros(count, count);
@@ -296,7 +288,6 @@ impl<V: View> Resting<'_, V> {
         self.fit.slopes(&sensor, &self.still(), None)
     }
 
-    /// Displacements of all discs at rest, which are 0.
     fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
         vec![[MarkerDisplacement::default(); 2]; self.markers()]
     }

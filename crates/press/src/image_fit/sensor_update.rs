@@ -15,8 +15,8 @@ use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor, View};
 use crate::PressError;
 
 impl<V: View> Problem<'_, V> {
-    /// Differences between the uncertain common sensor deviations of two sensors, in standard deviations: values of the
-    /// sensor fitted at rest minus values of `sensor`.
+    /// Uncertain common sensor deviations of the sensor fitted at rest, minus those of the sensor `sensor`, in standard
+    /// deviations.
     pub(super) fn to_rest(&self) -> DVector<f64> {
         let free = self.fit.free();
         let steps = free.iter().map(|&number| {
@@ -31,8 +31,8 @@ impl<V: View> Problem<'_, V> {
             - Vector2::from(self.sensor.misalignments[marker])
     }
 
-    /// Differences between the uncertain common sensor deviations of two sensors, in standard deviations: values of the
-    /// sensor that fits both frames best minus values of the sensor fitted at rest.
+    /// Uncertain common sensor deviations of the sensor that fits both frames best, minus those of the sensor fitted at
+    /// rest, in standard deviations.
     pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
         let departures = self
             .root

@@ -13,7 +13,6 @@ use crate::{MarkerDisplacement, PressError};
 pub(super) const NUMBERS: usize = 4;
 /// Index of the hue among the four numbers of an image. The hue is periodic.
 const HUE: usize = 2;
-/// Index of the size among the four numbers of an image.
 pub(super) const SIZE: usize = 3;
 
 /// Step of numerical derivatives with respect to sensor deviations, in standard deviations of the sensor deviation.
@@ -38,7 +37,6 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Returns an error if this reading of the marker number `marker` is invalid.
     pub(super) fn check(&self, marker: usize) -> Result<(), PressError> {
         let mut numbers = self.picture.iter().chain(&self.covariance);
         if !numbers.all(|number| number.abs() <= 1e50) {
@@ -50,8 +48,8 @@ impl Seen {
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 
-    /// Covariance of the errors of the four numbers of the image. The variances are at least as large as the squared
-    /// rounding errors, because chi-squared would otherwise have no clear minimum.
+    /// Covariance of the errors of the four numbers of the image. Each variance is at least the squared rounding error,
+    /// because chi-squared would otherwise have no clear minimum.
     pub(super) fn errors(&self) -> Matrix4<f64> {
         let mut errors = self.covariance;
         for (at, number) in self.picture.iter().enumerate() {
@@ -229,7 +227,6 @@ pub trait View {
 }
 
 impl<V: View> ImageFit<V> {
-    /// Images of all markers; `None` if the sensor or a motion is impossible.
     pub(super) fn pictures(
         &self,
         sensor: &SensorState<'_>,
@@ -288,8 +285,7 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-/// Difference between two images, as four numbers. The difference of the hues takes into account that the hue is
-/// periodic.
+/// Difference between two images, as four numbers. Hues are periodic, so their difference is reduced by whole turns.
 pub(super) fn difference(one: &[f64; NUMBERS], other: &[f64; NUMBERS]) -> [f64; NUMBERS] {
     let mut difference = std::array::from_fn(|number| one[number] - other[number]);
     let turn: f64 = difference[HUE];
