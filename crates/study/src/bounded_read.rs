@@ -4,7 +4,6 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Number of bytes in a MiB.
 const MIB: u64 = 1 << 20;
 /// Largest number of MiB that is read from a pipe or a device. This limit is needed because the size of a pipe or a
 /// device is unknown before it is read.

@@ -4,7 +4,7 @@ use crate::quantity::Quantity;
 use crate::readings::spelt;
 use crate::statistic::Statistic;
 
-/// A term and its meaning.
+/// A term of the glossary, and its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Term {
     /// The term, as palpate prints it.
@@ -54,7 +54,7 @@ subjects! {
     }
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
-        "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second and `z`, the height, the third. Other columns with such endings: `normal` is the unit normal out of the object, `object` and `probe` are the contact points on both bodies, `tip` is the centre of a fingertip, `rotation` is the rotation of a probe, `shift` (u, v) is the movement of the contact on the probe, and `tangential` is a displacement along the skin.";
+        "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second and `z`, the height, the third. Columns such as `normal_x` and `tip_y` are components of vectors. `normal` is the unit normal out of the object. `object` and `probe` are the contact points on the two bodies. `tip` is the centre of a fingertip, and `rotation` is the rotation of a probe. `shift` (with u and v) is the movement of the contact on the probe, and `tangential` is a displacement along the skin.";
         "u": "Tangent direction at the contact, at a right angle to v. For a roll, u is the x axis of the contact frame at the start of the roll, so `normal_curvature_u` is the object's curvature in that direction.";
         "v": "Tangent direction at the contact, at a right angle to u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
@@ -277,7 +277,7 @@ subjects! {
         "layer-too-thin": "The contact is too wide compared with the thickness of the layer for its equations to be solved.";
         "too-few-markers": "There are fewer readings of markers than unknowns.";
         "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way, so the best fit of a press is hardly better than no press. If there is no contact, noise is mistaken for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
-        "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. This is an error if no press fits the readings, and a warning if the fit is bad.";
+        "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. Palpate reports an error if no press fits the readings, and a warning if the best fit is bad.";
         "off-markers": "The contact that fits the readings best is outside the area of the markers.";
         "hidden-marker": "In the frame at rest, a marker was found where the stated camera could not see it. The layout or the camera differs from the stated one.";
     }
@@ -372,7 +372,6 @@ pub fn similar(word: &str) -> Vec<&'static str> {
     found.into_iter().take(5).map(|(_, name)| name).collect()
 }
 
-/// All terms, followed by the quantities and the statistics.
 fn all() -> impl Iterator<Item = Term> {
     let terms = SUBJECTS.iter().flat_map(|subject| subject.terms).copied();
     let quantities = Quantity::ALL.iter().map(|quantity| Term {

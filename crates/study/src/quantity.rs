@@ -97,7 +97,6 @@ pub struct Quantity {
     pub scenes: &'static [&'static str],
 }
 
-/// Defines the constants of the quantities, and the list of all quantities.
 macro_rules! quantities {
     ($(#[doc = $doc:literal] $constant:ident = $name:literal, $words:literal, $unit:ident, $kind:ident, $scenes:expr;)*) => {
         impl Quantity {

@@ -185,7 +185,7 @@ pub fn spelt(name: &str) -> String {
     words.join("_").to_lowercase()
 }
 
-/// Columns of readings of rolls, with one row per probe.
+/// Columns of readings of rolls, with one row per roll.
 pub const ROLLS: [Column; 5] = [
     Column::of("probe", Measure::Plain),
     Column::of("rotation_x_rad", Measure::Angle),
@@ -264,7 +264,7 @@ pub fn quaternion_part(name: &str) -> Option<Column> {
     found.next().map(|(column, _)| column)
 }
 
-/// Columns of readings of rolls, if the readings of each probe are a time series.
+/// Columns of readings of rolls, if the readings of each roll are a time series.
 pub const ROLL_SERIES: [Column; 6] = [
     Column::of("probe", Measure::Plain),
     Column::of("t_s", Measure::Time),
@@ -407,7 +407,7 @@ pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
         .find(|column| column.is_named(&key).is_some())
 }
 
-/// Table of roll readings with the columns [`ROLLS`] and one row per probe. A row contains the rotation of the probe
+/// Table of roll readings with the columns [`ROLLS`] and one row per roll. A row contains the rotation of the probe
 /// (`Δθ_x`, `Δθ_y`) and the displacement of the contact on the probe (`Δp_u`, `Δp_v`).
 pub fn roll_readings_table(
     readings: impl IntoIterator<Item = [f64; 4]>,
@@ -424,9 +424,9 @@ pub fn roll_readings_table(
     table
 }
 
-/// Table of rolls that are recorded as time series, with one row per sample. A row contains the number of the probe,
-/// the time, the rotation vector, and the position of the contact or of the active pad. The rotation about the normal
-/// is included if `spins` is true.
+/// Table of rolls that are recorded as time series, with one row per sample. A row contains the number of the roll
+/// (column `probe`), the time, the rotation vector, and the position of the contact or of the active pad. The rotation
+/// about the normal is included if `spins` is true.
 pub fn roll_series_table(
     samples: impl IntoIterator<Item = (usize, f64, [f64; 3], [f64; 2])>,
     spins: bool,

@@ -81,7 +81,6 @@ impl Column {
 }
 
 impl From<String> for Column {
-    /// A column of unknown unit, which may contain numbers or texts.
     fn from(name: String) -> Self {
         Self::new(&name, None, ColumnType::Number)
     }
@@ -90,7 +89,7 @@ impl From<String> for Column {
 /// A table that can be written as CSV.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The columns of the table.
+    /// The columns of the table, from left to right.
     pub columns: Vec<Column>,
     /// Rows, with the text of each value.
     pub rows: Vec<Vec<String>>,

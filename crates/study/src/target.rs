@@ -88,7 +88,7 @@ pub enum TargetError {
     PlainShare {
         /// Name of the statistic, with its quantity.
         statistic: String,
-        /// The limit.
+        /// The limit that the target states, without a percent sign.
         limit: f64,
     },
     /// The limit is in percent, but the statistic is not a share.
@@ -218,7 +218,6 @@ fn quantity_of(name: &str) -> Result<Quantity, TargetError> {
 }
 
 impl Bound {
-    /// Comparison sign in the text of a target: `<=` or `>=`.
     pub(crate) fn sign(self) -> &'static str {
         match self {
             Self::AtMost => "<=",

@@ -41,7 +41,6 @@ pub struct ConfigError {
 }
 
 impl ConfigError {
-    /// An error that applies to the whole file.
     pub(super) fn of_file(file: &str, message: impl Into<String>) -> Self {
         Self {
             place: file.into(),
@@ -51,7 +50,6 @@ impl ConfigError {
         }
     }
 
-    /// An error in a field. The position of the field in the text is not known.
     pub(super) fn of_field(file: &str, path: &str, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -86,7 +84,6 @@ impl ConfigError {
 /// A problem in a field. Its position in the text is determined later.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
-    /// Path of the field that has the problem.
     pub(super) path: String,
     pub(super) message: String,
     /// Path of the value that the message shows in an excerpt of the config. It is the field itself, or the swept value
@@ -109,7 +106,7 @@ impl Fault {
         }
     }
 
-    /// The fault which reports that a key is not allowed.
+    /// A fault which reports that `key` is not allowed.
     pub(super) fn of_key(key: &str, message: impl Into<String>) -> Self {
         Self {
             is_key: true,
@@ -141,7 +138,6 @@ impl Fault {
     }
 }
 
-/// File name and text of a config.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
     pub(super) file: String,
@@ -154,7 +150,7 @@ pub(super) struct Source {
 const EXCERPT: usize = 120;
 
 impl Source {
-    /// Stores a text. A byte order mark at its start is removed.
+    /// Stores the text of a config. A byte order mark at its start is removed.
     pub(super) fn new(file: &str, text: &str) -> Self {
         Self {
             file: file.into(),

@@ -49,7 +49,7 @@ impl Study {
         }
     }
 
-    /// Position in the config's text of a part of a string value. `None` if the string contains escapes, because
+    /// Byte range, in the config's text, of a part of a string value. `None` if the string contains escapes, because
     /// positions in the string and in the text then differ.
     fn part_of(&self, cell: usize, path: &str, location: &str, part: Range<usize>) -> Option<Span> {
         let span = self.source.locate(location, false)?;

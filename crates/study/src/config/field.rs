@@ -41,7 +41,6 @@ impl Label {
     }
 }
 
-/// Words of the label for a field. `segments` are the keys of the field's path.
 fn plain(segments: &[&str]) -> String {
     match segments {
         ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),
@@ -76,8 +75,8 @@ fn plain(segments: &[&str]) -> String {
         },
         ["model", "thickness"] => "layer thickness".to_owned(),
         ["model", "poisson"] => "Poisson's ratio".to_owned(),
-        ["estimator", "thickness"] => "layer thickness of the estimator".to_owned(),
-        ["estimator", "poisson"] => "Poisson's ratio of the estimator".to_owned(),
+        ["estimator", "thickness"] => "layer thickness that the estimator assumes".to_owned(),
+        ["estimator", "poisson"] => "Poisson's ratio that the estimator assumes".to_owned(),
         ["sensor", "kind"] => "sensor".to_owned(),
         ["sensor", "size"] => "image size".to_owned(),
         ["sensor", "field"] => "half-angle of the field of view".to_owned(),

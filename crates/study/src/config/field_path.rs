@@ -44,8 +44,8 @@ impl Study {
         }
         let refuse = |message| Err(ConfigError::of_field(self.file(), name, message));
         let ending = format!(".{name}");
-        // First search the fields of the kinds that this config has. Search the fields of all kinds only if these kinds
-        // have no such field.
+        // First search only the fields of the kinds that this config has. If there is no such field, search the fields
+        // of all kinds.
         for in_any_kind in [false, true] {
             let mut paths = paths(&tree, in_any_kind);
             paths.retain(|path| path.ends_with(&ending));
@@ -99,7 +99,7 @@ fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     }
     let mut found = Vec::new();
     let scene = &SCHEMA["properties"]["scene"];
-    // List only fields of the scene's own kind, even with `in_any_kind`. The key `scene.kind` of the tree states this
+    // Even if `in_any_kind` is set, skip the fields of other kinds of scenes. The key `scene.kind` in `tree` states the
     // kind.
     let kind = tree
         .get("scene")
@@ -117,7 +117,6 @@ fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     found
 }
 
-/// Keys of the table at a path.
 fn keys_of(tree: &Value, table: &str) -> Vec<String> {
     let all = paths(tree, false);
     let under = format!("{table}.");
@@ -126,7 +125,6 @@ fn keys_of(tree: &Value, table: &str) -> Vec<String> {
     keys.map(str::to_owned).collect()
 }
 
-/// Message for a key that does not exist in the table at a path.
 fn unknown_key(tree: &Value, table: &str, key: &str) -> String {
     let keys = keys_of(tree, table);
     match keys.as_slice() {

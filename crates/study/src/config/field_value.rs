@@ -1,5 +1,5 @@
-//! Converts the values of `--set` and `--vary`: numbers with a unit are converted to the unit of their field, and
-//! tables get a label.
+//! Converts the values of `--set` and `--vary`: a number with a unit is converted to the unit of its field, and a TOML
+//! table gets a label, which stands for the table in the results.
 
 use super::error::ConfigError;
 use super::load::Study;
@@ -72,7 +72,6 @@ impl FieldUnit {
         Some(self.measure.unit(unit)?.to(length)?.powi(self.power) * self.factor)
     }
 
-    /// Units that the field accepts, as a text for messages.
     fn names(&self) -> String {
         let [before, after] = self.around;
         let separator = format!("{after}, {before}");
@@ -139,7 +138,7 @@ impl Study {
     }
 
     /// Returns the path of the field to which `name` refers, and `values` in the unit of this field. A value that is a
-    /// table without a label gets a label.
+    /// TOML table without a label gets a label, which stands for the table in the results.
     ///
     /// # Errors
     /// The same errors as [`Study::resolve`].
@@ -230,8 +229,8 @@ impl Study {
     }
 }
 
-/// Adds a label to a table, because result tables show the label instead of the table. The label is the kind of the
-/// table. If another value has the same kind, the label is the text of the table.
+/// Gives a label to a value that is a TOML table, because the results show the label in its place. The label is the
+/// kind of the table or, if another of the `values` has the same kind, the text of the table.
 fn labelled(table: &toml::Table, values: &[Toml]) -> Toml {
     let mut table = table.clone();
     if !table.contains_key("label") {

@@ -92,7 +92,7 @@ pub struct GlideMotionConfig {
     #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
     pub finger_positions: Vec<f64>,
     /// Distance between neighbouring fingers. The position noise may be stated as a fraction of this distance. It is
-    /// also the unit of length in the settings of the estimator two-pass.
+    /// also the unit of length in the settings of the estimator `two-pass`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: f64,
     /// Distance between the first and the last contact of each finger, along x.
@@ -107,7 +107,7 @@ pub struct GlideMotionConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideModelConfig {
-    /// The closed form if one exists, otherwise Newton's method.
+    /// The closed form of the contact point if one exists, otherwise Newton's method.
     Auto {
         /// Largest error of a contact's position, relative to the tip's radius.
         #[serde(default = "tolerance")]
@@ -198,7 +198,7 @@ pub enum Reports {
     LowestPoint,
 }
 
-/// Errors of the readings; an error that is not stated is 0.
+/// Errors of the sensor's readings; an error that is not stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideNoiseConfig {
@@ -212,12 +212,12 @@ pub struct GlideNoiseConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PositionNoise {
-    /// Gaussian with mean 0.
+    /// Gaussian error with mean 0.
     Gaussian {
-        /// Standard deviation as a fraction of the inter-finger distance. State either this or `std`.
+        /// Standard deviation of the error as a fraction of the inter-finger distance. State either this or `std`.
         #[schemars(extend("minimum" = 0, "x-instead-of" = ["std"]))]
         fraction_of_ifd: Option<f64>,
-        /// Standard deviation. State either this or `fraction_of_ifd`.
+        /// Standard deviation of the error. State either this or `fraction_of_ifd`.
         #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
         std: Option<f64>,
         /// Coordinates of the contact that have the error.
@@ -242,10 +242,10 @@ pub enum PositionNoise {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseAxis {
-    /// All three coordinates, with the same distribution.
+    /// All three coordinates of the contact, each with the same distribution of the error.
     #[default]
     Xyz,
-    /// Only the height.
+    /// Only the height of the contact.
     Z,
 }
 

@@ -16,7 +16,7 @@ pub enum GlideEstimatorConfig {
         /// number of contacts.
         #[schemars(extend("minimum" = 1, "maximum" = 24))]
         intervals: Option<u32>,
-        /// Method that chooses the weight of the penalty.
+        /// Method that chooses the weight of the smoothness penalty.
         #[serde(default)]
         criterion: CriterionName,
         /// Factor on the effective degrees of freedom of the spline in robust cross validation. A larger factor gives a
@@ -40,7 +40,7 @@ pub enum GlideEstimatorConfig {
         #[serde(default = "whole::<3>")]
         #[schemars(extend("minimum" = 1, "maximum" = 5))]
         second_degree: u32,
-        /// Factor by which all residuals are multiplied before they are squared.
+        /// Factor by which all residuals of the splines are multiplied before they are squared.
         #[serde(default = "number::<100>")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         weight: f64,
@@ -65,15 +65,16 @@ pub enum GlideEstimatorConfig {
         #[schemars(extend("minimum" = 1, "maximum" = 2))]
         passes: u32,
     },
-    /// A quadric, fitted by weighted least squares.
+    /// A quadric, fitted to the contacts by weighted least squares.
     Quadric(StatedNoise),
-    /// A plane, fitted without outliers.
+    /// A plane, fitted to the contacts without outliers.
     Plane(StatedNoise),
-    /// A sphere, fitted without outliers. The contacts need not be on its upper side.
+    /// A sphere, fitted to the contacts without outliers. The contacts need not be on its upper side.
     Sphere(StatedNoise),
-    /// A circular cylinder, fitted without outliers. The contacts need not be on its upper side.
+    /// A circular cylinder, fitted to the contacts without outliers. The contacts need not be on its upper side.
     Cylinder(StatedNoise),
-    /// The most probable of four answers: a plane, a sphere, a cylinder, or none of these shapes.
+    /// The most probable of four answers for the surface under the contacts: a plane, a sphere, a cylinder, or none of
+    /// these shapes.
     Shape(StatedNoise),
 }
 
@@ -81,11 +82,11 @@ pub enum GlideEstimatorConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatedNoise {
-    /// Standard deviation of a position along each axis; by default estimated from the contacts.
+    /// Standard deviation of a contact's position along each axis; by default estimated from the contacts.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
     pub position_std: Option<f64>,
-    /// Standard deviation of a position along each axis as a fraction of the inter-finger distance. State either this
-    /// or `position_std`.
+    /// Standard deviation of a contact's position along each axis as a fraction of the inter-finger distance. State
+    /// either this or `position_std`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
     pub position_fraction_of_ifd: Option<f64>,
     /// Standard deviation of a normal's tilt about each tangent; by default estimated from the contacts.
@@ -182,7 +183,7 @@ impl Default for GlideEstimatorConfig {
     }
 }
 
-/// Method that chooses the weight of the penalty.
+/// Method that chooses the weight of the smoothness penalty.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CriterionName {

@@ -25,7 +25,6 @@ pub(super) struct Grid {
 pub(super) struct Replaced {
     pub(super) path: String,
     pub(super) value: Value,
-    /// Path of the swept field that replaces this field.
     pub(super) by: String,
 }
 
@@ -58,7 +57,6 @@ impl Grid {
         self.axes.iter().map(Axis::len).product()
     }
 
-    /// The swept fields, in the order of the config.
     pub(super) fn targets(&self) -> impl Iterator<Item = &Target> + Clone {
         self.axes.iter().flat_map(|axis| &axis.targets)
     }
@@ -69,7 +67,6 @@ impl Grid {
         rows.flat_map(|(axis, row)| axis.targets.iter().zip(axis.row(row).into_owned()))
     }
 
-    /// For each axis, the index of the row that a cell uses.
     pub(super) fn rows_of(&self, cell: usize) -> Vec<usize> {
         let mut faster = self.cells();
         let row = |axis: &Axis| {
@@ -85,7 +82,6 @@ impl Grid {
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)
     }
 
-    /// The swept values of a cell, as texts in the form of the results.
     pub(super) fn coordinates(&self, cell: usize) -> Vec<String> {
         self.settings(cell)
             .map(|(_, setting)| setting.text().into_owned())

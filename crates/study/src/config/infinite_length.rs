@@ -4,7 +4,6 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value as Json;
 
-/// The two forms of a length in a config: a number, or the text "inf".
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Form {

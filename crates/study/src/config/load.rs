@@ -18,7 +18,6 @@ use std::io::ErrorKind;
 use std::path::Path;
 use toml::Value;
 
-/// Largest size of a config, MiB.
 const MAX_MIB: u64 = 16;
 
 /// A study, read from a valid config. In a study with many cells, only the cells in [`Study::sample`] were validated.
@@ -34,8 +33,8 @@ pub struct Study {
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// Whether every swept value is a number, a word or a truth value. If so, the values were validated one by one, and
-    /// a cell need not be validated again.
+    /// Whether every swept value is a number, a word or a truth value. If so, these values were validated one by one,
+    /// and a cell need not be validated again.
     has_plain_values: bool,
     /// Whether palpate wrote the config. In such a config, the scene contains the first value of every swept field.
     is_resolved: bool,
@@ -111,7 +110,6 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
     read(Source::new(file, text))
 }
 
-/// Reads a study from the text of a config, in the same way as [`parse`].
 pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     let faulty = |fault| source.error(fault);
     let mut base = tree::parse(&source.text).map_err(faulty)?;
@@ -198,7 +196,7 @@ fn check_version(version: &Value) -> Result<(), Fault> {
     Err(Fault::new(message))
 }
 
-/// Rejects column names (`columns`) for columns that the readings of the scene do not have.
+/// Rejects an entry of `columns` for a column that the readings of the scene do not have.
 fn check_columns(config: &StudyConfig) -> Result<(), Fault> {
     let columns = columns_of(config.scene.kind());
     check_names(&config.columns, &columns)
@@ -298,7 +296,6 @@ fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, V
     Ok((written, read))
 }
 
-/// Creates and validates the config of a cell.
 fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
     let (tree, fault) = grid.tree(cell);
     // First report an error of the config itself, and only then a sweep path that does not exist. A misspelt key in the
@@ -364,7 +361,6 @@ impl Study {
         }
     }
 
-    /// Name of the study's file, for error messages.
     pub(crate) fn file(&self) -> &str {
         &self.source.file
     }

@@ -44,7 +44,8 @@ pub struct DiscsConfig {
     /// Diameter of the yellow disc.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub yellow_diameter: f64,
-    /// Distance between the two discs along the normal. `marker_depth` is the depth of the point midway between them.
+    /// Distance between the two discs along the normal of the skin. `marker_depth` is the depth of the point midway
+    /// between the discs.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub separation: f64,
@@ -411,7 +412,6 @@ pub struct ViewConfig {
     pub polar_deg: f64,
 }
 
-/// Whether a number is 0.
 // The parameter is a reference because `skip_serializing_if` requires one.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 fn is_zero(number: &f64) -> bool {

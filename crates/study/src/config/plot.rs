@@ -38,8 +38,8 @@ pub struct PlotConfig {
     pub component: Option<Component>,
     /// Column whose values separate the panels. There is one panel for each value.
     pub panels: Option<String>,
-    /// Filter that selects the plotted rows of the table (for a class map or a profile, the plotted cells). Each entry
-    /// has the name of a column in quotes, and the value or list of values that pass.
+    /// Filter that selects the plotted rows of the table. In a class map or a profile, it selects the plotted cells.
+    /// Each entry has the name of a column in quotes, and the value or list of values that pass the filter.
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub where_: BTreeMap<String, toml::Value>,
@@ -139,7 +139,7 @@ impl PlotKind {
     }
 }
 
-/// A component of a displacement.
+/// A component of a marker's displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Component {
@@ -174,15 +174,15 @@ impl Scale {
     }
 }
 
-/// A straight line across a plot at a given value.
+/// A straight reference line across a plot, at a given value of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mark {
-    /// The axis on which the value lies.
+    /// The axis that has the value of the reference line.
     pub axis: MarkAxis,
-    /// Value at which the line is drawn, in the unit of the axis.
+    /// Value at which the reference line is drawn, in the unit of the axis.
     pub value: f64,
-    /// Text beside the line.
+    /// Text beside the reference line.
     pub label: String,
 }
 
@@ -200,12 +200,12 @@ pub enum MarkAxis {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Points {
-    /// Name in the legend. Points with the same label have the same style.
+    /// Name of the points in the plot's legend. Points with the same label have the same style.
     pub label: String,
     /// x values of the points, in the unit of the x axis.
     #[schemars(extend("minItems" = 1))]
     pub x: Vec<f64>,
-    /// y values of the points, in the unit of the y axis. There must be as many as x values.
+    /// y values of the points, in the unit of the y axis. The number of x values and of y values must be equal.
     pub y: Vec<f64>,
     /// Value of `series` whose colour the points have. In a plot of the kind `profile`, it is the name of a line.
     pub series: Option<String>,

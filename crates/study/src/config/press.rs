@@ -368,7 +368,7 @@ impl PressModelConfig {
     }
 }
 
-/// Errors of the readings; an error that is not stated is 0.
+/// Errors of the sensor's readings; an error that is not stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {

@@ -322,9 +322,9 @@ pub struct RollNoiseConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AngularVelocityNoise {
-    /// Uniform distribution between −bound and +bound.
+    /// Error with a uniform distribution between −bound and +bound.
     Uniform(AngularVelocityDraws),
-    /// Gaussian distribution with mean 0.
+    /// Error with a Gaussian distribution with mean 0.
     Gaussian(AngularVelocityDraws),
 }
 
@@ -352,7 +352,7 @@ pub struct AngularVelocityDraws {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum When {
-    /// The error is drawn once for each probe.
+    /// The error is drawn once for each roll.
     #[default]
     PerProbe,
     /// The error is drawn at each of several equally spaced instants of a roll.
@@ -376,19 +376,20 @@ pub enum Side {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotationNoise {
-    /// Distribution of the error.
+    /// Distribution of the error of the measured rotation.
     #[serde(default)]
     pub kind: GaussianKind,
-    /// Standard deviation, 0 by default. State either this or `std_rad`.
+    /// Standard deviation of the Gaussian error, 0 by default. State either this or `std_rad`.
     #[schemars(extend("minimum" = 0, "maximum" = 180, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
-    /// Standard deviation, 0 by default. State either this or `std_deg`.
+    /// Standard deviation of the Gaussian error, 0 by default. State either this or `std_deg`.
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI, "x-instead-of" = ["std_deg"]))]
     pub std_rad: Option<f64>,
-    /// Constant error of each component.
+    /// Constant error of each component of the measured rotation.
     #[schemars(extend("minimum" = -180, "maximum" = 180))]
     pub bias_deg: Option<f64>,
-    /// Rate at which an error of each component grows during a roll, such as the drift of a gyroscope.
+    /// Rate at which an error of each component of the measured rotation grows during a roll, such as the drift of a
+    /// gyroscope.
     #[schemars(extend("minimum" = -1e6, "maximum" = 1e6))]
     pub drift_deg_per_s: Option<f64>,
     /// Standard deviation of an additional error that is drawn for each reading of a time series
@@ -398,17 +399,17 @@ pub struct RotationNoise {
 }
 
 impl RotationNoise {
-    /// The standard deviation in rad, computed from `std_deg` or `std_rad`.
+    /// The standard deviation of the Gaussian error in rad, computed from `std_deg` or `std_rad`.
     pub fn std_rad(&self) -> f64 {
         radians(self.std_deg, self.std_rad)
     }
 }
 
-/// Distribution of the error; it is always Gaussian.
+/// Distribution of the error of the measured rotation; it is always Gaussian.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GaussianKind {
-    /// Gaussian with mean 0.
+    /// Gaussian error with mean 0.
     #[default]
     Gaussian,
 }
@@ -417,16 +418,16 @@ pub enum GaussianKind {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EncoderConfig {
-    /// Size of a step. State either this or `step_rad`.
+    /// Size of a step of the encoder. State either this or `step_rad`.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 360, "x-instead-of" = ["step_rad"]))]
     pub step_deg: Option<f64>,
-    /// Size of a step. State either this or `step_deg`.
+    /// Size of a step of the encoder. State either this or `step_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = std::f64::consts::TAU, "x-instead-of" = ["step_deg"]))]
     pub step_rad: Option<f64>,
 }
 
 impl EncoderConfig {
-    /// Size of a step in rad.
+    /// Size of a step of the encoder in rad.
     pub fn step_rad(&self) -> f64 {
         radians(self.step_deg, self.step_rad)
     }

@@ -4,9 +4,9 @@ use super::grid::Grid;
 use super::sweep::Axis;
 use std::collections::BTreeSet;
 
-/// If a study has at most this number of cells, all of them are checked.
+/// If a study has at most this number of cells, all its cells are checked.
 const MOST_WHOLE: usize = 10_000;
-/// If an axis has at most this number of rows, all of them are in the sample.
+/// If an axis has at most this number of rows, all its rows are in the sample.
 const MOST_ROWS: usize = 1000;
 /// Number of cells of a sample that are spread evenly over the study.
 const SPREAD: usize = 2000;

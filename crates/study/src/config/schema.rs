@@ -30,7 +30,6 @@ pub fn schema() -> Json {
     schema
 }
 
-/// The value of [`schema()`], which is computed only once.
 pub(super) static SCHEMA: LazyLock<Json> = LazyLock::new(schema);
 
 /// The JSON Schema of a part of a config, without references.

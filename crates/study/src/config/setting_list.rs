@@ -133,7 +133,6 @@ impl Range {
         }
     }
 
-    /// Whether a number is in this range.
     pub(crate) fn holds(&self, number: f64) -> bool {
         self.violated(number).is_none()
     }
@@ -157,7 +156,6 @@ impl Range {
         limits.find_map(|(sign, limit)| Some(format!("{sign} {}", Number(limit?))))
     }
 
-    /// The range that a schema states for a number.
     pub(super) fn of(schema: &Json) -> Self {
         let limit = |key: &str| schema[key].as_f64();
         Self {
@@ -186,14 +184,13 @@ impl fmt::Display for Range {
     }
 }
 
-/// Schema and settings of one type of config table.
 struct Known {
     schema: Json,
     settings: Vec<Setting>,
 }
 
-/// Cache with the schema and the settings of each type of config table. Computing a schema takes longer than some
-/// estimates, so each schema is computed only once.
+/// Cache with the schema and the settings of each type of config table, because computing a schema takes longer than
+/// some estimates.
 static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
 fn known<T: JsonSchema + 'static>() -> Arc<Known> {

@@ -29,7 +29,7 @@ pub struct StudyConfig {
     /// The unit of every length in the config and in its results.
     #[serde(default)]
     pub length_unit: LengthUnit,
-    /// Seed of all random numbers.
+    /// Seed of all random numbers of the study.
     #[serde(default)]
     pub seed: u64,
     /// Number of trials per cell, that is, per combination of swept values. A scene without noise runs only one trial.
@@ -77,7 +77,7 @@ pub struct StopConfig {
     pub relative_standard_error: f64,
     /// Quantity whose statistic is tested, by its name in `cells.csv`. The default is the first quantity of the scene.
     pub quantity: Option<String>,
-    /// The statistic that is tested.
+    /// The statistic whose relative standard error the rule tests.
     #[serde(default)]
     pub statistic: StopStatistic,
     /// Smallest number of trials per cell.
@@ -93,12 +93,12 @@ pub struct StopConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StopStatistic {
-    /// Mean of the estimates.
+    /// Mean of the estimates of the quantity.
     Mean,
-    /// Root of the mean squared error of the estimates.
+    /// Root of the mean squared error of the estimates of the quantity.
     #[default]
     RmsError,
-    /// Mean absolute error of the estimates.
+    /// Mean absolute error of the estimates of the quantity.
     MeanAbsError,
 }
 
@@ -217,7 +217,6 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// All units of length.
     pub(crate) const ALL: [Self; 5] = [Self::M, Self::Cm, Self::Mm, Self::Um, Self::Unit];
 
     /// Name of the unit, as configs and column names state it.

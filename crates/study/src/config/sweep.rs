@@ -23,11 +23,11 @@ pub struct SweepConfig {
     /// Values of the axis. A value that is a table needs a `label`, which the results show instead of the table.
     #[schemars(with = "Option<Vec<serde_json::Value>>", extend("minItems" = 1))]
     pub values: Option<Vec<toml::Value>>,
-    /// First value of a range.
+    /// First value of the axis, if its values are a range.
     pub from: Option<f64>,
-    /// Last value of a range.
+    /// Last value of the axis, if its values are a range.
     pub to: Option<f64>,
-    /// Number of values of a range, including both ends, or number of sampled points.
+    /// Number of values of the axis if they are a range, including both ends, or number of sampled points.
     #[schemars(extend("minimum" = 1))]
     pub count: Option<u32>,
     /// Spacing of the values of a range. Values between the ends are rounded to 12 digits.
@@ -44,9 +44,9 @@ pub struct SweepConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RangeConfig {
-    /// Smallest value of the range.
+    /// Smallest value of the field.
     pub from: f64,
-    /// Upper end of the range. The points are smaller than this value.
+    /// Upper end of the range. The values of the field are smaller.
     pub to: f64,
     /// Scale on which the points are spread evenly: `linear` or `log`.
     #[serde(default)]
@@ -63,7 +63,6 @@ pub enum Sample {
 }
 
 impl SweepConfig {
-    /// Paths of the fields that this axis sets.
     pub(crate) fn targets(&self) -> impl Iterator<Item = &str> {
         self.path
             .iter()
@@ -96,7 +95,6 @@ impl Spacing {
     }
 }
 
-/// Largest number of cells of a study.
 const MAX_CELLS: u64 = 1_000_000;
 
 /// One axis, converted so that its values can be inserted into the tree of a config.
@@ -110,7 +108,6 @@ pub(super) struct Axis {
     is_joint: bool,
 }
 
-/// The rows of an axis, each with one value per field of the axis.
 #[derive(Debug, Clone)]
 enum Rows {
     Listed(Vec<Vec<SweptValue>>),
@@ -129,7 +126,6 @@ impl Rows {
 }
 
 impl Axis {
-    /// Number of rows of the axis.
     pub(super) fn len(&self) -> usize {
         self.rows.len()
     }
@@ -139,7 +135,6 @@ impl Axis {
         matches!(self.rows, Rows::Spaced(_) | Rows::Sampled(_))
     }
 
-    /// Values of the row with this index, one per field.
     pub(super) fn row(&self, index: usize) -> Cow<'_, [SweptValue]> {
         match &self.rows {
             Rows::Listed(rows) => Cow::Borrowed(&rows[index]),
@@ -183,7 +178,6 @@ impl Axis {
         extremes
     }
 
-    /// Rejects an axis that contains the same row twice.
     fn check_rows(&self) -> Result<(), Fault> {
         let twice = match &self.rows {
             Rows::Listed(rows) => {
@@ -210,8 +204,8 @@ impl Axis {
     }
 }
 
-/// A field that an axis sets, and the place in the config at which the axis names this field. The field is named by a
-/// value or by a key.
+/// A field that an axis sets, and the place where the config names this field: a value (in `path` or `paths`), or a key
+/// (in `ranges`).
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,
@@ -220,7 +214,6 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// A fault with this message. Its location is the place at which the axis names the field.
     pub(super) fn fault(&self, message: String) -> Fault {
         Fault {
             location: self.location.clone(),
@@ -230,7 +223,6 @@ impl Target {
     }
 }
 
-/// A value to which an axis sets a field.
 #[derive(Debug, Clone)]
 pub(super) struct SweptValue {
     pub(super) value: Value,
@@ -270,7 +262,6 @@ impl SweptValue {
         }
     }
 
-    /// Text that represents the value in the result tables.
     pub(super) fn text(&self) -> Cow<'_, str> {
         match &self.label {
             Some(label) => label.into(),
@@ -279,7 +270,6 @@ impl SweptValue {
     }
 }
 
-/// Axes of a `sweep` section that the schema has accepted.
 pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
     let mut cells = 1_u64;
     let mut first_beyond = None;
@@ -322,8 +312,8 @@ pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
 }
 
 impl SweepConfig {
-    /// The first of `keys` that the axis states. If `is_given` is false, the first of `keys` that the axis does not
-    /// state.
+    /// The first of `keys` that the axis states if `is_given` is true, or that it does not state if `is_given` is
+    /// false.
     fn first(&self, keys: &[&'static str], is_given: bool) -> Option<&'static str> {
         let has = |key: &str| match key {
             "path" => self.path.is_some(),
@@ -392,7 +382,6 @@ impl SweepConfig {
         }
     }
 
-    /// Rows that the config lists as `values`.
     fn listed(&self, values: &[Value]) -> Result<Vec<Vec<SweptValue>>, Fault> {
         let row = |value: &Value| match (&self.paths, value) {
             (None, value) => Ok(vec![SweptValue::new(value)?]),
@@ -418,7 +407,6 @@ impl SweepConfig {
             .collect()
     }
 
-    /// The fields that the axis sets, each with the place in the config at which the axis names it.
     fn located_targets(&self, axis: &str) -> Vec<Target> {
         let targets = self.targets().enumerate();
         targets
@@ -460,7 +448,6 @@ impl Points {
     }
 }
 
-/// Checks the ranges and the number of points of a sampled axis, and converts them.
 fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, Fault> {
     if count > MOST_POINTS {
         let message = format!("must be <= {MOST_POINTS} for sampled points, is {count}");
@@ -515,7 +502,6 @@ fn check_target<'a>(
 #[derive(Debug, Clone)]
 struct Range {
     ends: [f64; 2],
-    /// Number of steps from the first end to the second.
     steps: usize,
     spacing: Spacing,
 }

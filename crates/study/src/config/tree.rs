@@ -5,7 +5,6 @@ use palpate_statistics::Number;
 use toml::Value;
 use toml::de::{DeTable, DeValue};
 
-/// Parses a text into its root table.
 pub(super) fn parse(text: &str) -> Result<Value, Fault> {
     let root = DeTable::parse(text).map_err(|error| Fault {
         span: error.span(),
@@ -48,7 +47,6 @@ fn value(value: &DeValue<'_>) -> Result<Value, Fault> {
     })
 }
 
-/// The value at a key of a table, or the item at an index of an array.
 pub(super) fn child<'a>(value: &'a Value, key: &str) -> Option<&'a Value> {
     match value {
         Value::Array(items) => items.get(key.parse::<usize>().ok()?),
@@ -63,7 +61,6 @@ fn child_mut<'a>(value: &'a mut Value, key: &str) -> Option<&'a mut Value> {
     }
 }
 
-/// The value at a path in the tree; `None` if the path does not exist.
 pub(super) fn at<'a>(tree: &'a Value, path: &str) -> Option<&'a Value> {
     path.split('.').try_fold(tree, child)
 }
@@ -74,7 +71,6 @@ pub(super) fn at_mut<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Valu
     keys.try_fold(tree, child_mut)
 }
 
-/// Removes the value at a path from its table, and returns this value; `None` if the path does not exist.
 pub(super) fn take(tree: &mut Value, path: &str) -> Option<Value> {
     let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
     at_mut(tree, parents)?.as_table_mut()?.remove(key)

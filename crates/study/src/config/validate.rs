@@ -190,7 +190,6 @@ fn object(schema: &Json, others: &[Json], node: &Value) -> Result<(), Fault> {
     }
 }
 
-/// Names of the kinds of a table that have this key.
 pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     let mut found: Vec<&str> = Vec::new();
     for variant in variants {
@@ -258,7 +257,6 @@ fn string(schema: &Json, node: &Value) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether a text matches [`NAME`] and is not too long for a file name.
 fn is_kebab_case(text: &str) -> bool {
     text.len() <= 100
         && text.split('-').all(|part| {

@@ -40,7 +40,6 @@ fn replaced(base: &str, from: &str, to: &str) -> String {
     base.replacen(from, to, 1)
 }
 
-/// The error that an invalid config causes.
 fn error(text: &str) -> ConfigError {
     match parse("study.toml", text) {
         Ok(_) => panic!("accepted:\n{text}"),

@@ -99,7 +99,6 @@ fn scene_kind(grid: &Grid) -> Option<&str> {
     grid.base.get("scene")?.get("kind")?.as_str()
 }
 
-/// Names of the statistics that `cells.csv` has for this kind of scene.
 fn statistics(grid: &Grid) -> impl Iterator<Item = &str> + Clone {
     let bound = scene_kind(grid) == Some("press");
     let all = Statistic::ALL.into_iter();
@@ -160,7 +159,6 @@ fn check_value(wanted: &str, grid: &Grid, path: &str) -> Result<(), Fault> {
     )))
 }
 
-/// Checks that each entry of `points` has as many x values as y values, and applies `rules` to it.
 fn check_points(
     plot: &PlotConfig,
     rules: impl Fn(&Points) -> Result<(), Fault>,

@@ -5,7 +5,6 @@ use palpate_study::config::{SceneConfig, Study, Varied, Vary, parse};
 
 use super::{edited, study};
 
-/// Path and values to which a study resolves an argument, or the error message.
 fn resolved(study: &Study, argument: &str) -> String {
     let vary: Vary = argument.parse().unwrap();
     match study.resolve(&vary) {
@@ -45,7 +44,7 @@ scene.noise.x=5 | study.toml: scene.noise.x: `scene.noise` has no `x`; known: an
 scene.object.radius.x=5 | study.toml: scene.object.radius.x: `scene.object.radius` is no table
 "#;
 
-/// If a message is longer than the text in the row of the test's table, only the beginning of the message is compared.
+/// A message that is longer than the text in the table of this test is compared only up to the length of this text.
 #[test]
 fn the_last_keys_of_a_path_name_a_field() {
     let study = study("");
@@ -91,7 +90,6 @@ object.radius=2cm..1mm | study.toml: scene.object.radius: the range 2cm..1mm run
     assert!(error.ends_with(expected), "{error}");
 }
 
-/// The study that results if these arguments are resolved and applied.
 fn with(study: &Study, arguments: &[&str]) -> Result<Study, String> {
     let resolve = |argument: &&str| {
         let vary: Vary = argument.parse().unwrap();

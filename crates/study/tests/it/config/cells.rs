@@ -144,7 +144,6 @@ fn headers_carry_the_unit_of_the_study() {
     }
 }
 
-/// Values of a swept field, in the form that the tables show.
 fn shown(path: &str, range: &str) -> Vec<String> {
     coordinates(&study(&format!("[[sweep]]\npath = \"{path}\"\n{range}"))).concat()
 }

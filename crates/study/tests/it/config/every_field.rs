@@ -186,7 +186,6 @@ fn text(config: &Json) -> String {
     palpate_study::config::of_json("study.toml", config).unwrap()
 }
 
-/// Schema of the scenes that have the same kind as `base`.
 fn root(base: &Json) -> Json {
     let schema = schema();
     let variants = schema["properties"]["scene"]["oneOf"].as_array().unwrap();
@@ -206,7 +205,6 @@ fn fields() -> Vec<(Json, Field)> {
     all
 }
 
-/// Name of a field, with the kinds of the tables on its path.
 fn name(base: &Json, field: &Field) -> String {
     let kinds = field.kinds.iter().map(|(at, kind)| format!(" {at}={kind}"));
     let scene = base["kind"].as_str().unwrap();

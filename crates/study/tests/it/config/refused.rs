@@ -106,7 +106,6 @@ object => objct | 7:1 scene.objct | did you mean `object`?
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 4294967295 | 9:1 sweep.0 | at most 1000000
 "#;
 
-/// A sweep of one field. Plots may use this field.
 const SWEPT: &str = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1, 2]\n";
 
 const PLOTS: &str = r#"
@@ -152,7 +151,6 @@ motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, 
 evaluate = { half_width = 10.0, gaussian_threshold = 0.00005, mean_threshold = 0.003 }
 "#;
 
-/// A sweep axis with quasi-random points of two fields.
 const POINTS: &str = r#"[[sweep]]
 sample = "sobol"
 count = 256
@@ -173,7 +171,6 @@ from = 2, => from = -2, | 11:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object.radius"\nvalues = [3] | 15:8 sweep.1 | is swept twice
 "#;
 
-/// A stopping rule, which determines the number of trials.
 const RULE: &str = "stop = { relative_standard_error = 0.01, max_trials = 50000 }\n";
 const RULES: &str = r#"
 name => trials = 7\nname | 2:10 trials | differs from `stop.max_trials`
@@ -236,7 +233,6 @@ marker_depth = 2 => marker_depth = 2, layout = { kind = "lattice", pitch = 1, ca
     }
 }
 
-/// The message shows the line, a caret under the position, and the swept values of the cell.
 #[test]
 fn messages_show_the_line_and_the_cell() {
     let sweep = "[[sweep]]\npath = \"seed\"\nvalues = [1, 2]\n[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1, -3]\n";

@@ -12,7 +12,6 @@ count = 256
 "scene.motion.rate_rad_per_s" = { from = 0.01, to = 1.0, spacing = "log" }
 "#;
 
-/// Values of one swept field in the first cells, as numbers.
 fn column(sections: &str, place: usize, count: usize) -> Vec<f64> {
     let study = study(sections);
     let cell = |number| {
