@@ -12,9 +12,9 @@ const LAYERS: usize = 16;
 /// Maximum number of cached marker images, each of at most 300 bytes.
 const IMAGES: usize = 1 << 17;
 
-/// Cache of values, each with a key. The first thread that needs a value computes it, and other threads that need the
-/// same value wait. If the total size exceeds `room`, the least recently used values are removed. Removed values are
-/// computed again when they are needed.
+/// Cache of values by key. The first thread that needs a value computes it, and other threads that need the same value
+/// wait. If the total size exceeds `room`, the least recently used values are removed. Removed values are computed
+/// again when they are needed.
 #[derive(Debug)]
 struct Cache<K, V> {
     room: usize,
@@ -37,8 +37,8 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
         }
     }
 
-    /// Returns the value for `key`. A value that is not cached is computed by `make` from the key alone. `size` is the
-    /// size of the value.
+    /// Returns the value for `key`, which `make` computes from the key alone if the cache does not contain it. `size`
+    /// is the size of the value in the unit of `room`.
     fn get(&self, key: K, size: usize, make: impl FnOnce() -> V) -> V {
         let value = {
             let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
@@ -111,14 +111,15 @@ impl Default for SharedModels {
 }
 
 impl SharedModels {
-    /// Returns a layer with tables, as from [`Body::bonded_layer`]. It is computed only if it is not in the cache.
+    /// Returns a layer with tables, as from [`Body::bonded_layer`]. Computes the tables only if the cache does not
+    /// contain them.
     pub(crate) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
         let mut layers = self.layers(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Returns one layer at several depths, with tables, as from [`Body::bonded_layers`]. It is computed only if it is
-    /// not in the cache.
+    /// Returns one layer at several depths, with tables, as from [`Body::bonded_layers`]. Computes the tables only if
+    /// the cache does not contain them.
     pub(crate) fn layers(&self, thickness: f64, depths: &[f64]) -> Result<Vec<Body>, PressError> {
         let numbers = [thickness].into_iter().chain(depths.iter().copied());
         let key = numbers.map(f64::to_bits).collect();
@@ -126,13 +127,12 @@ impl SharedModels {
             .get(key, depths.len(), || Body::bonded_layers(thickness, depths))
     }
 
-    /// Images of the markers in the frames at rest `frames`.
     pub(crate) fn at_rest(&self, frames: &RestFrames) -> Result<RestMarkers, PressFailure> {
         let markers = || frames.markers().map(RestMarkers::from);
         self.at_rest.get(frames.clone(), frames.size(), markers)
     }
 
-    /// Changes of the markers' images from `rest` to each calibration press.
+    /// Changes of the markers' images from the images at rest (`rest`) to each calibration press.
     pub(crate) fn changes(
         &self,
         frames: &CalibrationFrames,

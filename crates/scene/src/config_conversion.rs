@@ -11,13 +11,13 @@ use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{self, ObjectConfig};
 
-/// Error for a setting whose value is out of its range.
+/// Error for a setting of the config whose value is out of its range.
 pub(crate) fn range_error(path: &str, expected: impl Display, value: f64) -> FieldError {
     FieldError::at(path, format!("must be {expected}, is {}", Number(value)))
 }
 
-/// Converts an error of a sensor's parameter to an error with a path in the config. `table` is the path of the table in
-/// which the parameter is a field.
+/// Converts an error of a sensor's parameter to an error with a path in the config. `table` is the path of the config
+/// table that contains the parameter.
 pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
     let path = format!("{table}.{}", error.setting);
     range_error(&path, error.expected, error.value)

@@ -76,7 +76,6 @@ impl From<Result<f64, String>> for Accuracy {
 }
 
 impl Ladder {
-    /// A ladder without a common reference model. `taken` is the index of the model that is used.
     pub(crate) fn new(
         rungs: Vec<Rung>,
         taken: &ModelConfig,

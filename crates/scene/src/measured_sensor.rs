@@ -13,7 +13,6 @@ use crate::scene::{Need, Trials};
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredSensor {
     quantities: &'static [Quantity],
-    /// Value of each quantity; `None` for the marker area if the marker is not entirely in the camera's field of view.
     values: Vec<Option<f64>>,
     needs: Vec<Need>,
 }

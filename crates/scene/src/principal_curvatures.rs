@@ -9,20 +9,21 @@ use palpate_sweep::Observation;
 /// sphere.
 const UMBILIC_TOLERANCE: f64 = 1e-9;
 
-/// Curvatures at a point: true ones, or an estimate.
+/// Curvatures at a point of the object, either true or estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointCurvature {
-    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad.
+    /// k_min, k_max and their mean (1/length), and the angle of the direction of k_min (rad).
     pub(crate) values: [f64; 4],
-    /// Standard errors of the values; `None` for true values, and if the estimator states none.
+    /// Standard errors of the values; `None` for true values, and for an estimator without standard errors.
     pub(crate) stds: [Option<f64>; 4],
-    /// Whether the estimator's own intervals contain the true values of the three curvatures.
+    /// For k_min, k_max and the mean curvature: whether the estimator's own 50, 80 and 95 % intervals contain the true
+    /// value.
     pub(crate) interval_holds: [Option<[bool; 3]>; 3],
 }
 
 impl PointCurvature {
-    /// The curvatures of a form, with the angle from its first axis. `stds` are the standard errors of k_min, k_max and
-    /// the angle, and `mean_std` is the one of the mean curvature.
+    /// Curvatures of `form`, with the angle from the first axis of the form. `stds` are the standard errors of k_min,
+    /// k_max and the angle; `mean_std` is the standard error of the mean curvature.
     pub(crate) fn of(form: &CurvatureForm, stds: Option<[f64; 3]>, mean_std: Option<f64>) -> Self {
         let principal = form.principal();
         let axis_rad = principal.angle_of_max_rad + std::f64::consts::FRAC_PI_2;
@@ -39,13 +40,12 @@ impl PointCurvature {
         }
     }
 
-    /// Whether all normal curvatures are equal, so that no direction is a principal direction.
     fn is_umbilic(&self) -> bool {
         let [min, max, ..] = self.values;
         max - min <= UMBILIC_TOLERANCE * min.abs().max(max.abs())
     }
 
-    /// Compares one of the curvatures with its true value. `place` is its index in `values`.
+    /// Compares one of the values with its true value. `place` is the index of the value in `values`.
     pub(crate) fn measured(&self, truth: &Self, place: usize) -> Observation {
         Observation {
             std: self.stds[place],
@@ -54,7 +54,7 @@ impl PointCurvature {
         }
     }
 
-    /// Compares a quantity of this estimate with its true value; `None` if one of them is undefined.
+    /// Compares a quantity of this estimate with its true value; `None` if either value is undefined.
     pub(crate) fn outcome(&self, truth: &Self, quantity: Quantity) -> Option<Observation> {
         let outcome = match quantity {
             Quantity::PRINCIPAL_CURVATURE_MIN => self.measured(truth, 0),
@@ -64,7 +64,8 @@ impl PointCurvature {
                 let error = (mean.estimate - mean.truth).abs();
                 let holds = |std: f64| HALF_WIDTHS.map(|width| error <= width * std);
                 let radius = mean.estimate.recip();
-                // The interval of the radius contains the inverses of the numbers in that of the curvature.
+                // The radius is the inverse of the curvature, so the limits of its interval are the inverses of the
+                // limits of the curvature's interval.
                 Observation {
                     std: mean.std.and_then(|std| finite(std * radius * radius)),
                     interval_holds: mean.interval_holds.or_else(|| mean.std.map(holds)),
@@ -73,7 +74,8 @@ impl PointCurvature {
             }
             Quantity::AXIS_DEG if !self.is_umbilic() && !truth.is_umbilic() => {
                 let [axis, truth] = [self, truth].map(|one| half_turn(one.values[3].to_degrees()));
-                // Angles that differ by half a turn describe the same axis. Use the one nearest to the true angle.
+                // Angles that differ by half a turn describe the same axis. Use the angle that is nearest to the true
+                // one.
                 Observation {
                     std: self.stds[3].map(f64::to_degrees),
                     ..Observation::plain(truth + half_turn(axis - truth), truth)

@@ -218,7 +218,6 @@ impl Scenes for Study {
     }
 }
 
-/// Converts an error of a scene to an error with its place in the text of the config.
 fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     match error.part {
         Some(part) => study.error_in_text(cell, &error.path, part, error.message),
@@ -251,7 +250,7 @@ pub trait Trials {
     /// Quantities that a trial reports. Their order defines the indices in [`Trials::trial`].
     fn quantities(&self) -> &'static [Quantity];
 
-    /// Whether the outcomes of trials differ, because something in them is random.
+    /// Whether trials have different outcomes, because something in the scene is random.
     fn is_random(&self) -> bool;
 
     /// Number of trials to run: `wanted`, or 1 if nothing is random.

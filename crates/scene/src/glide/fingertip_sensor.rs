@@ -21,8 +21,6 @@ pub(super) enum SensorKind {
 }
 
 impl GlideSensor {
-    /// Position and normal that the sensor reports for a contact. `radius` is the radius of the fingertip (0 for a
-    /// point).
     pub(super) fn read(
         &self,
         touch: &Touch,
@@ -66,8 +64,8 @@ impl GlideSensor {
     }
 }
 
-/// Direction from the centre of the fingertip to the pad that reports a contact. `direction` is the unit vector from
-/// the centre to the contact. The pads are arranged around the lowest point of the tip.
+/// Direction from the centre of the fingertip to the pad that reports a contact, if the contact is in the unit
+/// `direction` from the centre. The pads are arranged around the lowest point of the tip.
 fn pad_direction(
     pads: &Pads,
     placement: &PadPlacement,

@@ -23,7 +23,8 @@ use palpate_study::config::{
 };
 use palpate_study::{FieldError, Warning};
 
-/// Relative tolerances of Newton's method. `palpate check` compares the errors of the contacts for these tolerances.
+/// Relative tolerances of Newton's method for the contacts. `palpate check` compares the errors of the contacts for
+/// these tolerances.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
@@ -144,7 +145,6 @@ impl GlideScene {
     }
 }
 
-/// The fingertip that a config states, and its radius (0 for a point).
 fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     match config.probe {
         FingertipConfig::Point {} => (Fingertip::Point, 0.0),
@@ -152,7 +152,6 @@ fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     }
 }
 
-/// Line of `palpate check` that states how the contacts are computed.
 fn need(glider: &Glider) -> String {
     let choice = glider.choice();
     let bound = match (choice.model, choice.error_bound) {
@@ -164,7 +163,6 @@ fn need(glider: &Glider) -> String {
     format!("contacts by {} ({}{bound})", choice.rung, choice.reason)
 }
 
-/// Line of `palpate check` that states how contacts are computed from the centres of the fingertips.
 fn tip_text(tip: &RoundTip, with_normals: bool) -> String {
     let normals = match with_normals {
         true => "the sensed normals",
@@ -221,8 +219,6 @@ fn touches(
     Ok(touches)
 }
 
-/// Position of an item if `count` items are equally spaced from −1 to 1. `index` is the index of the item. A single
-/// item has the position 0.
 fn share(index: u32, count: u32) -> f64 {
     if count == 1 {
         0.0
@@ -393,11 +389,10 @@ fn grid(
     })
 }
 
-/// Largest relative difference between the stated and the true distance between fingers that counts as a rounding
-/// error.
+/// Largest relative difference between the stated and the true distance between fingers that counts as a rounding error
+/// of the config.
 const SPACING_TOLERANCE: f64 = 1e-6;
 
-/// Returns a warning if `inter_finger_distance` differs from the distance between neighbouring fingers.
 fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     let stated = motion.inter_finger_distance;
     let mut positions = motion.finger_positions.clone();
@@ -413,7 +408,7 @@ fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     Some(Warning::new("stated-scale", text, numbers))
 }
 
-/// Returns a warning if the grid of estimates extends beyond the contacts.
+/// Returns a warning if the grid, at whose points the curvature is estimated, extends beyond the contacts.
 fn beyond(config: &GlideConfig) -> Option<Warning> {
     let motion = &config.motion;
     let positions = || motion.finger_positions.iter().copied();
@@ -430,7 +425,6 @@ fn beyond(config: &GlideConfig) -> Option<Warning> {
     })
 }
 
-/// Largest distance between corresponding contacts in two lists.
 fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
     let pairs = touches.iter().zip(others);
     pairs
@@ -438,7 +432,6 @@ fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Name of the model, and the model in the form of a config.
 fn named(model: TouchModel) -> (String, GlideModelConfig) {
     match model {
         TouchModel::Auto { tolerance } => (

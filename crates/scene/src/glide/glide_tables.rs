@@ -56,7 +56,7 @@ impl GlideScene {
     }
 }
 
-/// Readings as a table in the format of `palpate estimate glide`, one row per contact.
+/// Readings of the contacts, as a table in the format of `palpate estimate glide`, one row per contact.
 fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     let with_normals = contacts
         .first()
@@ -71,7 +71,6 @@ fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     table
 }
 
-/// Columns for the number of the finger and for the position.
 fn places(unit: LengthUnit) -> impl Iterator<Item = Column> {
     let places = Column::in_length(["x", "y", "z"], Unit::Length, unit);
     std::iter::once(Column::count("finger")).chain(places)

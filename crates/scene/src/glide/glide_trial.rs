@@ -20,14 +20,12 @@ use palpate_study::config::{GlideConfig, LengthUnit};
 use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
 
-/// Quantities that a glide estimates at every point of its grid.
 const GLIDE_QUANTITIES: [Quantity; 3] = [
     Quantity::GAUSSIAN_CURVATURE,
     Quantity::MEAN_CURVATURE,
     Quantity::CLASS,
 ];
 
-/// The quantities of glides with `principal_curvatures`.
 static WITH_PRINCIPAL: LazyLock<Vec<Quantity>> =
     LazyLock::new(|| [&GLIDE_QUANTITIES[..], &Quantity::PRINCIPAL].concat());
 
@@ -37,12 +35,10 @@ static WITH_PRINCIPAL: LazyLock<Vec<Quantity>> =
 pub struct GlideScene {
     pub(super) seed: u64,
     pub(super) config: GlideConfig,
-    /// The true contacts of all fingers.
     pub(super) touches: Vec<FingerTouch>,
     /// Contacts that the sensor reports without noise.
     pub(super) noiseless_readings: Vec<Contact>,
     pub(super) noise: ContactNoise,
-    /// The round fingertip, if the sensor reports its lowest point instead of the contact; otherwise `None`.
     pub(super) tip: Option<RoundTip>,
     pub(super) method: GlideMethod,
     pub(super) grid: TrueGrid,
@@ -96,24 +92,20 @@ pub(super) struct FingerTouch {
     pub(super) touch: Touch,
 }
 
-/// Errors of the positions and of the normals of contacts. A field is `None` if the readings have no such error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ContactNoise {
     pub(super) position: Option<PositionError>,
     pub(super) normal: Option<NormalError>,
 }
 
-/// Grid of points at which estimates are compared with true values.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrueGrid {
-    /// Number of points along each side.
     pub(super) side: usize,
     /// Properties of the true surface at each point. In the order of the points, x changes slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }
 
-/// Properties of the true surface at one grid point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TruePlace {
     pub(super) point: nalgebra::Point3<f64>,
@@ -173,8 +165,8 @@ impl GlideScene {
         Patch::new(&contacts, &Vector3::z())
     }
 
-    /// Fits a surface to the contacts that the sensor reports. They have the noise of trial number `trial`; they have
-    /// no noise if `trial` is `None`.
+    /// Fits the estimator's surface to the contacts that the sensor reports. The contacts have the noise of trial
+    /// number `trial`; they have no noise if `trial` is `None`.
     pub(super) fn fit(&self, trial: Option<u64>) -> Result<GlideSurface, ShapeError> {
         Ok(match &self.method {
             GlideMethod::Graph(method) => {
@@ -189,7 +181,7 @@ impl GlideScene {
         })
     }
 
-    /// Quantities that trials of the glide in a config report.
+    /// Quantities that the trials of a glide with this config report.
     pub(crate) fn quantities_of(config: &GlideConfig) -> &'static [Quantity] {
         match config.principal_curvatures {
             true => &WITH_PRINCIPAL,
@@ -197,7 +189,6 @@ impl GlideScene {
         }
     }
 
-    /// Compares a fit with the true surface at each grid point.
     fn compare(
         &self,
         fit: &GlideSurface,
@@ -309,7 +300,7 @@ impl Trials for GlideScene {
     }
 }
 
-/// Converts the error of a fit to noiseless contacts. The new error names the config field that causes the failure.
+/// Converts the error of the fit to noiseless contacts. The new error names the config field that causes the failure.
 fn fit_error(error: &ShapeError) -> FieldError {
     let ShapeError::Contacts(error) = error else {
         return FieldError::at("scene", error);

@@ -19,12 +19,11 @@ use super::truth::{DiscMarkers, PressGeometry};
 
 const PATH: &str = "scene.sensor.calibration";
 
-/// A calibration, and the errors of the displacements that are computed with it.
 #[derive(Clone, Debug)]
 pub(super) struct CameraCalibration {
     pub(super) calibration: Calibration,
-    /// Standard deviations of the errors of normal and tangential displacements near a contact; `None` if there are no
-    /// such errors.
+    /// Standard deviations of the errors of normal and tangential displacements near a contact. `None` if the
+    /// calibration causes no such errors.
     pub(super) stds: [Option<f64>; 2],
 }
 
@@ -86,8 +85,8 @@ impl CameraCalibration {
     }
 }
 
-/// Fits a calibration. If `only` is given, it is the index of a marker, and the calibration of normal displacements
-/// uses only this marker.
+/// Fits a calibration to all markers. If `only` is the index of a marker, the calibration of normal displacements uses
+/// only this marker.
 fn fit(
     presses: &[Vec<CalibrationPoint>],
     only: Option<usize>,
@@ -120,8 +119,8 @@ fn fit(
     Calibration::new(Some(normal), Some(lateral), None)
 }
 
-/// Geometry of the calibration presses on a plane. If the config does not state the deepest indentation, it is
-/// `indentation`.
+/// Geometry of the calibration presses on a plane. If the config does not state the deepest indentation, the deepest
+/// press has the indentation `indentation`.
 fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
@@ -183,21 +182,20 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// Limit between two ranges of trial numbers, which seed the noise of frames. Calibration presses have smaller numbers,
-/// frames at rest have larger numbers.
+/// Limit between two ranges of trial numbers, which seed the noise of frames: calibration presses have smaller trial
+/// numbers than frames at rest.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
 /// Inputs that determine the images of the markers at rest. The cache stores these images with the inputs as their key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RestFrames {
     camera: SimulatedCamera,
-    /// Number of frames over which the images are averaged.
     frames: u32,
 }
 
 impl RestFrames {
-    /// The frames at rest of a camera. The images are averaged over `frames` frames, or one frame is used if the frames
-    /// have no noise.
+    /// Frames of the sensor at rest. The marker images are averaged over `frames` frames, or one frame is used if the
+    /// frames have no noise.
     pub(super) fn new(camera: &SimulatedCamera, frames: u32) -> Self {
         Self {
             camera: camera.clone(),
@@ -205,19 +203,17 @@ impl RestFrames {
         }
     }
 
-    /// Number of markers in each frame.
     pub(crate) fn size(&self) -> usize {
         self.camera.optics.array().places().len()
     }
 
-    /// Images of the markers; `None` for a marker that is not visible.
     pub(crate) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
         let measured = self.measurements(AT_REST)?.into_iter();
         Ok(measured.map(|one| one.map(|one| one.marker)).collect())
     }
 
-    /// Images of the markers, averaged over the frames, with their errors. The trial numbers `first`, `first` − 1 and
-    /// so on seed the noise of the frames.
+    /// Images of the markers at rest, averaged over the frames, with the covariances of their errors. The trial numbers
+    /// `first`, `first` − 1 and so on seed the noise of the frames.
     pub(super) fn measurements(
         &self,
         first: u64,
@@ -240,7 +236,6 @@ impl RestFrames {
     }
 }
 
-/// Image of each marker at rest; `None` if the camera does not find the marker.
 pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
 
 /// Inputs that determine the changes of images in calibration presses. The cache stores these changes with the inputs
@@ -248,20 +243,17 @@ pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CalibrationFrames {
     rest: RestFrames,
-    /// For each press, the motion of both discs of each marker.
     motions: Vec<Vec<MarkerMotion>>,
 }
 
-/// Changes of each marker's image in each press; `None` if the marker was not tracked.
+/// For each calibration press, the change of each marker's image; `None` if the marker was not tracked.
 pub(crate) type ImageChanges = Arc<[Vec<Option<Change>>]>;
 
 impl CalibrationFrames {
-    /// Total number of marker images: in all presses and at rest.
     pub(crate) fn size(&self) -> usize {
         self.rest.size() * (1 + self.motions.len())
     }
 
-    /// Changes of the markers' images from `rest` to each calibration press.
     pub(crate) fn changes(&self, rest: &[Option<Marker>]) -> Result<ImageChanges, PressFailure> {
         let camera = &self.rest.camera;
         let change = |(motions, press): (&Vec<MarkerMotion>, u64)| {
@@ -276,7 +268,6 @@ impl CalibrationFrames {
     }
 }
 
-/// Mean of several images of one marker: the image `first` and the images `others`.
 fn mean(first: Marker, others: &[Marker]) -> Marker {
     // Sum the differences from the first image: of both centroid coordinates, the hue, the mean hue and the size. Hues
     // are angles, so they cannot be summed directly.

@@ -20,7 +20,6 @@ use super::reading::gaussian;
 /// Trial number that seeds the noise of the first frame at rest. Each further frame has the next smaller number.
 pub(super) const AT_REST: u64 = u64::MAX;
 
-/// The simulated camera: its optics, and the level of detail of its simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SimulatedCamera {
     pub(super) optics: Optics,
@@ -32,7 +31,6 @@ pub(super) struct SimulatedCamera {
     pub(super) seed: u64,
 }
 
-/// The way in which the camera is simulated: with or without pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CameraModel {
     /// The image of each marker is computed directly, without pixels.
@@ -67,7 +65,6 @@ impl ImageNoise {
         self.hue.is_random() || self.centroid.is_random() || self.size.is_random()
     }
 
-    /// Covariance of the errors of a marker's image.
     fn errors(&self) -> MarkerErrors {
         // Numerical errors of an image without noise: of both centroid coordinates (px), of the hue (turns), and of the
         // logarithm of the size.
@@ -89,18 +86,16 @@ impl ImageNoise {
     }
 }
 
-/// Tracks of all markers of the layout in a press.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MarkerTracks {
-    /// Track of each marker from rest to press; `None` if it is not visible at rest.
+    /// Track of each marker of the layout from rest to press; `None` if the marker is not visible at rest.
     pub(super) tracks: Vec<Option<Track>>,
-    /// Number of markers that were matched with a wrong marker.
+    /// Number of markers whose image in the press was taken for the image of another marker.
     pub(super) wrong_matches: usize,
     /// Errors of each marker's image in the press; `None` if the marker was not found as a separate marker.
     pub(super) errors: Vec<Option<MarkerErrors>>,
 }
 
-/// The image of a marker in a frame, and the covariance of its errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MarkerMeasurement {
     pub(super) marker: Marker,
@@ -108,15 +103,15 @@ pub(super) struct MarkerMeasurement {
 }
 
 impl MarkerMeasurement {
-    /// The image with its errors, in the form that a fit to images needs.
+    /// Image of the marker with its errors, in the form that a fit to images needs.
     pub(super) fn image(&self) -> Seen {
         marker_image(&self.marker, &self.errors)
     }
 }
 
 impl SimulatedCamera {
-    /// The camera of a config. If `is_rendered`, frames are rendered. Otherwise, the images of the markers are computed
-    /// directly, without pixels.
+    /// Builds the camera of a config. If `is_rendered`, the camera renders frames. Otherwise it computes the images of
+    /// the markers directly, without pixels.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -183,7 +178,8 @@ impl SimulatedCamera {
         })
     }
 
-    /// Images of the markers at rest. They have the noise of trial number `trial`; they have no noise if `trial` is
+    /// Images of the markers at rest. The images have the noise of trial number `trial`; they have no noise if `trial`
+    /// is
     /// `None`.
     pub(super) fn at_rest(
         &self,
@@ -261,7 +257,6 @@ impl SimulatedCamera {
         }
     }
 
-    /// Number of pixels in a rendered frame.
     pub(super) fn pixels(&self) -> f64 {
         match self.model {
             CameraModel::Projected(_) => 0.0,
@@ -297,7 +292,7 @@ impl SimulatedCamera {
         };
         let [mut hues, mut centroids, mut sizes] = [Channel::Hue, Channel::Centroid, Channel::Size]
             .map(|channel| Stream::new(self.seed, trial, channel));
-        // Draw random numbers for every marker, even if it is not visible. Then the noise of a marker does not depend
+        // Draw random numbers for every marker, even for an invisible one. Then the noise of a marker does not depend
         // on which other markers are visible.
         let noisy = |image: Option<SeenMarker>| {
             let hue = noise.hue.draw(&mut hues);
@@ -341,7 +336,6 @@ fn exact_track(rest: Marker, pressed: Option<Marker>) -> Track {
     }
 }
 
-/// Index of the marker that is nearest to a point of the image.
 fn nearest(images: &[Option<SeenMarker>], [x, y]: [f64; 2]) -> Option<usize> {
     let distance =
         |image: &SeenMarker| libm::hypot(image.centroid_px[0] - x, image.centroid_px[1] - y);

@@ -15,12 +15,10 @@ use super::trial::{PressCase, PressEstimator, PressScene};
 use super::truth::{TrueContact, TruePress};
 use crate::scene::Need;
 
-/// Text of the warning that displacements along the skin have no noise although normal displacements have noise.
 const EXACT_TANGENTIAL: &str = "displacements along the skin have no error, so the fit ignores \
      all other displacements; set `noise.tangential_displacement`, or `sensor.tangential` = false";
 
 impl PressScene {
-    /// Returns lines about the models of the scene, its noise, and warnings.
     pub(super) fn description(&self) -> Vec<Need> {
         let mut needs = vec![Need::from(self.model_text())];
         match &self.case {
@@ -37,7 +35,7 @@ impl PressScene {
         needs
     }
 
-    /// Text that states the model of the body and, if it was chosen by `auto`, the reason for the choice.
+    /// Text about the model of the soft body. If `auto` chose the model, the text states the reason.
     fn model_text(&self) -> String {
         let model = match self.choice.model.reference() {
             PressModelConfig::Hertz { .. } => "Hertz contact, markers at the surface: closed form",
@@ -54,7 +52,6 @@ impl PressScene {
         }
     }
 
-    /// Lines about the contact regime of the press, with warnings about the size of the contact.
     fn contact_needs(&self, truth: &TruePress) -> Vec<Need> {
         let skin = self.markers.skin();
         let (object, shift) = (truth.geometry.object.curvature, truth.geometry.shift);
@@ -96,7 +93,6 @@ impl PressScene {
         needs
     }
 
-    /// Lines about the sensor of the press and the errors of its readings.
     fn reading_needs(&self) -> Vec<Need> {
         let camera = self.case.camera();
         let mut needs = Vec::new();
@@ -155,7 +151,6 @@ impl PressScene {
         needs
     }
 
-    /// Lines about the estimator of the press, with warnings about it.
     fn estimator_needs(&self) -> Vec<Need> {
         let (body, has_depth) = assumed_body(&self.config.estimator);
         let priors = self.config.estimator.priors();
@@ -205,7 +200,7 @@ impl PressScene {
     }
 }
 
-/// Text that states the noise of the displacements and of the indentation; `None` if there is no noise.
+/// Text about the noise of the displacements and of the indentation; `None` if there is no noise.
 fn displacement_noise(noise: &PressNoise) -> Option<String> {
     let errors = [
         (
@@ -258,7 +253,7 @@ fn calibration_text(camera: &CameraConfig) -> String {
     )
 }
 
-/// Text that states the noise of the camera; `None` if there is no noise.
+/// Text about the noise of the camera; `None` if there is no noise.
 fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     let mut errors = Vec::new();
     if let Some(ReadingNoise::Gaussian { std: Level(std) }) = noise.pixel {
@@ -289,7 +284,6 @@ const BIAS_LIMIT: f64 = 0.5;
 /// value. The error is a share of the relative curvature.
 const EXCLUDED_BIAS_LIMIT: f64 = 0.05;
 
-/// Returns a warning if an estimate without noise is far from the true curvature of the object.
 fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     let estimated = estimate.object_curvature();
     let relative = estimate.sensor_curvature + object;
@@ -313,12 +307,10 @@ fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     }
 }
 
-/// Smallest accepted share of the variance of normal displacements that a fit to noiseless readings explains. With the
-/// correct body, a fit explains more.
+/// Smallest accepted share of the variance of normal displacements that a fit to noiseless readings explains. If the
+/// estimator assumes the correct soft body, its fit explains a larger share.
 const MIN_R_SQUARED: f64 = 0.95;
 
-/// Returns a warning if the fit explains noiseless readings badly. The estimates from noisy readings are then
-/// unpredictable.
 fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     let explained = estimate.r_squared;
     (explained < MIN_R_SQUARED).then(|| {
@@ -328,7 +320,7 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     })
 }
 
-/// Name of the body that an estimator assumes. Also returns whether this body models displacements below the surface.
+/// Name of the soft body that an estimator assumes, and whether this body models displacements below the surface.
 const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),

@@ -101,7 +101,6 @@ impl PressScene {
     }
 }
 
-/// Young's modulus of the soft body, N per squared unit of length; `None` if it is not stated.
 fn young(model: &PressModelConfig, unit: LengthUnit) -> Result<Option<f64>, FieldError> {
     let Some(modulus_kpa) = model.modulus_kpa() else {
         return Ok(None);
@@ -112,7 +111,6 @@ fn young(model: &PressModelConfig, unit: LengthUnit) -> Result<Option<f64>, Fiel
     Ok(Some(modulus_kpa * 1e3 * metres * metres))
 }
 
-/// The markers of a sensor, and their chart coordinates.
 fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldError> {
     let (radius, depth) = (sphere.radius, sphere.marker_depth);
     let skin = Skin::new(radius).map_err(|error| FieldError::at("scene.probe.radius", error))?;
@@ -129,9 +127,9 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
     Ok((markers, places))
 }
 
-/// Decides how the true displacements in a layer are computed. If they are computed from tables, the result is the
-/// thickness of the layer. If they are computed by direct solutions, the result is `None`. Tables are used if they are
-/// accurate enough for `auto`, and if the fit uses the same tables or there are many markers.
+/// Thickness of the layer if the true displacements are computed from tables of the layer, `None` if they are solved
+/// directly. Tables are used if they are accurate enough for `auto`, and if the fit uses the same tables or there are
+/// many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
@@ -143,14 +141,13 @@ fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> O
     layer.filter(|_| is_accurate && (is_shared || markers > MANY_MARKERS))
 }
 
-/// Inputs from which the true press, the sensor and the estimator are built.
 pub(super) struct PressSetup<'a> {
     pub(super) config: &'a PressConfig,
     /// Model of the sensor's soft body; it is never `auto`.
     pub(super) model: &'a PressModelConfig,
     pub(super) sphere: &'a MarkerSphere<'a>,
     pub(super) markers: &'a Markers,
-    /// Chart coordinates of the markers.
+    /// Coordinates of the markers in the chart of the skin.
     pub(super) places: &'a [[f64; 2]],
     pub(super) geometry: &'a PressGeometry,
     body: &'a SoftBody,
@@ -159,7 +156,6 @@ pub(super) struct PressSetup<'a> {
 }
 
 impl PressSetup<'_> {
-    /// Builds the true press and its sensor, or returns the reason why the press is impossible.
     fn case(
         &self,
         contact: &TrueContact<'_>,
@@ -192,8 +188,8 @@ impl PressSetup<'_> {
         Ok(PressCase::Press { truth, sensor })
     }
 
-    /// The estimator that the config states. `tables` is the thickness of the body's layer, if the fits can use the
-    /// tables of this layer.
+    /// Builds the estimator that the config states. `tables` is the thickness of the layer whose tables the fits can
+    /// use, if there is one.
     fn estimator(
         &self,
         noise: &PressNoise,
@@ -251,7 +247,6 @@ impl PressSetup<'_> {
         })
     }
 
-    /// The fit to marker images; `None` if the config states an estimator that does not use images.
     fn image_estimator(
         &self,
         camera: &SimulatedCamera,
@@ -322,7 +317,7 @@ impl PressSetup<'_> {
     }
 }
 
-/// The model that is used, and the reason for its choice.
+/// Model of the soft body, and the reason for its choice.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     /// The model in the form of a config; it is never `auto`.
@@ -337,13 +332,12 @@ const SMALLEST_TOLERANCE: f64 = 1e-9;
 /// Largest tolerance that `auto` accepts.
 const LARGEST_TOLERANCE: f64 = 1.0;
 
-/// The models that can compute a press, and the depths at which their displacements are compared.
+/// Models of the soft body that can compute a press, and the depths at which their displacements are compared.
 #[derive(Clone, Debug)]
 pub(super) struct PressRungs {
-    /// Model of the soft body that the config states; it may be `auto`.
     requested: PressModelConfig,
     radius: f64,
-    /// Depths at which displacements are compared. The first is the depth of the markers, midway between their discs.
+    /// Depths at which displacements are compared. The first is the depth midway between the two discs of a marker.
     /// With a camera, the depths of both discs follow.
     depths: Vec<f64>,
 }
@@ -366,7 +360,7 @@ impl PressRungs {
         })
     }
 
-    /// The model of a press: either the config names it, or `auto` chooses it.
+    /// Model of the soft body that the config names or that `auto` chooses.
     fn choice(&self, markers: &Markers, geometry: &PressGeometry) -> Result<Choice, FieldError> {
         let PressModelConfig::Auto { tolerance, .. } = self.requested else {
             return Ok(Choice {
@@ -419,8 +413,8 @@ impl PressRungs {
         })
     }
 
-    /// Measures the errors of all models, from the fastest to the slowest. The error of a model is the difference of
-    /// its results from those of the last model.
+    /// Measures the errors of all models, from the fastest to the slowest. The error of a model is the difference
+    /// between its displacements and those of the last model.
     fn measure(
         &self,
         markers: &Markers,
@@ -488,14 +482,12 @@ impl PressRungs {
         })
     }
 
-    /// Builds the soft body of a model for each of the compared depths.
     fn bodies(&self, model: &PressModelConfig) -> Result<Vec<SoftBody>, FieldError> {
         let body = |&depth| SoftBody::new(model, self.radius, depth, Body::solved_layer);
         self.depths.iter().map(body).collect()
     }
 }
 
-/// Largest difference between two lists of displacements, relative to the largest displacement in `reference`.
 fn relative_error(moved: &[MarkerDisplacement], reference: &[MarkerDisplacement]) -> Accuracy {
     let size = |normal: f64, [x, y]: [f64; 2]| libm::hypot(libm::hypot(normal, x), y);
     let differences = moved.iter().zip(reference).map(|(one, other)| {

@@ -9,7 +9,7 @@ use super::trial::PressScene;
 use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
-/// Number of points in a profile of displacements.
+/// Number of points in a profile of displacements along a radius of the contact.
 const PLACES: u32 = 121;
 /// Length of a profile of displacements, as a multiple of the contact radius. The profile begins at the centre of the
 /// contact. For an elliptic contact, it is along the longer axis.
@@ -90,7 +90,7 @@ impl PressScene {
         MapTable::new(std::iter::once(Column::count("cell")).chain(lengths))
     }
 
-    /// Adds the profile of this scene, with the estimate of trial number `trial`.
+    /// Adds the profile of this scene to the table, with the estimate of trial number `trial`.
     ///
     /// # Errors
     /// [`PressFailure`] if the press is impossible or the trial failed. If the press is impossible, no row is added. If

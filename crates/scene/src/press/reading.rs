@@ -20,14 +20,12 @@ use super::truth::{DiscMarkers, PressGeometry, TruePress};
 /// Largest shift of a marker's image that counts as a rounding error (px). Such a shift is replaced by 0.
 const ROUNDING_PX: f64 = 1e-9;
 
-/// Reading of one tracked marker.
 #[derive(Clone, Copy, Debug)]
 struct MarkerReading {
     normal: f64,
     tangential: [f64; 2],
 }
 
-/// Readings of one press, made by [`PressSensor::read`].
 #[derive(Clone, Debug)]
 pub(super) struct PressReading {
     /// Indices (in the layout) of the tracked markers, in ascending order.
@@ -49,20 +47,18 @@ pub(super) struct CameraReading {
 }
 
 impl PressReading {
-    /// Index, normal displacement and tangential displacement of each tracked marker.
     pub(super) fn markers(&self) -> impl ExactSizeIterator<Item = (usize, f64, [f64; 2])> {
         let readings = self.normal.iter().zip(&self.tangential);
         let tracked = self.tracked.iter().zip(readings);
         tracked.map(|(&marker, (&normal, &tangential))| (marker, normal, tangential))
     }
 
-    /// The tracked markers of the layout `layout`; `None` if all markers are tracked.
     pub(super) fn subset(&self, layout: &Markers) -> Option<Markers> {
         let has_lost = self.tracked.len() < layout.places().len();
         has_lost.then(|| layout.subset(&self.tracked))
     }
 
-    /// Adds `error` to the normal displacement of one marker. The trial number determines which marker.
+    /// Adds `error` to the normal displacement of one marker, which is chosen by the trial number.
     pub(super) fn add_outlier(&mut self, error: f64, trial: u64) {
         let count = self.normal.len() as u64;
         let marker = trial.checked_rem(count).unwrap_or(0) as usize;
@@ -71,7 +67,7 @@ impl PressReading {
         }
     }
 
-    /// The readings in the form that a fit needs. `markers` contains the tracked markers.
+    /// Readings in the form that a fit needs. `markers` contains the tracked markers.
     pub(super) fn fit_input<'a>(
         &'a self,
         markers: &'a Markers,
@@ -87,12 +83,10 @@ impl PressReading {
     }
 }
 
-/// The sensor that measures the displacements of the markers in a press.
 #[derive(Clone, Debug)]
 pub(super) enum PressSensor {
     /// A sensor that reads the displacements of all markers directly.
     Direct,
-    /// A camera sensor, which reads the displacements of the markers that it tracks.
     Camera(Box<CameraPressSensor>),
 }
 
@@ -164,23 +158,19 @@ impl IndentationSensor {
 /// Errors of the readings of a press, for all markers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressNoise {
-    /// Error of each normal displacement.
     pub(super) normal: GaussianError,
-    /// Error of each component of each tangential displacement.
     pub(super) tangential: GaussianError,
     pub(super) indentation: IndentationSensor,
-    /// Error of the gain, which is the factor by which all normal displacements are multiplied.
+    /// Error of the sensor's gain, by which all normal displacements are multiplied.
     pub(super) gain: GaussianError,
-    /// Number of markers whose readings are outliers.
     outliers: usize,
-    /// Additional error of the displacements of an outlier marker. It is added to the other errors of this marker.
     outlier: GaussianError,
     seed: u64,
 }
 
 impl PressNoise {
-    /// The noise that a config states, for a sensor with `markers` markers. Averaging over `frames` frames reduces the
-    /// noise of the displacements.
+    /// Builds the noise that a config states, for a sensor with `markers` markers. Averaging over `frames` frames
+    /// reduces the noise of the displacements.
     pub(super) fn new(
         config: &PressNoiseConfig,
         frames: u32,
@@ -215,8 +205,8 @@ impl PressNoise {
         })
     }
 
-    /// Whether the readings differ between trials. The arguments state which readings exist: `has_tangential` is for
-    /// tangential displacements, and `has_indentation` for the indentation.
+    /// Whether the readings differ between trials. The arguments state whether the sensor reads tangential
+    /// displacements and whether it reads the indentation.
     pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
         self.normal.is_random()
             || (has_tangential && self.tangential.is_random())
@@ -263,14 +253,15 @@ impl MarkerReading {
     }
 }
 
-/// Gaussian error with the standard deviation `std`. If `std` is `None`, the error is 0. `noise` is the name of the
-/// config field that states the error.
+/// Gaussian error with the standard deviation `std`, or no error if `std` is `None`. `noise` is the name of the config
+/// field that states the error.
 pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, FieldError> {
     GaussianError::new(std.unwrap_or(0.0))
         .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number of markers that a kind of noise affects. Returns an error if it exceeds the number of all markers, `markers`.
+/// Number of markers with a kind of noise. Returns an error if the number in the config, `count`, exceeds the number of
+/// all markers, `markers`.
 fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {
@@ -283,7 +274,6 @@ fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize
     ))
 }
 
-/// A calibrated camera that reads the displacements of the markers in a press.
 #[derive(Clone, Debug)]
 pub(super) struct CameraPressSensor {
     pub(super) camera: SimulatedCamera,
@@ -292,15 +282,12 @@ pub(super) struct CameraPressSensor {
     pub(super) calibration: CameraCalibration,
     /// Number of lost markers, which are chosen at random in every trial.
     lost_markers: usize,
-    /// Index of the marker nearest to the contact.
     central_marker: usize,
     /// True change of the image of the marker nearest to the contact, computed without noise and pixels.
     pub(super) true_change: Option<MarkerChange>,
-    /// Draws new sensor parameters in every trial; `None` if all trials share one sensor.
     pub(super) variation: Option<SensorVariation>,
 }
 
-/// Change of a marker's image from rest to press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MarkerChange {
     /// Change of the hue of the marker's summed light from rest to press, turns.
@@ -345,19 +332,17 @@ impl CameraPressSensor {
         })
     }
 
-    /// Number of markers that are visible at rest, without the lost markers.
     pub(super) fn visible(&self) -> usize {
         let visible = self.rest.iter().flatten().count();
         visible.saturating_sub(self.lost_markers)
     }
 
-    /// Whether readings differ between trials.
     pub(super) fn is_random(&self) -> bool {
         self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
     }
 
-    /// Tracks the markers of a press. If `trial` is a number, the tracks have the noise and the sensor parameters of
-    /// this trial. If `trial` is `None`, they have no noise.
+    /// Tracks the markers of a press. The tracks have the noise and the sensor parameters of trial number `trial`. If
+    /// `trial` is `None`, they have no noise.
     fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
         let (tracks, own_rest) = match (&self.variation, trial) {
             (Some(variation), Some(number)) => {
@@ -393,7 +378,6 @@ impl CameraPressSensor {
         changes.enumerate().map(reading).collect()
     }
 
-    /// The frame at rest and the pressed frame; `None` if the camera does not render frames.
     pub(super) fn frames(
         &self,
         truth: &TruePress,
@@ -409,7 +393,6 @@ impl CameraPressSensor {
         Ok(Some([self.camera.render(&rest, at_rest)?, pressed]))
     }
 
-    /// Motions of the discs; `None` for markers that are lost in the trial.
     fn without_lost(
         &self,
         motions: &[MarkerMotion],
@@ -425,7 +408,6 @@ impl CameraPressSensor {
         motions
     }
 
-    /// Change of the image of the marker nearest to the contact; `None` if it is not tracked.
     pub(super) fn central_change(&self, tracks: &MarkerTracks) -> Option<MarkerChange> {
         MarkerChange::new(&self.camera, tracks, self.central_marker)
     }

@@ -20,28 +20,25 @@ use super::truth::{PressGeometry, SoftBody, marker_motions};
 /// numbers for its frames. The reserved numbers are smaller than the numbers for frames that all trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
 
-/// Trial number that seeds the noise of the first frame at rest, for the sensor that belongs to trial `trial`.
 const fn rest_number(trial: u64) -> u64 {
     AT_REST.wrapping_sub(NUMBERS_PER_TRIAL.wrapping_mul(trial.wrapping_add(2)))
 }
 
-/// Draws new parameters of the sensor in each trial.
 #[derive(Clone, Debug)]
 pub(super) struct SensorVariation {
     errors: Vec<GaussianError>,
     model: PressModelConfig,
     markers: Markers,
-    /// Nominal depths of the magenta and the yellow discs, length.
+    /// Depths of the magenta and the yellow discs of the nominal sensor (length).
     depths: [f64; 2],
     rest_frames: u32,
     /// Largest misalignment of a marker, relative to the diameter of the yellow disc.
     misalignment: f64,
 }
 
-/// The sensor of one trial, and its markers in a press.
+/// Sensor of one trial, and the markers of this sensor in a press.
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
-    /// Motions of both discs of each marker in the press.
     pub(super) motions: Vec<MarkerMotion>,
     /// Images of the markers at rest, with their covariances.
     pub(super) rest: Arc<[Option<Seen>]>,
@@ -49,7 +46,7 @@ pub(super) struct VariedSensor {
 }
 
 impl SensorVariation {
-    /// The variation of the sensor in a config; `None` if all trials share one sensor.
+    /// Variation of the sensor that a config states; `None` if all trials share one sensor.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         camera: &CameraConfig,
@@ -71,8 +68,8 @@ impl SensorVariation {
         }))
     }
 
-    /// Draws the sensor of a trial, and computes the motions of its discs in a press. The parameters of the sensor
-    /// scatter about the parameters of the sensor `nominal`.
+    /// Draws the sensor of a trial, and computes the motions of its discs in a press. Its parameters scatter about the
+    /// parameters of the sensor `nominal`.
     pub(super) fn sensor(
         &self,
         nominal: &SimulatedCamera,

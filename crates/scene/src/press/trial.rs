@@ -80,12 +80,10 @@ pub struct PressScene {
     pub(super) choice: Choice,
     pub(super) rungs: PressRungs,
     pub(super) markers: Markers,
-    /// Chart coordinates of the markers.
     pub(super) places: Vec<[f64; 2]>,
     pub(super) body: SoftBody,
     pub(super) geometry: PressGeometry,
     pub(super) case: PressCase,
-    /// Whether the sensor reads displacements along the skin.
     pub(super) has_tangential: bool,
     pub(super) noise: PressNoise,
     pub(super) estimator: PressEstimator,
@@ -96,7 +94,6 @@ pub struct PressScene {
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
 
-/// A press with its sensor, or the reason why the press is impossible.
 #[derive(Clone, Debug)]
 pub(super) enum PressCase {
     Press {
@@ -115,7 +112,6 @@ impl PressCase {
         }
     }
 
-    /// The camera that reads the press. `None` for a direct sensor, and if the press is impossible.
     pub(super) fn camera(&self) -> Option<&CameraPressSensor> {
         self.press().ok().and_then(|(_, sensor)| sensor.camera())
     }
@@ -124,8 +120,8 @@ impl PressCase {
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum PressEstimator {
-    /// A fit to the displacements of the markers. The second field is a fit to the images of the markers, if the config
-    /// states this estimator.
+    /// Fit to the displacements of the markers and, if the config states this estimator, fit to the images of the
+    /// markers.
     Fit(ForwardFit, Option<ImageEstimator>),
     /// The fit cannot be built. Every trial fails with the name of the error.
     NoFit(PressError),
@@ -139,7 +135,6 @@ impl PressEstimator {
         }
     }
 
-    /// The fit to images, and the images from `reading`; `None` if the estimator uses displacements.
     pub(super) fn images<'a>(
         &'a self,
         reading: &'a PressReading,
@@ -153,7 +148,8 @@ impl PressEstimator {
     }
 }
 
-/// Standard deviation of the indentation that the estimator receives; `None` if the estimator fits the indentation.
+/// Standard deviation of the indentation reading that the estimator receives; `None` if the estimator fits the
+/// indentation.
 pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<f64> {
     let priors = estimator.priors();
     (priors.indentation == Indentation::Known).then_some(priors.indentation_std)
@@ -167,13 +163,12 @@ impl PressScene {
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
 
-    /// Readings of the sensor. They have the noise of trial number `trial`; they have no noise if `trial` is `None`.
+    /// Reads the press. The reading has the noise of trial number `trial`; it has no noise if `trial` is `None`.
     pub(super) fn reading(&self, trial: Option<u64>) -> Result<PressReading, PressFailure> {
         let (truth, sensor) = self.case.press()?;
         sensor.read(truth, &self.noise, trial)
     }
 
-    /// Estimate from noiseless readings.
     pub(super) fn exact(&self) -> Result<&PressEstimate, &PressFailure> {
         let estimate = || self.estimate(&self.reading(None)?);
         self.exact.get_or_init(estimate).as_ref()
@@ -186,7 +181,7 @@ impl PressScene {
         }
     }
 
-    /// The indentation that the estimator receives; `None` if the estimator fits the indentation.
+    /// Indentation reading that the estimator receives; `None` if the estimator fits the indentation.
     pub(super) fn given_indentation(&self, reading: &PressReading) -> Option<Measured> {
         given_indentation_std(&self.config.estimator).map(|std| Measured {
             value: reading.indentation,
@@ -194,7 +189,7 @@ impl PressScene {
         })
     }
 
-    /// Calls `then` with the fit to displacements and with the readings in the form of this fit.
+    /// Calls `then` with the fit to displacements, and with `reading` in the form that this fit needs.
     pub(super) fn with_fit<T>(
         &self,
         reading: &PressReading,
@@ -207,7 +202,6 @@ impl PressScene {
         Ok(then(self.estimator.fit()?, &input)?)
     }
 
-    /// Index of a quantity among the quantities of the scene; `None` if the scene does not have the quantity.
     fn place(&self, quantity: Quantity) -> Option<usize> {
         self.quantities().iter().position(|one| *one == quantity)
     }
@@ -247,7 +241,6 @@ impl PressScene {
         }
     }
 
-    /// Compares an estimate with the true values.
     pub(super) fn compare(
         &self,
         reading: &PressReading,
@@ -330,7 +323,7 @@ impl PressScene {
         contact.force(young)
     }
 
-    /// Reports the additional quantities of a camera, after a successful estimate.
+    /// Reports the quantities that only presses with a camera have, after a successful estimate.
     fn observe_camera(&self, reading: &PressReading, observe: &mut dyn FnMut(usize, Observation)) {
         let PressCase::Press { truth, sensor } = &self.case else {
             return;
@@ -372,7 +365,6 @@ impl PressScene {
         report(Quantity::PIXELS, Observation::exact(sensor.camera.pixels()));
     }
 
-    /// Quantities that the trials of a press report. `config` is the config of the press.
     pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
         let is_elliptic = matches!(config.estimator, PressEstimatorConfig::Elliptic { .. });
         let is_plane = matches!(config.object, PressObjectConfig::Plane {});

@@ -19,17 +19,17 @@ use crate::cache::SharedModels;
 pub(super) struct TruePress {
     pub(super) geometry: PressGeometry,
     pub(super) contact_radius: f64,
-    /// Force divided by Young's modulus of the body, length²; `None` if it is not finite.
+    /// Contact force divided by Young's modulus of the soft body (length²); `None` if it is not finite.
     pub(super) force_per_young: Option<f64>,
-    /// Displacements of the markers. A marker is the point midway between its two discs.
+    /// Displacements of the markers, at the points midway between their two discs.
     pub(super) markers: Vec<MarkerDisplacement>,
     /// Motions of both discs of each marker; empty if there is no camera.
     pub(super) discs: Vec<MarkerMotion>,
 }
 
 impl TruePress {
-    /// Computes the true values of a press from its contact. If there is a camera, `discs` contains the discs of the
-    /// markers.
+    /// Computes the true values of a press from its true contact. If there is a camera, `discs` contains the discs of
+    /// the markers.
     pub(super) fn new(
         body: &SoftBody,
         markers: &Markers,
@@ -110,19 +110,17 @@ impl TouchedObject {
     }
 }
 
-/// Object of a press, indentation, and position of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PressGeometry {
     pub(super) object: TouchedObject,
     pub(super) indentation: f64,
-    /// Chart coordinates of the contact on the skin.
+    /// Coordinates of the contact in the chart of the skin.
     pub(super) at: [f64; 2],
     /// Sideways displacement of the object along x, after it has touched the skin (length).
     pub(super) shift: f64,
 }
 
 impl PressGeometry {
-    /// Geometry of the press in a config. `radius` is the radius of the sensor.
     pub(super) fn new(config: &PressConfig, radius: f64) -> Result<Self, FieldError> {
         let motion = &config.motion;
         if motion.shift.abs() >= radius {
@@ -139,7 +137,6 @@ impl PressGeometry {
         })
     }
 
-    /// Geometry of a press of the sensor's apex on a plane.
     pub(super) const fn on_plane(indentation: f64) -> Self {
         Self {
             object: TouchedObject::PLANE,
@@ -150,7 +147,7 @@ impl PressGeometry {
     }
 }
 
-/// Chart coordinates of the point at the angles `polar` and `azimuth`.
+/// Chart coordinates of the point of the skin at the angles `polar` and `azimuth`.
 fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], FieldError> {
     if !(0.0..=180.0).contains(&polar) {
         let message = format!(
@@ -171,7 +168,6 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
     Ok([distance * cosine, distance * sine])
 }
 
-/// The true contact of an object with the soft body of the sensor.
 #[derive(Clone, Debug)]
 pub(super) enum TrueContact<'b> {
     /// Contact with an object that has the same curvature in all directions.
@@ -182,7 +178,7 @@ pub(super) enum TrueContact<'b> {
 }
 
 impl TrueContact<'_> {
-    /// Radius of the contact. For an elliptic contact, it is the geometric mean of the semi-axes.
+    /// Radius of the contact. For an elliptic contact, the radius is the geometric mean of the semi-axes.
     pub(super) fn radius(&self) -> f64 {
         match self {
             Self::Round(contact) => contact.radius,
@@ -199,8 +195,8 @@ impl TrueContact<'_> {
         }
     }
 
-    /// Displacement of the skin at the distance `distance` from the middle of the contact. For an elliptic contact, the
-    /// distance is along the longer axis.
+    /// Displacement of points at a fixed depth under the skin, at the distance `distance` from the middle of the
+    /// contact. For an elliptic contact, the distance is along the longer axis.
     pub(super) fn displacement(&self, distance: f64) -> Displacement {
         match self {
             Self::Round(contact) => contact.displacement(distance),
@@ -246,7 +242,7 @@ impl SoftBody {
         Ok(Self { body, sideways })
     }
 
-    /// Contact of a press between the object and the skin under which the markers lie.
+    /// Contact between the object and the skin in a press.
     pub(super) fn contact(
         &self,
         markers: &Markers,
@@ -305,10 +301,10 @@ impl SoftBody {
     }
 }
 
-/// The discs of one colour, that is, one disc of each marker.
+/// The discs of one colour: one disc of each marker.
 struct Discs {
     body: SoftBody,
-    /// Computes the strain of the discs; `None` if the discs do not follow the strain of the skin.
+    /// Computes how the skin strains the discs; `None` if the discs do not follow the strain of the skin.
     strain: Option<DiscStrain>,
 }
 
@@ -330,7 +326,6 @@ impl Discs {
     }
 }
 
-/// Combines the displacements of the magenta and the yellow discs into one motion per marker.
 pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion> {
     let [magenta, yellow] = discs.map(|(moved, widened)| {
         moved.into_iter().enumerate().map(move |(marker, moved)| {
@@ -350,10 +345,8 @@ pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion>
         .collect()
 }
 
-/// Markers with two discs, and the models of the soft body that compute the displacements of the discs.
 pub(super) struct DiscMarkers<'a> {
     markers: &'a Markers,
-    /// Model of the soft body at the depth of the markers, midway between their two discs.
     midway: &'a SoftBody,
     magenta: Discs,
     yellow: Discs,
@@ -389,7 +382,6 @@ impl<'a> DiscMarkers<'a> {
         })
     }
 
-    /// Displacements of the markers, at the points midway between their two discs.
     pub(super) fn displacements(
         &self,
         geometry: &PressGeometry,
@@ -406,7 +398,6 @@ impl<'a> DiscMarkers<'a> {
         Ok(marker_motions([magenta, yellow]))
     }
 
-    /// Index of the marker nearest to a point on the skin.
     pub(super) fn nearest(&self, place: [f64; 2]) -> Option<usize> {
         let distances = self.markers.distances(place);
         (0..distances.len()).min_by(|one, other| distances[*one].total_cmp(&distances[*other]))

@@ -8,25 +8,21 @@ use palpate_study::config::Side;
 
 use super::motion_noise::{MotionNoise, Roll};
 
-/// Steady rolls on a plane, sphere, dish or cylinder. The sensor reports the commanded rotations.
+/// Steady rolls on a plane, sphere, dish or cylinder, with the closed form. The sensor reports the commanded rotations.
 #[derive(Clone, Debug)]
 pub(super) struct LinearRolls {
     radius: f64,
     probes: Vec<LinearRoll>,
-    /// Distribution of the error of each component of the true rotation; `None` if the rotation has no error.
+    /// Distribution of the error of each component of a probe's true rotation; `None` if there is no such error.
     error: Option<Distribution>,
 }
 
-/// The roll of one probe.
 #[derive(Clone, Copy, Debug)]
 struct LinearRoll {
-    /// Path of the contact along u and v if the probe rotates exactly as commanded.
     commanded: [f64; 2],
-    /// Change of the contact's path if the rotation about x has an error of one unit. The unit is the size of the
-    /// error: its standard deviation or its bound.
+    /// Change of the contact's path if the rotation about x has an error of one unit (one standard deviation, or its
+    /// bound).
     per_error_x: [f64; 2],
-    /// Change of the contact's path if the rotation about y has an error of one unit. The unit is the size of the
-    /// error: its standard deviation or its bound.
     per_error_y: [f64; 2],
     reported: ProbeRotation,
 }
@@ -68,8 +64,8 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// Builds the closed form of rolls. Returns `None` in three cases: the rolls have no linear closed form, the noise
-    /// changes during a roll, or the noise is a measurement error.
+    /// Builds the closed form of the rolls of a scene. Returns `None` in three cases: the rolls have no linear closed
+    /// form, the noise changes during a roll, or the noise is a measurement error.
     pub(super) fn new(
         roller: &Roller,
         rolls: &[Roll],
@@ -152,7 +148,7 @@ impl LinearRolls {
         half_turn * half_turn
     }
 
-    /// Draws the errors of a rotation, in units of the error's size.
+    /// Draws the errors of both components of a rotation, in units of the error's size (standard deviation or bound).
     #[inline(always)]
     fn errors(&self, stream: &mut Stream) -> [f64; 2] {
         match self.error {
@@ -181,17 +177,14 @@ impl LinearRolls {
     }
 }
 
-/// Whether a path of the contact, with the components `u` and `v`, leads at most halfway around the probe.
 #[inline(always)]
 fn is_short([u, v]: [f64; 2], half_turn_squared: f64) -> bool {
     u * u + v * v <= half_turn_squared
 }
 
-/// Rolls of up to [`BATCH_SIZE`] trials, computed together.
 #[derive(Clone, Debug)]
 pub(super) struct ManyRolls {
     pub(super) moments: BatchMoments,
-    /// For each trial, the number of paths that lead more than halfway around their probe.
     long: [u64; BATCH_SIZE],
     /// For each trial, the errors of the rotation of the current probe, in units of the error's size.
     errors: [[f64; BATCH_SIZE]; 2],
@@ -234,7 +227,8 @@ impl ManyRolls {
         }
     }
 
-    /// Adds the roll of a probe to the moments of each trial. If `IS_FIRST`, the moments start from 0.
+    /// Adds the roll of a probe to the moments of each trial. If `IS_FIRST`, the moments start from 0 instead of their
+    /// old values.
     #[inline(always)]
     fn add<const IS_FIRST: bool>(
         &mut self,

@@ -5,22 +5,19 @@ use palpate_rolling::{Motion, RollError, Roller, Terrain};
 use palpate_sensing::{AngularVelocityError, Channel, Distribution, Stream};
 use palpate_study::config::Side;
 
-/// Error of the angular velocity of a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionNoise {
     pub(super) error: AngularVelocityError,
-    /// Number of instants during a roll at which a new error is drawn.
     pub(super) instants: u32,
     /// If the value is `Motion`, the motion of the probe has the error, and the sensor reports the commanded rotation.
     /// If the value is `Measurement`, the probe moves as commanded, and the reported rotation has the error.
     pub(super) side: Side,
 }
 
-/// The commanded roll of one probe, with its results without noise.
 #[derive(Clone, Debug)]
 pub(super) struct Roll {
     pub(super) command: Motion,
-    /// Rotation of the probe, summed in the contact frame, rad.
+    /// Rotation of the probe over the whole roll, summed in the contact frame, rad.
     pub(super) rotation: Vector2<f64>,
     /// Displacement of the contact on the probe, without noise.
     pub(super) displacement: Vector2<f64>,
@@ -31,12 +28,11 @@ pub(super) struct Roll {
 pub(super) struct NoiseTrial(Option<(MotionNoise, Stream)>);
 
 impl MotionNoise {
-    /// Whether the noise is an error of the motion, not of the measurement.
     pub(super) fn is_of_motion(&self) -> bool {
         self.side == Side::Motion
     }
 
-    /// Number of pieces into which noise divides the motion of a roll. Each piece has its own error.
+    /// Number of pieces of a roll's motion. Each piece has its own error.
     pub(super) const fn pieces(&self) -> u32 {
         match self.side {
             Side::Motion => self.instants,
@@ -61,7 +57,8 @@ impl MotionNoise {
         share * radius * rotation.norm()
     }
 
-    /// Standard deviation of each component of a summed rotation, as a share of the rotation's magnitude.
+    /// Standard deviation of each component of a probe's rotation, summed over a roll, as a share of the rotation's
+    /// magnitude.
     pub(super) fn relative_rotation_std(&self) -> f64 {
         self.error.relative_std() / f64::from(self.instants).sqrt()
     }

@@ -105,7 +105,6 @@ impl RollScene {
         distinct(&commands, pieces)
     }
 
-    /// Measures the error of each model that can compute the rolls of this scene.
     pub(super) fn measured_ladder(&self) -> Ladder {
         let rolls = self.noiseless();
         let rolls = Rolls {
@@ -164,8 +163,9 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart of the integrators that are compared. If the config states a chart, it is used. Otherwise the chart depends on
-/// the axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in the chart.
+/// Chart of the integrators whose errors are compared. If the config states a chart, it is used. Otherwise the chart
+/// depends on the axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in the
+/// chart.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {
@@ -211,8 +211,8 @@ fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
     }
 }
 
-/// The roller and the commanded motions. If the config states an arc length, the motions are chosen such that rolls
-/// without noise have this length.
+/// Builds the roller and the commanded motions. If the config states an arc length, rolls without noise have this
+/// length.
 fn roller(
     config: &RollConfig,
     probe: Probe,
@@ -281,7 +281,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-/// The different commands, without repetitions. Each command is divided into `pieces` motions.
+/// The commands without repetitions. Each command is divided into `pieces` motions.
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {
@@ -296,7 +296,7 @@ fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     rolls
 }
 
-/// Computes the commanded rolls without noise, and the true values.
+/// Computes the commanded rolls without noise, and the true values of the estimated quantities.
 fn noiseless(
     roller: &Roller,
     commands: &[Motion],
@@ -359,7 +359,6 @@ fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terra
     Ok((clearance < stray).then_some(terrain))
 }
 
-/// Converts a model to the form of a config.
 fn named(model: Model) -> RollModelConfig {
     let config_chart = |chart: Chart| match chart {
         Chart::Free => config::Chart::Free,

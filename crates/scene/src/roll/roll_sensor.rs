@@ -19,7 +19,6 @@ pub(super) enum RollSensor {
     Pads(Pads),
 }
 
-/// The sensor of the contact in one trial.
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
@@ -29,7 +28,6 @@ pub(super) enum SensorTrial<'a> {
 }
 
 impl RollSensor {
-    /// Builds the sensor of a config. `radius` is the radius of the probe.
     pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, FieldError> {
         match config {
             RollSensorConfig::Ideal => Ok(Self::Ideal),
@@ -60,7 +58,7 @@ impl RollSensor {
         }
     }
 
-    /// Noise of the shifts that the sensor reports.
+    /// Noise of the contact's shifts on the probe that the sensor reports.
     pub(super) fn shift_noise(&self) -> ReadingNoise {
         match self {
             Self::Ideal => ReadingNoise::default(),
@@ -104,7 +102,7 @@ impl RollSensor {
         }
     }
 
-    /// The same sensor without its noise. Pads still round each position to the centre of a pad; one centre is at the
+    /// A copy of the sensor without noise. Pads still round each position to the centre of a pad; one centre is at the
     /// first contact.
     pub(super) fn noiseless(&self) -> Self {
         match self {
@@ -113,7 +111,7 @@ impl RollSensor {
         }
     }
 
-    /// Meaning of the positions in a time series: contact points or pads. `None` for pads without straight edges.
+    /// Whether the positions in a time series are contact points or pads. `None` for pads without straight edges.
     pub(super) fn places(&self) -> Option<Places> {
         Some(match self {
             Self::Ideal => Places::Contacts { std: 0.0 },
@@ -189,7 +187,6 @@ impl SensorTrial<'_> {
     }
 }
 
-/// Sensor that reads the rotation of a probe, with its errors.
 #[derive(Clone, Debug)]
 pub(super) struct RotationSensor {
     error: GaussianError,
@@ -200,7 +197,6 @@ pub(super) struct RotationSensor {
     sample_error: GaussianError,
 }
 
-/// The rotation sensor during one trial.
 pub(super) struct RotationTrial<'a> {
     sensor: &'a RotationSensor,
     errors: Stream,
@@ -233,7 +229,6 @@ impl RotationSensor {
         })
     }
 
-    /// Whether the reported rotations have random errors, per roll or per sample.
     pub(super) fn is_random(&self) -> bool {
         self.is_random_per_roll() || self.sample_error.is_random()
     }
@@ -242,13 +237,12 @@ impl RotationSensor {
         self.error.is_random() || self.encoder.is_some()
     }
 
-    /// Whether the sensor reports the true rotation at the end of a roll.
     pub(super) fn is_exact(&self) -> bool {
         !self.is_random_per_roll() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
-    /// A config states two errors of the reported rotation: the error of the rotation and the error of the encoder.
-    /// Returns the path of the field that states the larger error.
+    /// Path of the config field that states the larger error of the reported rotation: the error of the rotation or the
+    /// error of the encoder.
     pub(super) fn path(&self) -> &'static str {
         match self.encoder {
             Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",
@@ -264,7 +258,6 @@ impl RotationSensor {
         )
     }
 
-    /// Noise of the sampled rotations. `rotation_rad` is the rotation at the end of a roll (rad).
     pub(super) fn series_noise(&self, rotation_rad: f64) -> SeriesNoise {
         let step = self.encoder.map_or(0.0, |encoder| encoder.std_rad());
         SeriesNoise {

@@ -106,7 +106,7 @@ fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
     row
 }
 
-/// The motions from the start to the time `t_s`. The motion that is in progress at this time is shortened.
+/// Motions from the start of a roll to the time `t_s`. The motion that is in progress at this time is shortened.
 fn cut_at(motions: &[Motion], t_s: f64) -> Vec<Motion> {
     let mut left = t_s;
     let mut until = Vec::new();

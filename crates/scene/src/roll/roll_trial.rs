@@ -33,11 +33,9 @@ pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
     Quantity::ARC_LENGTH,
 ];
 
-/// The quantities of rolls with `principal_curvatures`.
 static WITH_PRINCIPAL: LazyLock<Vec<Quantity>> =
     LazyLock::new(|| [&ROLL_QUANTITIES[..], &Quantity::PRINCIPAL].concat());
 
-/// Quantities of a roll. `has_principal` states whether the config has `principal_curvatures`.
 pub(crate) fn quantities_of(has_principal: bool) -> &'static [Quantity] {
     match has_principal {
         true => &WITH_PRINCIPAL,
@@ -51,7 +49,6 @@ pub(crate) fn quantities_of(has_principal: bool) -> &'static [Quantity] {
 pub struct RollScene {
     pub(super) seed: u64,
     pub(super) roller: Roller,
-    /// The commanded roll of each probe.
     pub(super) rolls: Vec<Roll>,
     pub(super) noise: Option<MotionNoise>,
     pub(super) sensor: RollSensor,
@@ -65,7 +62,6 @@ pub struct RollScene {
     pub(super) sampled: Option<SampledRolls>,
     pub(super) estimator: RollEstimatorConfig,
     pub(super) truth: Truth,
-    /// Whether trials also report principal curvatures.
     pub(super) has_principal: bool,
     pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses a model; `None` if the config names the model.
@@ -74,7 +70,7 @@ pub struct RollScene {
     pub(super) chart: Chart,
 }
 
-/// The least-squares fit, prepared for the commanded rotations. A trace does not need this fit.
+/// The least-squares fit, prepared for the commanded rotations of the probes. A trace does not need this fit.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {
@@ -93,27 +89,23 @@ impl RollFit {
     }
 }
 
-/// True values: the curvature of the object at the first contact, and the length of the rolls without noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Truth {
     pub(super) curvature: CurvatureForm,
     pub(super) arc_length: f64,
 }
 
-/// A batch of trials that run together by vector instructions. The code is compiled separately for each vector width.
 struct Together<'a> {
     seed: u64,
     linear: &'a LinearRolls,
     fit: &'a LeastSquares,
     first: u64,
-    /// Number of trials, at most [`BATCH_SIZE`].
     count: usize,
     rolls: &'a mut ManyRolls,
     estimates: &'a mut BatchEstimates,
 }
 
 impl WithSimd for Together<'_> {
-    /// Number of trials before the first trial that fails.
     type Output = usize;
 
     #[inline(always)]
@@ -153,7 +145,6 @@ impl RollScene {
         self.rolls.iter().map(|roll| &roll.command)
     }
 
-    /// The true values, in the order of [`Trials::quantities`].
     #[inline]
     pub(crate) fn truths(&self) -> [f64; ROLL_QUANTITIES.len()] {
         let Truth {
@@ -251,7 +242,7 @@ impl RollScene {
         }
     }
 
-    /// The samples, and the estimator for time series; `None` if the estimator is least squares.
+    /// Samples of the rolls, and the estimator that uses them; `None` if the estimator is least squares.
     fn series_method(&self) -> Option<(&SampledRolls, SeriesMethod)> {
         let sampled = self.sampled.as_ref()?;
         Some((sampled, sampled.method?))
@@ -262,7 +253,6 @@ impl RollScene {
         self.sampled.as_ref().map(|sampled| sampled.noise)
     }
 
-    /// Compares an estimate with the true values.
     #[inline(always)]
     pub(super) fn compare(&self, estimate: &Estimate) -> [Observation; ROLL_QUANTITIES.len()] {
         let outcome = |measured: Measured, truth: f64| Observation {
@@ -283,7 +273,7 @@ impl RollScene {
         ]
     }
 
-    /// Runs a trial with any kind of rolls, with or without errors of the reported rotations.
+    /// Runs a trial with rolls of any kind, with or without errors of the reported rotations.
     #[inline(never)]
     fn sensor_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let is_measured = !self.rotation_sensor.is_exact()
@@ -307,8 +297,8 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial with any kind of rolls in which the reported rotations have no errors. The fit was therefore
-    /// prepared once for all trials.
+    /// Runs a trial with rolls of any kind whose reported rotations have no errors. All trials therefore share one
+    /// prepared fit.
     fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut moments = Moments::default();
@@ -318,7 +308,8 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial in which the reported rotations have errors, so the fit is computed anew.
+    /// Runs a trial in which the reported rotations have errors. The fit depends on them, so each trial prepares its
+    /// own fit.
     fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
@@ -346,7 +337,6 @@ impl RollScene {
         Ok(())
     }
 
-    /// Text that states the estimator and its readings and, if `auto` chose the estimator, the reason.
     fn method_need(&self) -> String {
         let probes = self.rolls.len();
         let sampled = self.sampled.as_ref();
@@ -362,7 +352,6 @@ impl RollScene {
         }
     }
 
-    /// Warning if the object is so flat that rounding of the readings affects the estimated curvature.
     fn rounding_warning(&self) -> Option<Warning> {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());

@@ -22,26 +22,24 @@ use crate::trace::TraceError;
 
 /// Largest total number of samples of the rolls in a trial.
 const MAX_SAMPLES: f64 = 1e7;
-/// Largest rotation about the normal that counts as a rounding error, rad. If all are smaller, they are replaced by 0.
+/// Largest rotation of a probe about the contact normal that counts as a rounding error, rad. If all are smaller, they
+/// are replaced by 0.
 const ROUNDING_RAD: f64 = 1e-12;
 
-/// Sampled rolls: the times at which rolls are sampled, the samples without noise, and the estimator.
 #[derive(Clone, Debug)]
 pub(super) struct SampledRolls {
     /// The samples of each roll. Rolls with the same command share their samples.
     rolls: Vec<Arc<SampledRoll>>,
-    /// The estimator for time series; `None` if the estimator is least squares.
     pub(super) method: Option<SeriesMethod>,
     places: Option<Places>,
     pub(super) noise: SeriesNoise,
     is_start_known: bool,
 }
 
-/// Samples of one commanded roll without noise.
 #[derive(Clone, Debug)]
 struct SampledRoll {
     times_s: Vec<f64>,
-    /// Times of the samples, as fractions of the roll's duration.
+    /// Times of the samples, as fractions of the duration of the roll.
     fractions: Vec<f64>,
     points: Vec<PathPoint>,
 }
@@ -132,7 +130,6 @@ impl SampledRolls {
         matches!(self.places, Some(Places::Pads(_)))
     }
 
-    /// Number of samples of all rolls.
     pub(super) fn samples(&self) -> usize {
         self.rolls.iter().map(|roll| roll.times_s.len()).sum()
     }
@@ -145,7 +142,7 @@ enum NoSeries {
 }
 
 impl RollScene {
-    /// The outcomes of a trial whose estimator uses time series, and the estimate.
+    /// Runs a trial whose estimator uses time series. Returns the outcomes and the estimate.
     pub(super) fn series_outcomes(
         &self,
         sampled: &SampledRolls,
@@ -168,8 +165,8 @@ impl RollScene {
         Ok((outcomes, estimate))
     }
 
-    /// Time series of all rolls. They have the noise of trial number `trial`; they have no noise if `trial` is `None`.
-    /// If a roll fails, the error is its index and the reason.
+    /// Time series of all rolls. The time series have the noise of trial number `trial`; they have no noise if `trial`
+    /// is `None`. If a roll fails, the error is its index and the reason.
     fn series(
         &self,
         sampled: &SampledRolls,
@@ -235,7 +232,7 @@ impl RollScene {
         Ok(all)
     }
 
-    /// Rows of readings for a trace: one row for each sample, with the index of its roll.
+    /// Rows of the readings table of a trace: one row for each sample, with the index of its roll.
     pub(super) fn series_rows(
         &self,
         sampled: &SampledRolls,
@@ -254,7 +251,7 @@ impl RollScene {
     }
 }
 
-/// The estimated quantities of a roll that have intervals, in the order of [`ROLL_QUANTITIES`].
+/// Quantities of a roll whose estimates have 95 % intervals, in the order of [`ROLL_QUANTITIES`].
 const QUANTITIES: [Quantity; 4] = [
     Quantity::Normal { angle_rad: 0.0 },
     Quantity::Normal {
@@ -264,8 +261,8 @@ const QUANTITIES: [Quantity; 4] = [
     Quantity::Mean,
 ];
 
-/// The principal curvatures of an estimate from time series, with its own intervals. `mean` is the outcome of the mean
-/// curvature.
+/// Principal curvatures of an estimate from time series, with the intervals that the estimator computes. `mean` is the
+/// outcome of the mean curvature.
 pub(super) fn series_principal(
     estimate: &SeriesEstimate,
     mean: &Observation,

@@ -50,7 +50,6 @@ fn refused(text: &str) -> String {
     format!("{}: {}", error.path(), error.message())
 }
 
-/// The results of one trial for the quantity with the name `name`.
 fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Observation> {
     let mut outcomes = Vec::new();
     scene
@@ -233,8 +232,8 @@ fn tracking_reads_the_lens_that_the_optics_have() {
 
 #[test]
 fn a_lens_with_odd_terms_leaves_displacements_as_they_are() {
-    // The sensor is calibrated with the same lens. There are no pixels and no noise, so only the finite size of the
-    // discs causes errors.
+    // In this scene, the sensor is calibrated with the same lens. There are no pixels and no noise, so only the finite
+    // size of the discs causes errors.
     let results = |terms: &str| {
         let scene = scene(&text(&format!(r#"kind = "projected"{terms}"#), ""));
         [

@@ -66,7 +66,7 @@ fn a_press_on_a_cylinder_has_the_golden_displacements() {
     );
     let trace = press(&text).trace(None, LengthUnit::Mm).unwrap();
     let rows = numbers(&trace.contacts);
-    // The values are in the first row of press/tests/it/elliptic-half-space.csv.
+    // These values are in the first row of the table press/tests/it/elliptic-half-space.csv.
     assert!((rows[1][4] - 0.78384711507).abs() < 1e-9, "{rows:?}");
     assert!(rows[1][5].abs() < 1e-9 && rows[1][6].abs() < 1e-9);
     let radius = (4.89968578679_f64 * 2.13762746926).sqrt();

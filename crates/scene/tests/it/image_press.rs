@@ -34,7 +34,6 @@ fn scene(text: &str) -> Scene {
     scene.expect("a scene")
 }
 
-/// Results for the quantity `quantity` in the first `trials` trials.
 fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Observation> {
     let place = scene
         .quantities()
@@ -138,7 +137,7 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();
-    // The estimates must have almost no bias. For 120 trials, the standard error of the mean error is 0.09 times the
+    // The estimates must have almost no bias: for 120 trials, the standard error of the mean error is 0.09 times the
     // scatter. The most likely curvatures, which are not corrected for bias, would have a mean error of 0.6 times the
     // scatter.
     assert!(mean.abs() < 0.3 * scatter, "{mean} {scatter}");

@@ -21,7 +21,6 @@ fn roll(object: &str, contact: &str, model: &str) -> String {
     )
 }
 
-/// Checks that the error of the chosen model is at most the tolerance.
 fn meets_its_tolerance(ladder: &Ladder) {
     let error = ladder.taken().accuracy.error().unwrap();
     assert!(error <= ladder.tolerance.unwrap(), "{ladder:#?}");

@@ -63,8 +63,8 @@ impl Look {
     }
 }
 
-/// Differences between the expected image `at` and the nearest marker that was found: in x and y (px), in hue (turns),
-/// and in the logarithm of the size. The second result is the index of the marker.
+/// Differences between the expected image of a marker, `at`, and the nearest marker that was found: in x and y (px), in
+/// hue (turns), and in the logarithm of the size. The second result is the index of the marker.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);
@@ -100,8 +100,8 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     for look in looks {
         let found: Vec<Found> = (0..frames).map(|frame| look.found(frame)).collect();
         for at in look.projected() {
-            // Markers that touch another marker or the rim are excluded, because they are not found as separate
-            // markers.
+            // Markers that touch another marker or the rim of the image are excluded, because they are not found as
+            // separate markers.
             let is_there = |found: &Found| {
                 let ([x, y, ..], _) = beyond(found, &at);
                 libm::hypot(x, y) < 1.0

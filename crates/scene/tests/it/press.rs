@@ -86,7 +86,8 @@ fn without_noise_every_object_is_found() {
             ("effective_radius", 1.0 / relative_curvature),
             ("object_curvature", curvature),
             ("indentation", 1.0),
-            // The contact radius a follows from a² = R δ, with the effective radius R and the indentation δ.
+            // The contact radius a follows from a² = R δ, with the effective radius R = 1/(relative curvature) and the
+            // indentation δ.
             ("contact_radius", libm::pow(relative_curvature, -0.5)),
             ("r_squared", 1.0),
             ("object_radius", 1.0 / curvature),

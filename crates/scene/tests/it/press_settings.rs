@@ -5,7 +5,6 @@ use palpate_scene::Scene;
 use super::elliptic_press::{cylinder, ellipsoid};
 use super::press::{BALL, DISH, NOISE, PLANE, outcomes, refused, scene_of, text};
 
-/// The lines of `palpate check` about a scene, as text.
 pub(super) fn needs_of(scene: &Scene) -> String {
     let needs = scene.needs().into_iter().map(|need| need.to_string());
     needs.collect::<Vec<_>>().join("\n")

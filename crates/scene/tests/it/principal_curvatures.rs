@@ -30,7 +30,8 @@ fn observed(scene: [&str; 3], name: &str, trials: u64) -> Vec<Observation> {
     all
 }
 
-/// Means of the errors, of the estimates, and of the share of 95 % intervals that contain the true value.
+/// Means over the trials: of the errors, of the estimates, and of the share of 95 % intervals that contain the true
+/// value.
 fn means(all: &[Observation]) -> [f64; 3] {
     let holds = |one: &Observation| {
         let std = one.std.unwrap_or_default();
@@ -51,7 +52,7 @@ fn means(all: &[Observation]) -> [f64; 3] {
 
 #[test]
 fn without_noise_they_are_exact_and_undefined_ones_are_missing() {
-    // In a roll, v points to −y.
+    // In a roll, the axis v points to −y, so the angle has the opposite sign.
     for (kind, axis) in [(ROLL, -30.0), (GLIDE, 30.0)] {
         for (object, name, value) in [
             (CYLINDER, "principal_curvature_max", Some(0.25)),
@@ -68,7 +69,8 @@ fn without_noise_they_are_exact_and_undefined_ones_are_missing() {
             for (one, value) in all.iter().zip(value.iter().cycle()) {
                 let off = [one.truth, one.estimate]
                     .map(|found| (found - value).abs() / value.abs().max(1.0));
-                // Away from the top, the angle in the tangent plane is a little smaller than the one in the x, y plane.
+                // Away from the top, the angle in the tangent plane is a little smaller than the angle in the x, y
+                // plane.
                 assert!(off[0] < 3e-3 && off[1] < 5e-3, "{name}: {one:?}");
             }
         }
@@ -103,7 +105,7 @@ fn on_a_sphere_noise_separates_the_principal_curvatures() {
     let [max, min] = ["principal_curvature_max", "principal_curvature_min"].map(found);
     assert!(max[0] > 0.003 && min[0] < -0.003, "{max:?} {min:?}");
     assert!(max[2] > 0.94 && min[2] > 0.94, "{max:?} {min:?}");
-    // The test of their difference has a significance level of 5 %.
+    // The test for a difference between the two curvatures has a significance level of 5 %.
     let [_, undetermined, _] = found("axis_undetermined");
     assert!((0.93..0.97).contains(&undetermined), "{undetermined}");
 }

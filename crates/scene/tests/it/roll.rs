@@ -28,7 +28,6 @@ fn scene(object: &str, lines: &str) -> Scene {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Estimates and true values of a trial, in the order of the quantities.
 fn trial(scene: &Scene, trial: u64) -> Vec<(f64, f64)> {
     let mut outcomes = Vec::new();
     scene
@@ -175,7 +174,7 @@ fn models_share_draws_and_results() {
     }
 }
 
-/// An additional source of noise does not change the random numbers of the other sources.
+/// An additional source of noise does not change the random numbers of the other noise sources.
 #[test]
 fn channels_are_apart() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -244,7 +243,6 @@ fn the_stated_deviation_counts_spin() {
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
 }
 
-/// A scene of a roll with the motion `motion`.
 fn with_motion(motion: &str, lines: &str) -> Scene {
     let text = format!(
         r#"name = "a-study"
