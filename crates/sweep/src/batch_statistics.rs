@@ -206,7 +206,6 @@ impl Estimate {
     }
 }
 
-/// Work for a thread: trials to run, and the batch to which their statistics are added.
 struct Job<'a, T: ?Sized> {
     trial: &'a T,
     trials: Range<u64>,
@@ -232,7 +231,6 @@ impl<T: Trial + ?Sized> Job<'_, T> {
 }
 
 impl Stored {
-    /// Removes the statistics of quantities that these batches do not store.
     fn drop_others(&self, partial: &mut Partial) {
         for (place, accumulator) in partial.quantities.iter_mut().enumerate() {
             if !self.quantities.contains(&place) {

@@ -109,7 +109,6 @@ pub enum StoppingStatistic {
 }
 
 impl StoppingRule {
-    /// Whether the rule ends the cell. `cell` contains the statistics of the trials so far.
     pub(crate) fn is_met(&self, cell: &Partial) -> bool {
         let trials = cell.trials;
         trials.is_multiple_of(BLOCK)

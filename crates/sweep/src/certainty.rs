@@ -66,8 +66,8 @@ pub(crate) fn wilson(share: f64, of: f64) -> (f64, f64) {
     let about = (share + squared / (2.0 * of)) / (1.0 + squared / of);
     let spread = share * (1.0 - share) / of + squared / (4.0 * of * of);
     let half = NORMAL_95 * spread.max(0.0).sqrt() / (1.0 + squared / of);
-    // Rounding errors could move an end of the interval beyond the share itself. Clamp the ends, so that the interval
-    // contains the share.
+    // Rounding errors could move an end of the interval beyond `share`. Clamp the ends, so that the interval contains
+    // `share`.
     (
         (about - half).clamp(0.0, share),
         (about + half).clamp(share, 1.0),

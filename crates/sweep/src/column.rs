@@ -32,12 +32,10 @@ pub(crate) struct Column {
     several: Vec<(usize, Sums)>,
     /// Histogram of the errors of the trials that made several observations.
     histogram: Histogram,
-    /// Buffer for the errors of observations. It is reused, to avoid allocations.
     errors: Vec<f64>,
 }
 
 impl Column {
-    /// Adds an observation of the trial that is currently running.
     #[inline]
     pub(crate) fn push(&mut self, observation: &Observation) {
         if let Some(holds) = observation.interval_holds {
@@ -60,7 +58,6 @@ impl Column {
         }
     }
 
-    /// Marks the observations of the trial that is running as those of a successful trial.
     #[inline]
     pub(crate) fn keep(&mut self) {
         if self.estimates.len() > self.kept + 1 {
@@ -87,7 +84,6 @@ impl Column {
         self.forget();
     }
 
-    /// Drops the observations of the trial that is running.
     pub(crate) fn forget(&mut self) {
         self.estimates.truncate(self.kept);
         self.truths.truncate(self.kept);
@@ -99,7 +95,6 @@ impl Column {
         {}
     }
 
-    /// Appends the observations of later trials.
     pub(crate) fn append(&mut self, next: Self) {
         let before = self.estimates.len();
         self.estimates.extend(next.estimates);
@@ -153,12 +148,10 @@ impl Column {
         sums
     }
 
-    /// Number of stored observations, which are not yet included in the sums.
     pub(crate) fn len(&self) -> usize {
         self.estimates.len()
     }
 
-    /// The stored observations with these indices.
     pub(crate) fn observations(&self, places: Range<usize>) -> impl Iterator<Item = Observation> {
         places.map(|place| {
             let verdict = self

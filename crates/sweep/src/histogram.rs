@@ -5,7 +5,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Binary logarithm of the number of bins per octave and sign. An octave is the range between two powers of two.
 const BIN_BITS: u32 = 7;
-/// Number of stored bits of a float's significand.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 /// Number of bins per octave, for positive and negative numbers together.
 const PLACES: usize = 1 << (BIN_BITS + 1);
@@ -28,7 +27,7 @@ type Page = [u64; PLACES];
 pub(crate) struct Histogram {
     /// The bin of each value, as long as there are at most [`FEW`] values and no counts per bin.
     few: Vec<Bin>,
-    /// Exponent bits of the octave that the first page counts.
+    /// Exponent bits of the numbers that the first page counts.
     first: usize,
     /// Counts per bin, with one page for each octave from the octave `first` on; `None` for an octave without values.
     pages: Vec<Option<Box<Page>>>,
@@ -48,7 +47,6 @@ fn representative(bin: Bin) -> f64 {
 }
 
 impl Histogram {
-    /// Adds finite numbers to the histogram.
     pub(crate) fn add(&mut self, values: &[f64]) {
         if self.is_listed() {
             if self.few.len() + values.len() <= FEW {
@@ -74,7 +72,6 @@ impl Histogram {
         }
     }
 
-    /// Adds one number to the counts of its octave.
     #[inline(always)]
     fn count(&mut self, bin: Bin) {
         let octave = bin as usize / PLACES;
@@ -139,13 +136,11 @@ impl Histogram {
 
 /// The numbers that a histogram contains, in ascending order.
 struct Ranked<'a> {
-    /// Representatives of the listed bins, in ascending order.
     few: Vec<f64>,
     /// Halves of pages, in ascending order of the numbers that they count. A half contains the counts of one sign.
     halves: Vec<Half<'a>>,
 }
 
-/// The counts of one sign in one octave.
 struct Half<'a> {
     page: &'a Page,
     octave: usize,
@@ -254,7 +249,6 @@ mod tests {
         histogram
     }
 
-    /// Counts of all bins that contain a number.
     fn counts(histogram: &Histogram) -> BTreeMap<Bin, u64> {
         let mut counts = BTreeMap::new();
         for &bin in &histogram.few {
@@ -279,7 +273,6 @@ mod tests {
         left
     }
 
-    /// Exact quantile of the values, with linear interpolation between the sorted values.
     fn exact_quantile(values: &[f64], p: f64) -> f64 {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);

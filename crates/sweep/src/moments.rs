@@ -14,9 +14,7 @@ pub(crate) struct Moments {
     exponent: i32,
     /// The first of the summarised numbers. `mean` and `squares` describe the differences from this number.
     origin: f64,
-    /// Mean of the differences from `origin`.
     mean: f64,
-    /// Sum of the squared deviations from the mean.
     squares: f64,
 }
 
@@ -37,7 +35,6 @@ impl Moments {
         Self::about(origin, exponent, values.len() as u64, sums)
     }
 
-    /// Moments of a single finite number.
     pub(crate) fn one(value: f64) -> Self {
         Self::of(&[value])
     }
@@ -108,17 +105,14 @@ impl Moments {
         self.squares *= factor * factor;
     }
 
-    /// Number of summarised values.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
-    /// Arithmetic mean of the summarised numbers; `None` if there are none.
     pub(crate) fn mean(&self) -> Option<f64> {
         (self.count > 0).then(|| self.in_plain_units(self.origin + self.mean))
     }
 
-    /// Root mean square; `None` without numbers.
     pub(crate) fn rms(&self) -> Option<f64> {
         let mean = self.origin + self.mean;
         let mean_square = self.squares / self.count as f64 + mean * mean;
@@ -131,7 +125,6 @@ impl Moments {
         (self.count > 1).then(|| self.in_plain_units(variance.sqrt()))
     }
 
-    /// Standard error of the mean; `None` for fewer than two numbers.
     pub(crate) fn std_of_mean(&self) -> Option<f64> {
         Some(self.std()? / (self.count as f64).sqrt())
     }
@@ -161,7 +154,6 @@ pub(crate) fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     lanes.into_iter().sum()
 }
 
-/// Largest absolute value of some numbers; 0 without numbers.
 pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }

@@ -18,7 +18,7 @@ use crate::trial_record::{Record, TrialObservations};
 /// trial, the kind of failure.
 pub type TrialMeans = Result<(f64, f64), &'static str>;
 
-/// An estimated probability, with its 95 % interval.
+/// Estimated probability that the results of two experiments are in the right order, with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
     /// Estimate of the probability.
@@ -40,14 +40,14 @@ pub enum Repeats {
     About(u64),
     /// No number of trials is enough, because the means are in the wrong order, or because all estimates are equal.
     Never,
-    /// The number of trials cannot be estimated from so few trials.
+    /// The number of trials to average cannot be estimated, because too few trials were run.
     Unknown,
 }
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// If this many trials are uncertain (see [`interval`]), the interval is computed for a number of independent trials
-/// midway between two numbers: the smallest possible number, and the number that follows from the estimated variance.
+/// If `uncertain` in [`interval`] has this value, the interval is computed for a number of independent trials midway
+/// between two numbers: the smallest possible number, and the number that follows from the estimated variance.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
@@ -221,12 +221,10 @@ fn beyond(
     }
 }
 
-/// Mean and scatter of the estimates of an experiment's successful trials.
 #[derive(Clone, Copy)]
 struct Spread {
     mean: f64,
     std: f64,
-    /// Standard error of the mean estimate.
     error: f64,
     /// Share of the trials of the experiment that succeeded.
     success: f64,
@@ -271,7 +269,6 @@ fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
     values.chunks_exact(each).map(mean).collect()
 }
 
-/// Estimates of the successful trials, in ascending order.
 fn sorted(values: &[Option<f64>]) -> Vec<f64> {
     let mut sorted: Vec<f64> = values.iter().flatten().copied().collect();
     sorted.sort_unstable_by(f64::total_cmp);

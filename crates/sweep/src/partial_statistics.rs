@@ -14,7 +14,6 @@ use crate::trial_record::{Record, TrialObservations};
 /// Sums over the observations of one quantity. All statistics of the quantity are computed from these sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
-    /// Histogram of the errors. Histograms can be merged in any order without rounding errors.
     histogram: Histogram,
     /// Sums of each block, in the order of the blocks. [`Self::fold`] merges all of them into the first entry.
     blocks: Vec<Sums>,
@@ -35,7 +34,6 @@ impl Accumulator {
         }
     }
 
-    /// Appends the later blocks in `next`, and merges the sums of all blocks.
     fn merge(&mut self, next: Self) {
         self.histogram.merge(next.histogram);
         self.blocks.extend(next.blocks);
@@ -47,7 +45,6 @@ impl Accumulator {
         self.blocks.first().copied().unwrap_or_default()
     }
 
-    /// Drops the histogram. Quantiles are then no longer available.
     pub(crate) fn drop_histogram(&mut self) {
         self.histogram = Histogram::default();
     }
@@ -76,7 +73,6 @@ impl Partial {
         }
     }
 
-    /// Runs the trials of the next block. If the run is cancelled, the remaining trials are skipped.
     #[inline(never)] // This function is not inlined, because instructions are counted by its name.
     pub(crate) fn run_block(
         &mut self,
@@ -98,13 +94,10 @@ impl Partial {
         }
     }
 
-    /// Merges the sums of all blocks into those of the first block. The first block must contain the first trial of the
-    /// cell.
     pub(crate) fn fold(&mut self) {
         self.quantities.iter_mut().for_each(Accumulator::fold);
     }
 
-    /// Appends the later blocks in `next`, and merges the sums of all blocks.
     pub(crate) fn merge(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
@@ -117,7 +110,6 @@ impl Partial {
         }
     }
 
-    /// Statistics of the trials in all blocks that have been merged.
     pub(crate) fn statistics(&self) -> CellStatistics {
         CellStatistics {
             trials: self.trials,
@@ -137,7 +129,6 @@ pub(crate) struct Slice {
 }
 
 impl Slice {
-    /// Runs some trials of a block. Stops early if the run is cancelled.
     pub(crate) fn run(
         trial: &dyn Trial,
         trials: Range<u64>,
@@ -152,7 +143,6 @@ impl Slice {
         }
     }
 
-    /// Appends later trials of the same block.
     pub(crate) fn append(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);

@@ -10,12 +10,11 @@ use crate::cell::Task;
 /// Intended run time of a job. This time is long compared with the overhead of the queue, and short compared with a
 /// whole run.
 pub const JOB: Duration = Duration::from_millis(4);
-/// Largest number of blocks in a job.
 const MAX_BLOCKS: u64 = 64;
-/// Largest number of jobs that may be handed out before the results of the slowest job are passed on. This limits how
-/// many results wait in memory for earlier results.
+/// Largest number of jobs that may be handed out while the results of an earlier job are missing. This limits how many
+/// results wait in memory for the earlier results.
 const AHEAD: u64 = 512;
-/// This limit replaces [`AHEAD`] while the queue hands out a cell that a rule may end early.
+/// Limit that replaces [`AHEAD`] while the queue hands out a cell that a rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;
 
 /// The experiment of a cell, or the error with which its set-up failed. The first thread that needs the experiment sets
@@ -24,14 +23,12 @@ pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
 /// Work for a thread: one or several pieces of tasks.
 pub(crate) struct Job<T, E> {
-    /// Number of the job, counted from 0.
     pub(crate) number: u64,
     pub(crate) pieces: Vec<Piece<T, E>>,
 }
 
 /// Consecutive trials of a task: all trials, whole blocks of trials, or some trials of one block.
 pub(crate) struct Piece<T, E> {
-    /// Index of the task.
     pub(crate) number: u64,
     pub(crate) task: Task,
     pub(crate) trials: Range<u64>,
@@ -39,13 +36,11 @@ pub(crate) struct Piece<T, E> {
 }
 
 impl<T, E> Piece<T, E> {
-    /// Whether the piece contains all trials of its task.
     pub(crate) fn is_whole(&self) -> bool {
         self.trials == (0..self.task.trials)
     }
 }
 
-/// Queue that hands out the trials of all tasks to the threads.
 pub(crate) struct Queue<T, E, F> {
     tasks: u64,
     task: F,
@@ -68,7 +63,6 @@ struct State<T, E> {
 }
 
 impl<T, E> State<T, E> {
-    /// Largest number of jobs that may be handed out before the results of the slowest job are passed on.
     fn max_ahead(&self) -> u64 {
         let has_rule = self.open.as_ref().is_some_and(|(task, ..)| task.may_stop);
         if has_rule { AHEAD_WITH_RULE } else { AHEAD }
@@ -76,7 +70,6 @@ impl<T, E> State<T, E> {
 }
 
 impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
-    /// A queue of `tasks` tasks. The function `task` returns the task with the given index.
     pub(crate) fn new(tasks: u64, task: F) -> Self {
         Self {
             tasks,
@@ -92,8 +85,9 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         }
     }
 
-    /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits if too many results
-    /// are missing. If `has_clock` is true, the size of a job follows from the measured time per trial.
+    /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits while more than the
+    /// allowed number of jobs are without results. If `has_clock` is true, the size of a job follows from the measured
+    /// time per trial.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
         while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.max_ahead() {
@@ -188,7 +182,6 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         })
     }
 
-    /// Stores the time per trial: the time of a job, divided by the number of its trials.
     pub(crate) fn set_time(&self, trials: u64, time: Duration) {
         if trials > 0 {
             let trial_s = time.as_secs_f64() / trials as f64;
@@ -196,13 +189,11 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         }
     }
 
-    /// Stores the number of jobs whose results have been passed on.
     pub(crate) fn set_passed_on(&self, jobs: u64) {
         self.state().jobs[1] = jobs;
         self.changed.notify_all();
     }
 
-    /// Stops the queue, so that it hands out no more jobs.
     pub(crate) fn stop(&self) {
         self.state().is_stopped = true;
         self.changed.notify_all();

@@ -152,7 +152,6 @@ impl Runner {
         self.pool.is_some() && !self.whole_blocks
     }
 
-    /// Calls `work` once on each worker thread.
     pub(crate) fn everywhere(&self, work: impl Fn() + Sync) {
         match &self.pool {
             Some(pool) => {
@@ -171,7 +170,6 @@ impl Runner {
     }
 }
 
-/// Cells that are already set up, in the form of a [`Sweep`].
 struct Cells<'a>(&'a [Cell<'a>]);
 
 impl<'a> Sweep for Cells<'a> {

@@ -104,12 +104,10 @@ pub(crate) fn is_covered(error: f64, std: f64) -> [bool; 3] {
 
 struct TotalsOf<'a> {
     observed: Observed<'a>,
-    /// The first estimate, and the first true value.
     first: [f64; 2],
     errors: &'a mut [f64],
 }
 
-/// Number of different sums in [`Parts`].
 const SUMS: usize = 12;
 
 /// Partial sums from which [`Totals`] are computed. All methods must be inlined, because each vector instruction would
@@ -164,7 +162,6 @@ impl<S: Simd> Parts<S> {
         simd.select_f64s(is_held, simd.splat_f64s(1.0), simd.splat_f64s(0.0))
     }
 
-    /// Adds observations (estimates, true values and standard deviations) and writes their errors to `errors`.
     #[inline(always)]
     fn add(&mut self, observed: [&[f64; LANES]; 3], errors: &mut [f64; LANES]) {
         let simd = self.simd;

@@ -72,7 +72,6 @@ impl TrialSquares {
         }
     }
 
-    /// Adds the trials of `other`, which follow the trials that are already included.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.trials == 0 {
             return;

@@ -164,7 +164,6 @@ impl Runner {
     }
 }
 
-/// Data that the threads of a run share.
 struct Crew<'a, S: Sweep, F> {
     sweep: &'a S,
     queue: &'a Queue<S::Trial, S::Error, F>,
@@ -198,7 +197,6 @@ struct Open {
 
 /// The results of some consecutive trials of a task.
 struct Ran<S: Sweep> {
-    /// Index of the task.
     number: u64,
     task: Task,
     /// Number of the trial after the last trial in these results.
@@ -206,7 +204,6 @@ struct Ran<S: Sweep> {
     /// The experiment of the cell. `None` if the task is complete, because the experiment is then no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,
     sums: Sum<S::Result>,
-    /// Rows of these trials as text.
     text: String,
 }
 
@@ -214,7 +211,6 @@ enum Sum<R> {
     Whole(R),
     Blocks(Partial),
     Slice(Slice),
-    /// The experiment of the cell could not be set up.
     Failed,
 }
 
@@ -230,7 +226,6 @@ impl<T, E, F: Fn(u64) -> Task> Drop for Fuse<'_, T, E, F> {
 }
 
 impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
-    /// Runs jobs until none is left.
     fn work(&self) {
         let _fuse = Fuse(self.queue);
         let mut record = Record::default();

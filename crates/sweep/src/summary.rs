@@ -76,12 +76,12 @@ pub struct Summary {
     pub std: Option<f64>,
     /// Mean of the errors (estimate minus true value).
     pub bias: Option<f64>,
-    /// Root-mean-square error.
+    /// Root mean square of the errors (estimate minus true value).
     pub rms_error: Option<f64>,
     /// Standard error of `rms_error`, to first order; `None` for fewer than two trials. It is computed from the scatter
     /// of the squared errors between trials, so the observations within one trial count as a single observation.
     pub rms_error_std: Option<f64>,
-    /// Mean absolute error.
+    /// Mean of the absolute errors (|estimate minus true value|).
     pub mean_abs_error: Option<f64>,
     /// `rms_error` divided by the absolute true value; `None` if the true value is 0 or differs between observations.
     pub relative_rms_error: Option<f64>,
@@ -152,9 +152,7 @@ fn finite(value: Option<f64>) -> Option<f64> {
 /// Kind of failure of a trial that recorded a number that is NaN or infinite: an estimate, a true value, an error or a
 /// standard deviation.
 pub const NOT_FINITE: &str = "not-finite";
-/// Kind of failure of a trial that recorded a negative standard deviation.
 pub(crate) const NEGATIVE_STD: &str = "negative-std";
-/// Kind of failure of a trial that recorded a quantity whose index is not below `Trial::quantities()`.
 pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
 /// The trials of a cell that failed in the same way: their number, and the first of them.
@@ -187,7 +185,6 @@ impl Failures {
         other.0.into_iter().for_each(|failure| self.add(failure));
     }
 
-    /// The failures, sorted by kind.
     pub(crate) fn sorted(mut self) -> Vec<Failure> {
         self.0.sort_by_key(|failure| failure.kind);
         self.0

@@ -15,7 +15,6 @@ pub(crate) struct Sums {
     range: [f64; 2],
     pub(crate) estimates: Moments,
     pub(crate) errors: Moments,
-    /// Mean absolute error.
     magnitude: f64,
     pub(crate) squares: TrialSquares,
     /// Moments over the trials: first of each trial's mean estimate, then of each trial's mean absolute error.
@@ -65,7 +64,8 @@ impl Sums {
         }
     }
 
-    /// The same sums for observations that are all from a single trial: the standard errors count them as one trial.
+    /// The same sums for observations that are all from a single trial. The standard errors then count these
+    /// observations as one trial.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -86,7 +86,6 @@ impl Sums {
         }
     }
 
-    /// Adds the sums of later trials.
     pub(crate) fn merge(&mut self, other: &Self) {
         let (count, more) = (self.errors.count(), other.errors.count());
         if more == 0 {
@@ -123,12 +122,10 @@ impl Sums {
         (self.errors.count() > 0 && least == most).then_some(least)
     }
 
-    /// Mean absolute error; `None` without observations.
     pub(crate) fn mean_magnitude(&self) -> Option<f64> {
         (self.errors.count() > 0).then_some(self.magnitude)
     }
 
-    /// Mean of the reported standard deviations; `None` if no standard deviation was reported.
     pub(crate) fn mean_std(&self) -> Option<f64> {
         (self.reported > 0).then_some(self.std)
     }
@@ -140,7 +137,6 @@ impl Sums {
         self.covered.map(share)
     }
 
-    /// Limits `error` to the range of the observed errors.
     pub(crate) fn clamp(&self, error: f64) -> f64 {
         error.max(self.range[0]).min(self.range[1])
     }

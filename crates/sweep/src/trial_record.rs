@@ -82,7 +82,6 @@ pub struct Observations<'a> {
 }
 
 impl Observations<'_> {
-    /// Number of trials with an estimate and, if standard errors are reported, also a standard error.
     pub(crate) fn len(&self) -> usize {
         let stds = self.stds.map_or(usize::MAX, <[f64]>::len);
         self.estimates.len().min(stds)
@@ -201,13 +200,11 @@ impl Record {
         result.and_then(|()| rejection.map_or(Ok(()), Err))
     }
 
-    /// Keeps the observations of the trial that has just run.
     #[inline]
     pub(crate) fn keep(&mut self) {
         self.columns.iter_mut().for_each(Column::keep);
     }
 
-    /// Drops the observations of the trial that has just run.
     pub(crate) fn forget(&mut self) {
         self.columns.iter_mut().for_each(Column::forget);
     }
@@ -232,7 +229,6 @@ impl Record {
         value
     }
 
-    /// Number of stored observations of each quantity.
     pub(crate) fn lengths(&self) -> Vec<usize> {
         self.columns.iter().map(Column::len).collect()
     }
@@ -261,7 +257,6 @@ impl Record {
         }
     }
 
-    /// The stored observations: one column for each quantity.
     pub(crate) fn columns(&mut self) -> &mut [Column] {
         &mut self.columns
     }

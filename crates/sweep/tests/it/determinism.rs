@@ -10,7 +10,6 @@ use crate::{
     Function, Tasks, normal, observation, observing, run_cell, run_with, runner, streamed,
 };
 
-/// All digits of all numbers, as text.
 fn digits(cells: &[palpate_sweep::CellStatistics]) -> String {
     format!("{cells:?}")
 }

@@ -75,7 +75,6 @@ fn estimates_that_alternate_have_their_mean_and_spread() {
     assert_eq!((alike.std, alike.coverage95), (Some(0.0), Some(1.0)));
 }
 
-/// Every second trial fails with this kind of failure and records no observation.
 #[test]
 fn invalid_observations_fail_their_trial() {
     for ([estimate, truth, std], quantity, kind) in [

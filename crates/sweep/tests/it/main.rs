@@ -17,7 +17,6 @@ use palpate_sweep::{
     SweepOutput, Task, Trial,
 };
 
-/// A trial whose result is computed by a function.
 struct Function<F> {
     quantities: usize,
     function: F,
@@ -75,7 +74,6 @@ fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {
     cells.remove(0)
 }
 
-/// Tasks whose experiments are created by a function of the cell.
 struct Tasks<F> {
     tasks: Vec<Task>,
     set_up: F,

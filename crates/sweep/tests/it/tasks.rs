@@ -93,7 +93,6 @@ fn slices_of_blocks_do_not_change_results() {
     }
 }
 
-/// An experiment in which every trial has the same result.
 struct Still;
 
 impl Trial for Still {
@@ -201,7 +200,6 @@ fn a_cell_ends_when_its_statistic_is_accurate() {
     );
 }
 
-/// Cells with at most `trials` trials, which this rule may end early.
 fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Tasks<F> {
     let mut sweep = Tasks::new(&vec![trials; cells], set_up);
     sweep.tasks.iter_mut().for_each(|task| task.may_stop = true);
