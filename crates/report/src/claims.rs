@@ -50,9 +50,11 @@ pub struct Score {
     pub published: String,
     /// The paper's statement, in one sentence.
     pub paper_says: String,
-    /// The value from the tables that the scorecard shows beside `published`; empty if the claim is not testable.
+    /// The value from the tables that the scorecard shows beside the paper's value `published`. Empty if the claim is
+    /// not testable.
     pub headline: String,
-    /// All results from the tables as sentences, with units; empty if the claim is not testable.
+    /// All numbers that the claim's checks compute from the tables, as sentences with units. Empty if the claim is not
+    /// testable.
     pub measured: String,
     /// Verdict on the claim.
     pub verdict: Verdict,
@@ -66,7 +68,6 @@ pub fn is_claim(number: u32) -> bool {
     all().iter().any(|claim| claim.number == number)
 }
 
-/// All claims of both papers.
 fn all() -> Vec<Claim> {
     let claims = rolls::claims().into_iter().chain(pads::claims());
     let claims = claims.chain(patches::claims()).chain(presses::claims());

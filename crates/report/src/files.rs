@@ -54,7 +54,8 @@ impl Files {
         }
     }
 
-    /// Adds `others` to files in memory, unless a file with the same name exists. Files in a folder stay as they are.
+    /// Adds `others` to files in memory, unless a file with the same name exists. Does nothing if the files are in a
+    /// folder.
     pub(crate) fn or<const N: usize>(mut self, others: [(&str, &str); N]) -> Self {
         for (name, text) in others {
             if let Some(texts) = &mut self.texts {
@@ -64,22 +65,18 @@ impl Files {
         self
     }
 
-    /// Files of a subfolder.
     pub(crate) fn within(&self, name: &str) -> Self {
         Self::in_folder(self.path(name))
     }
 
-    /// The folder; empty for files in memory.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Path of a file, for error messages.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// Reads the complete text of a file.
     pub(crate) fn read(&self, name: &str) -> Result<String, ReportError> {
         let text = match &self.texts {
             Some(texts) => texts

@@ -1,26 +1,26 @@
-//! Coverage of the intervals of every estimator. Coverage is the share of the intervals that contain the true value.
+//! Coverage of the stated intervals, for each estimator. Coverage is the share of the intervals that contain the true
+//! value.
 
 use crate::records::by_key;
 use crate::{Study, Table};
 use palpate_study::Statistic;
 
-/// The statistics of coverage in `cells.csv`, each with the nominal coverage of its intervals.
+/// The statistics `coverage50`, `coverage80` and `coverage95` of `cells.csv`, each with the share that its intervals
+/// state.
 pub(crate) const STATED: [(Statistic, f64); 3] = [
     (Statistic::Coverage50, 0.50),
     (Statistic::Coverage80, 0.80),
     (Statistic::Coverage95, 0.95),
 ];
 
-/// Coverage of the intervals that one estimator computes from the readings of one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Estimator {
-    /// Name that consists of the kinds of the scene, the estimator and the sensor.
+    /// Text that names the kinds of the scene, the estimator and the sensor.
     pub(crate) name: String,
-    /// Index of each study with intervals of this estimator, and the coverage in each row of this study.
+    /// Index of each study with intervals of this estimator, and the coverage in each row of this study's table.
     pub(crate) studies: Vec<(usize, Vec<Coverage>)>,
 }
 
-/// Coverage of the intervals of one quantity in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Coverage {
     /// Index of the row in the study's table.
@@ -30,7 +30,7 @@ pub(crate) struct Coverage {
 }
 
 impl Estimator {
-    /// All estimators whose intervals the studies contain, in the order of the studies. Cells with fewer than two
+    /// All estimators for which the studies contain intervals, in the order of the studies. Cells with fewer than two
     /// successful trials are left out.
     pub(crate) fn all(studies: &[Study]) -> Vec<Self> {
         let of_study = |(place, study): (usize, &Study)| {
@@ -49,7 +49,6 @@ impl Estimator {
             .collect()
     }
 
-    /// Coverage in all rows of all studies.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &Coverage> {
         self.studies.iter().flat_map(|(_, rows)| rows)
     }
@@ -63,7 +62,7 @@ fn measured(table: &Table, row: usize) -> Option<Coverage> {
     (successes >= 2.0).then_some(Coverage { row, shares })
 }
 
-/// Kinds of the scene, the estimator and the sensor of a row, as text. Kinds that the study does not state are left
+/// Kinds of the scene, the estimator and the sensor of a row, as text. A kind that the study does not state is left
 /// out.
 fn name(study: &Study, row: usize) -> Option<String> {
     let scene = study.text(row, "scene.kind")?;
@@ -72,13 +71,13 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// Kind of a part of the row's scene. If a sweep sets this part, its label is returned.
+/// `kind` of the part of the row's scene at `path`. If a sweep sets this part, its label is returned.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))
 }
 
-/// Means of the three coverages over the rows.
+/// Means of the coverages of the 50 %, 80 % and 95 % intervals over the rows.
 pub(crate) fn mean_shares<'a>(rows: impl Iterator<Item = &'a Coverage> + Clone) -> [f64; 3] {
     let count = rows.clone().count().max(1) as f64;
     [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)

@@ -77,7 +77,6 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     })?)
 }
 
-/// Text with the number of scores for each verdict.
 fn counts(scores: &[Score]) -> String {
     let all = [Verdict::Holds, Verdict::Differs, Verdict::NotTestable];
     let counted = all.map(|verdict| {
@@ -161,11 +160,10 @@ fn cells(study: &Study) -> u64 {
     cells.len() as u64
 }
 
-/// Smallest scale of a figure on the page. At this scale, its text is 11 pixels high. On a narrower screen, the reader
-/// scrolls the figure sideways.
+/// Smallest scale of a figure on the page. At this scale, the figure's text is 11 pixels high. On a narrower screen,
+/// the reader scrolls the figure sideways.
 const LEAST_SCALE: f64 = 0.61;
 
-/// Smallest width of a figure on the page, pixels.
 pub(crate) fn least_width(figure: &Figure) -> f64 {
     (LEAST_SCALE * figure.width()).ceil()
 }

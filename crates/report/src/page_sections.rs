@@ -13,7 +13,7 @@ use palpate_study::label::{self, with_unit};
 use palpate_study::number::{self, finite, grouped};
 use palpate_study::{Quantity, Statistic};
 
-/// Coverage of 95 % intervals below which the page reports them as too narrow.
+/// The page reports 95 % intervals as too narrow if their coverage is below this number.
 const MIN_COVERAGE: f64 = 0.90;
 
 /// Section about the coverage of the intervals of each estimator; `None` if the studies have no intervals.
@@ -56,8 +56,8 @@ fn estimator(estimator: &Estimator, studies: &[Study]) -> Value {
     context! { name => &estimator.name, studies => of_studies, ..counted(&rows) }
 }
 
-/// Values for the page template: number of rows, mean coverage of the rows' intervals, and number of rows whose
-/// intervals are too narrow.
+/// Values for the page template: number of rows, mean coverage over the rows, and number of rows whose intervals are
+/// too narrow.
 fn counted(rows: &[&Coverage]) -> Value {
     let shares = mean_shares(rows.iter().copied()).map(percent);
     let short = rows
@@ -67,7 +67,6 @@ fn counted(rows: &[&Coverage]) -> Value {
     context! { rows => grouped(rows.len() as u64), shares, short => grouped(short as u64) }
 }
 
-/// The quantity and the swept values of a row, as text.
 fn words(study: &Study, row: usize) -> String {
     let table = study.cells();
     let quantity = label::quantity(table.quantity(row));
@@ -82,7 +81,7 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// The folder that contains all studies' folders; `None` if the studies are in different places.
+/// The folder that contains the folders of all studies; `None` if the studies are in different places.
 pub(crate) fn folder(studies: &[Study]) -> Option<Files> {
     let mut parents = studies.iter().map(|study| study.dir().parent());
     let first = parents.next()??;
@@ -90,7 +89,8 @@ pub(crate) fn folder(studies: &[Study]) -> Option<Files> {
     is_shared.then(|| Files::in_folder(first))
 }
 
-/// Sections about the measurements in `tradeoff/` and `peers.csv`, if the folder contains them.
+/// Sections about the measurements in `tradeoff/` (speed and accuracy of models) and `peers.csv` (other programs), if
+/// the folder contains them.
 ///
 /// # Errors
 /// [`ReportError`] if a table is malformed.
@@ -151,11 +151,10 @@ fn answer(answer: &Answer) -> Value {
     context! { rung => &answer.rung, cost, error => answer.error.map(number::rounded) }
 }
 
-/// Header and rows of a table.
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
-/// The table of `peers.csv` with the verdicts as its second column. If all rows have the same machine, the name of this
-/// machine is returned separately.
+/// The table `peers.csv`, with the column of verdicts moved to the second place. If all rows were measured on the same
+/// machine, its name is returned separately.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
     let machine = take_constant(&mut parts, "machine");
@@ -169,7 +168,7 @@ fn peers(folder: &Files) -> Result<Value, ReportError> {
     Ok(context! { table => shown(parts), machine })
 }
 
-/// Removes a column if all its cells have the same text. Returns this text.
+/// Removes the column `name` if all its cells have the same text. Returns this text.
 fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     let at = header.iter().position(|column| column == name)?;
     let constant = rows.first()?[at].clone();
@@ -182,7 +181,7 @@ fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     Some(constant)
 }
 
-/// A table for the template, with readable headers.
+/// The table for the page template, with readable headers.
 fn shown((header, rows): Parts) -> Value {
     let header: Vec<String> = header.iter().map(|name| heading(name)).collect();
     let spoken = |row: &Vec<String>| row.iter().map(|cell| spoken(cell)).collect();
@@ -198,7 +197,7 @@ fn heading(name: &str) -> String {
     with_unit(&name.replace('_', " "), unit)
 }
 
-/// Value of a cell for the template: its text, and whether it is a number. Long numbers are rounded.
+/// Text of a table cell, and whether it is a number. Long numbers are rounded.
 fn spoken(cell: &str) -> Value {
     const LONG: usize = 6;
     match finite(cell) {
@@ -211,7 +210,7 @@ fn spoken(cell: &str) -> Value {
 }
 
 /// Section with the glossary of `palpate explain`: first the terms by subject, then quantities and statistics. Only
-/// terms can be linked.
+/// terms can be targets of links.
 pub(crate) fn glossary() -> Vec<Value> {
     let words = SUBJECTS.iter().map(|subject| {
         let terms = subject.terms.iter();

@@ -1,9 +1,8 @@
-//! Texts for column labels, numbers of trials, and costs.
+//! Texts for column labels, numbers of trials, and costs of models.
 
 use palpate_study::label::{self, spoken_unit};
 use palpate_study::{Label, Statistic, number};
 
-/// Label of a column with a statistic. `quantities` are the quantities of its rows, which all have the same `unit`.
 pub(crate) fn statistic(name: &str, quantities: &[&str], unit: &str) -> Label {
     let other = || {
         let quantities: Vec<String> = quantities
@@ -16,13 +15,14 @@ pub(crate) fn statistic(name: &str, quantities: &[&str], unit: &str) -> Label {
     Statistic::named(name).map_or_else(other, |statistic| statistic.label(quantities, unit))
 }
 
-/// Short name of a statistic, for a legend whose heading already names the quantity.
+/// Short name of a statistic for a legend whose heading already names the quantity.
 pub(crate) fn short_statistic(name: &str) -> String {
     let known = Statistic::named(name).map(Statistic::short);
     known.map_or_else(|| name.replace('_', " "), str::to_owned)
 }
 
-/// Text with the number of trials per `of`, where `of` is "point" or "cell".
+/// Text with the number of trials per `of`, where `of` is "point" or "cell". `trials` are the numbers of all points or
+/// cells.
 pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     let mut trials: Vec<u64> = trials.map(|n| n as u64).collect();
     trials.sort_unstable();
@@ -42,7 +42,7 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     }
 }
 
-/// A sentence that begins with the shared settings and ends with the statement `then`.
+/// A sentence that begins with the settings that all rows share and ends with the statement `then`.
 pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     let shared = match shared {
         [] => String::new(),
@@ -55,7 +55,7 @@ pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
-/// Text of a cost in instructions, as a time, or both.
+/// Text of a model's cost: instructions, time, or both.
 pub(crate) fn cost(instructions: Option<f64>, ns: Option<f64>) -> String {
     let time = ns.map(|ns| match ns {
         _ if ns < 1e3 => format!("{} ns", number::significant(ns, 2)),

@@ -105,7 +105,6 @@ pub fn figure(plot: &PlotConfig, tables: Files) -> Result<Figure, ReportError> {
 
 const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
 
-/// Draws a plot of any kind.
 fn one(study: &Study, plot: &PlotConfig, name: &str) -> Result<Figure, ReportError> {
     let of = Request { study, plot, name };
     let kind = plot.kind;

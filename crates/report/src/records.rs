@@ -7,7 +7,8 @@ use palpate_study::number::finite;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Texts of a CSV file in which no two columns have the same name. `places` are the indices of the requested columns.
+/// Texts of a CSV file in which no two columns have the same name. `places` are the indices of the columns that were
+/// requested on reading.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,
@@ -63,7 +64,7 @@ impl Records {
         Ok(records)
     }
 
-    /// Index of the column with this name in the header. In the header, the name may also end with a unit.
+    /// Index of the column with this name in the header. In the header, a unit may follow the name.
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         let is_it = |column: &String| column == name || split_unit(column).0 == name;
         self.header.iter().position(is_it)
@@ -85,7 +86,6 @@ impl Records {
         }
     }
 
-    /// Returns this table, or an error if it has no rows.
     pub(crate) fn filled(self) -> Result<Self, ReportError> {
         match self.rows.is_empty() {
             true => Err(self.error(EMPTY.to_owned())),
@@ -93,32 +93,27 @@ impl Records {
         }
     }
 
-    /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.rows.len()
     }
 
-    /// Names of all columns.
     pub(crate) fn header(&self) -> &[String] {
         &self.header
     }
 
-    /// Index of a requested column in the header. `column` is its index among the requested columns.
+    /// Index in the header of a requested column. `column` is its index among the requested columns.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }
 
-    /// Texts of a column; `place` is its index in the header.
     pub(crate) fn column(&self, place: usize) -> impl Iterator<Item = &str> {
         self.rows.iter().map(move |row| row[place].as_str())
     }
 
-    /// Splits the table into its header and its rows.
     pub(crate) fn into_parts(self) -> (Vec<String>, Vec<Vec<String>>) {
         (self.header, self.rows)
     }
 
-    /// Unit of a requested column, as its header states it; may be empty.
     pub(crate) fn unit(&self, column: usize) -> &str {
         split_unit(&self.header[self.places[column]]).1
     }
@@ -127,7 +122,7 @@ impl Records {
         &self.rows[row][self.places[column]]
     }
 
-    /// Number in a cell of the table. Returns an error if the number is too large to be drawn.
+    /// The finite number in a cell of the table. Returns an error if the number is too large to be drawn.
     pub(crate) fn number(&self, row: usize, column: usize) -> Result<f64, ReportError> {
         finite(self.text(row, column))
             .filter(|number| number.abs() <= LARGEST)
@@ -146,7 +141,7 @@ impl Records {
         }
     }
 
-    /// Value in a cell, parsed as the type `T`. Error messages use `expected` as the name of this type.
+    /// Value in a cell of the table, parsed as the type `T`. Error messages use `expected` as the name of this type.
     pub(crate) fn parsed<T: FromStr>(
         &self,
         row: usize,
@@ -162,7 +157,7 @@ impl Records {
         by_key((0..self.rows()).map(|row| (self.text(row, column), row)))
     }
 
-    /// Indices of rows, grouped by the cell number in a column.
+    /// Indices of rows, grouped by the number of the study's cell (grid point) in a column.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
         let groups = self.by_text(column).into_iter();
         let numbered = |(_, rows): (&str, Vec<usize>)| -> Result<_, ReportError> {
@@ -171,7 +166,6 @@ impl Records {
         groups.map(numbered).collect()
     }
 
-    /// Error for a cell of the table that does not contain what `expected` describes.
     pub(crate) fn bad(&self, row: usize, column: usize, expected: &'static str) -> ReportError {
         self.bad_at(row, self.places[column], expected)
     }
@@ -185,7 +179,7 @@ impl Records {
         ))
     }
 
-    /// Error for a requested column whose unit differs from `unit`.
+    /// Error for a requested column whose unit is not `unit`.
     pub(crate) fn in_another_unit(&self, column: usize, unit: &str) -> ReportError {
         let name = split_unit(&self.header[self.places[column]]).0;
         self.missing(&[name, unit].join(if unit.is_empty() { "" } else { "_" }))
@@ -202,7 +196,6 @@ impl Records {
     }
 }
 
-/// Description of a table without rows or without a header, for error messages.
 const EMPTY: &str = "the table is empty";
 
 /// Largest absolute value of a coordinate. The square of this number is still finite.

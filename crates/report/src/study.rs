@@ -5,7 +5,7 @@ use crate::{Files, ReportError, Table};
 use palpate_study::config::{self, PlotConfig};
 use std::path::{Path, PathBuf};
 
-/// A row of `failures.csv`: the failed trials of one kind in a cell.
+/// Failed trials of one kind in one cell: a row of `failures.csv`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Failure {
     /// Number of the cell.
@@ -129,12 +129,10 @@ impl Study {
         }
     }
 
-    /// Publication from which the question comes, or another source; may be empty.
     pub(crate) fn source(&self) -> &str {
         self.word("source")
     }
 
-    /// Numbers of the papers' claims that this study tests.
     pub(crate) fn claims(&self) -> &[u32] {
         &self.claims
     }
@@ -144,17 +142,14 @@ impl Study {
         &self.config_text
     }
 
-    /// The table `cells.csv`.
     pub(crate) fn cells(&self) -> &Table {
         &self.cells
     }
 
-    /// The rows of `failures.csv`.
     pub(crate) fn failures(&self) -> &[Failure] {
         &self.failures
     }
 
-    /// The value at a path of the config, such as `scene.probe.radius`.
     pub(crate) fn setting(&self, path: &str) -> Option<&toml::Value> {
         let mut segments = path.split('.');
         let first = self.config.get(segments.next()?)?;
@@ -181,8 +176,8 @@ impl Study {
         }
     }
 
-    /// Value of a field that has no column of its own. If a sweep sets a part of the scene that contains the field,
-    /// the value comes from this part; otherwise from the config.
+    /// Value of a field of the config that has no column of its own in `cells.csv`. If a sweep sets a part of the scene
+    /// that contains the field, the value comes from this part; otherwise from the config.
     fn value(&self, row: usize, path: &str) -> Option<&toml::Value> {
         let mut dots = path.match_indices('.').rev();
         let swept = dots.find_map(|(dot, _)| Some((dot, self.cells.axis(&path[..dot])?)));
@@ -196,8 +191,8 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// The table with this label among the tables that a sweep sets at `path`. A table without a label has its `kind`
-    /// as label.
+    /// The table with the label `label` among the tables that a sweep sets at `path`. If a table has no label, its
+    /// `kind` counts as its label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
         let mut tables = sweeps
@@ -235,7 +230,6 @@ fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> 
     values.filter_map(of_place).collect()
 }
 
-/// A TOML integer or float as a number; `None` if it is not finite, or if the value has another type.
 pub(crate) fn number(value: &toml::Value) -> Option<f64> {
     value
         .as_float()

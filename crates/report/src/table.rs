@@ -12,12 +12,12 @@ const OPTIONAL: [Statistic; 3] = [
     Statistic::Coverage80,
 ];
 
-/// A column with the values of a swept field. In `cells.csv`, these columns are between `cell` and `quantity`.
+/// The values of a swept field in all rows. In `cells.csv`, the columns of swept fields are between `cell` and
+/// `quantity`.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
     /// Header of the column: the path of the field, with its unit if it has one.
     pub(crate) header: String,
-    /// Path of the field, without its unit.
     stem: String,
     cells: Vec<String>,
     numbers: Vec<Option<f64>>,
@@ -31,17 +31,15 @@ impl Axis {
         self.header == path || self.stem == path
     }
 
-    /// The value in `row`, as text.
     pub(crate) fn text(&self, row: usize) -> &str {
         &self.cells[row]
     }
 
-    /// The value in `row` as a finite number; `None` if the value is not a number.
+    /// The value in `row` as a number; `None` if it is not a finite number.
     pub(crate) fn number(&self, row: usize) -> Option<f64> {
         self.numbers[row]
     }
 
-    /// Whether all values are finite numbers.
     pub(crate) fn is_numeric(&self) -> bool {
         self.numbers.iter().all(Option::is_some)
     }
@@ -53,7 +51,6 @@ impl Axis {
         values.map(String::as_str).collect()
     }
 
-    /// All different values, in the order of the study's sweep.
     pub(crate) fn values(&self) -> &[String] {
         &self.values
     }
@@ -72,7 +69,6 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Reads the table `cells.csv` of a study.
     pub(crate) fn read(files: &Files) -> Result<Self, ReportError> {
         let places = ["cell", "quantity", "unit"].into_iter();
         let statistics = Statistic::ALL.into_iter();
@@ -110,12 +106,10 @@ impl Table {
         })
     }
 
-    /// Number of rows, at least 1.
     pub(crate) fn rows(&self) -> usize {
         self.cell.len()
     }
 
-    /// The swept fields, in the order of the study.
     pub(crate) fn axes(&self) -> &[Axis] {
         &self.axes
     }
@@ -125,37 +119,34 @@ impl Table {
         self.axes.iter().find(|axis| axis.is(path))
     }
 
-    /// The column `quantity`, in the form of a swept field.
+    /// The column `quantity`, as if it were a swept field.
     pub(crate) fn quantities(&self) -> &Axis {
         &self.quantity
     }
 
-    /// The column `trials`, in the form of a swept field. If the number of trials is swept, this is the swept column.
+    /// The column `trials`, as if it were a swept field. If the study sweeps the number of trials, the result is the
+    /// swept column.
     pub(crate) fn trials(&self) -> &Axis {
         &self.trials
     }
 
-    /// Number of the cell to which `row` belongs.
     pub(crate) fn cell(&self, row: usize) -> u64 {
         self.cell[row]
     }
 
-    /// Name of the quantity in `row`.
     pub(crate) fn quantity(&self, row: usize) -> &str {
         self.quantity.text(row)
     }
 
-    /// Unit of the quantity in `row`.
     pub(crate) fn unit(&self, row: usize) -> &str {
         &self.unit[row]
     }
 
-    /// Names of the columns that contain statistics.
     pub(crate) fn statistics(&self) -> impl Iterator<Item = &str> {
         self.statistics.iter().map(|(name, _)| name.as_str())
     }
 
-    /// A statistic in `row`; `None` if its cell in the table is empty, or if the table has no such column.
+    /// The value of a statistic in `row`; `None` if it is empty in the table, or if the table has no such column.
     pub(crate) fn statistic(&self, row: usize, name: &str) -> Option<f64> {
         self.statistics
             .iter()

@@ -5,16 +5,13 @@ use crate::records::Records;
 use crate::{Files, ReportError};
 use palpate_study::number::finite;
 
-/// All measurements of a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
-    /// Test results of the model `auto`, for each kind of scene; empty without `promise.csv`.
     pub(crate) auto_models: Vec<AutoModel>,
-    /// Whether instructions were counted for every model. If so, costs are numbers of instructions; otherwise they are
-    /// times.
+    /// Whether the instructions of every model were counted. If so, costs are numbers of instructions; otherwise they
+    /// are times.
     pub(crate) counted: bool,
-    /// Description of the machine on which the measurements were made.
     pub(crate) machine: String,
 }
 
@@ -24,14 +21,15 @@ pub(crate) struct Tradeoff {
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Description of the error: the quantity with the error, and the scale by which the error is divided.
+    /// What the error of a rung is: the quantity that is computed with the error, and the scale by which the error is
+    /// divided.
     pub(crate) error_of: String,
-    /// Description of the computation whose cost was measured.
+    /// What was computed when the cost of a rung was measured.
     pub(crate) evaluation: String,
     pub(crate) scenes: Vec<LadderScene>,
 }
 
-/// Measurements of all rungs on one scene.
+/// Errors and costs of all rungs on one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LadderScene {
     /// Difficulty of the scene: `easy`, `typical` or `hard`.
@@ -48,17 +46,16 @@ pub(crate) struct Rung {
     pub(crate) error: f64,
     /// Standard error of `error`; 0 if the error was not estimated from trials.
     pub(crate) error_std: f64,
-    /// Number of instructions, if they were counted; otherwise the median time, ns.
+    /// Number of instructions, if they were counted; otherwise the median time in ns.
     pub(crate) cost: f64,
     /// Whether the rung is on the Pareto front: no other rung has both a smaller error and a smaller cost.
     pub(crate) on_front: bool,
 }
 
-/// The rung that is recommended for a target.
+/// The rung that is recommended for a target error.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) target: String,
-    /// Name of the rung; `none` if no rung meets the target.
     pub(crate) rung: String,
     pub(crate) error: Option<f64>,
     pub(crate) ns: Option<f64>,
@@ -114,16 +111,13 @@ impl Tradeoff {
         })
     }
 
-    /// Unit of the costs.
     pub(crate) const fn unit(&self) -> &'static str {
         if self.counted { "instructions" } else { "ns" }
     }
 }
 
-/// Name of the ladder and description of the scene.
 type Key = (String, String);
 
-/// All items with this key.
 fn of<T: Clone>(key: &Key, all: &[(Key, T)]) -> Vec<T> {
     let mine = all.iter().filter(|one| one.0 == *key);
     mine.map(|one| one.1.clone()).collect()
@@ -192,9 +186,8 @@ fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
     Ok((0..table.rows()).map(answer).collect())
 }
 
-/// Test results of the model `auto` on random scenes of one kind. A test succeeds if two conditions are met: the
-/// chosen model's error is within the tolerance, and its cost is not much higher than that of the cheapest model
-/// within the tolerance.
+/// Test results of the model `auto` on random scenes of one kind. A test succeeds if the chosen model's error is within
+/// the tolerance and its cost is not much higher than the cost of the cheapest such model.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AutoModel {
     pub(crate) kind: String,
@@ -203,8 +196,8 @@ pub(crate) struct AutoModel {
     pub(crate) successes: usize,
     /// Number of scenes on which at least one model besides the chosen model meets the tolerance.
     pub(crate) with_rivals: usize,
-    /// Largest ratio of two numbers of instructions: those of the chosen model, divided by those of the cheapest model
-    /// within the tolerance.
+    /// Largest ratio, over all scenes, of the instructions of the chosen model to the instructions of the cheapest
+    /// model within the tolerance.
     pub(crate) largest_ratio: Option<f64>,
 }
 

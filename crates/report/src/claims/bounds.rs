@@ -1,4 +1,4 @@
-//! Bounds on numbers, and functions that format numbers or compute their range or mean.
+//! Bounds that the numbers of a claim must meet, and helpers that format such numbers or compute their range or mean.
 
 use super::row::Row;
 use palpate_study::number;
@@ -13,7 +13,6 @@ pub(super) enum Bound {
     Between(f64, f64),
 }
 
-/// The bound that only `value` meets, except for rounding.
 pub(super) const fn is(value: f64) -> Bound {
     Bound::Between(value, value)
 }
@@ -23,7 +22,7 @@ pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
 }
 
-/// Returns a function that tests whether `number` of a row is within a bound.
+/// Returns a function that tests whether `number(row)` is within `bound`.
 pub(super) fn within(
     number: impl Fn(&Row<'_>) -> Option<f64>,
     bound: Bound,
@@ -44,7 +43,6 @@ impl Bound {
         }
     }
 
-    /// The limit of `AtLeast` or `AtMost`; `None` for other bounds.
     pub(super) fn limit(self) -> Option<f64> {
         match self {
             Self::AtLeast(limit) | Self::AtMost(limit) => Some(limit),
@@ -63,17 +61,16 @@ impl Bound {
     }
 }
 
-/// A share in percent, with three significant digits.
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", short(100.0 * share))
 }
 
-/// A number with three significant digits.
 pub(super) fn short(value: f64) -> String {
     number::significant(value, 3)
 }
 
-/// The text `low to high`. `show` formats both numbers; if both texts are equal, only one of them is returned.
+/// The text `low to high`, with both numbers formatted by `show`. If both texts are equal, only one of them is
+/// returned.
 pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     match (show(low), show(high)) {
         (low, high) if low == high => low,
@@ -81,7 +78,6 @@ pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     }
 }
 
-/// The smallest and the largest of some numbers; `None` if there are no numbers.
 pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     values.into_iter().fold(None, |range, value| match range {
         None => Some((value, value)),
@@ -89,17 +85,14 @@ pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)>
     })
 }
 
-/// Smallest of some numbers.
 pub(super) fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// Greatest of some numbers.
 pub(super) fn greatest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Geometric mean of positive numbers.
 pub(super) fn geometric_mean(values: &[f64]) -> f64 {
     let sum: f64 = values.iter().map(|value| libm::log(*value)).sum();
     libm::exp(sum / values.len() as f64)

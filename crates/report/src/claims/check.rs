@@ -4,8 +4,7 @@ use super::bounds::{Bound, percent, range, short, span};
 use super::row::Row;
 use crate::records::by_key;
 
-/// Largest number of values that a sentence lists one by one. If there are more values, the sentence states only the
-/// lowest and the highest.
+/// A sentence lists at most this many values one by one. For more values, it states only the lowest and the highest.
 const LONGEST_LIST: usize = 8;
 
 /// How a check affects the verdict on its claim.
@@ -19,7 +18,6 @@ pub(super) enum Role {
     Reports,
 }
 
-/// How many of the compared values must meet the bound: all values, a share of the values, or one value.
 #[derive(Clone, Copy)]
 pub(super) enum Portion {
     All,
@@ -33,11 +31,11 @@ pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 /// A check of a claim: values from the study's table, and the bound that they must meet.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
-    /// Computes values from rows. Each value is returned with one row to which it belongs.
+    /// Computes the checked values from the rows of the table. Each value is returned with one row to which it belongs.
     pub(super) values: Values,
-    /// Returns a name for the value of a row. All values with the same name are compared and printed as one range.
+    /// Returns a name for the checked value of a row. All values with the same name are compared and printed as one
+    /// range.
     pub(super) name: Option<fn(&Row<'_>) -> String>,
-    /// Combines all values with the same name to one number.
     pub(super) merge: Option<fn(&[f64]) -> f64>,
     /// Selects the rows whose values are compared with the bound. The values of all other rows are only printed.
     pub(super) compared: Option<fn(&Row<'_>) -> bool>,
@@ -50,7 +48,6 @@ pub(super) struct Check {
     pub(super) headline: &'static str,
 }
 
-/// Result of a check.
 pub(super) struct Outcome {
     pub(super) decides: bool,
     pub(super) holds: bool,
@@ -60,7 +57,7 @@ pub(super) struct Outcome {
     pub(super) rule: String,
     /// Main value for the scorecard; may be empty.
     pub(super) headline: String,
-    /// Names of the values that are within 1 % of the bound's limit, so that the verdict is close.
+    /// Names of the values that are within 1 % of the bound's limit, so that they almost change the verdict.
     pub(super) close: Vec<String>,
 }
 
@@ -75,7 +72,7 @@ struct Item {
 
 impl Check {
     /// Applies the check to the rows of a claim. Returns an error if the check needs rows that are missing, and `None`
-    /// if there is nothing to report.
+    /// if a check that may be skipped has no values.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
@@ -138,7 +135,6 @@ impl Check {
         self.says.split('|').next().unwrap_or_default()
     }
 
-    /// The sentence of the check as a rule: the bound replaces the measured values.
     fn rule(&self) -> String {
         let counts = self.says.contains("{count}");
         let says = filled(self.rule_part(), |_, show| match self.portion {
@@ -154,7 +150,7 @@ impl Check {
     }
 }
 
-/// Text for the placeholder `key` of a sentence; `None` if `key` is unknown.
+/// Text that replaces the placeholder `{key}` in a sentence of a check; `None` if `key` is unknown.
 fn shown(
     key: &str,
     items: &[Item],

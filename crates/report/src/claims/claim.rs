@@ -11,11 +11,10 @@ pub(super) struct Claim {
     pub(super) number: u32,
     /// The claim in at most six words.
     pub(super) title: &'static str,
-    /// The paper's value, as a short text.
     pub(super) published: &'static str,
     pub(super) paper_says: &'static str,
     rows: Keep,
-    /// Description of the rows to which the claim applies, for error messages.
+    /// Which rows the claim is about, in words, for error messages.
     what: &'static str,
     numbers: &'static [&'static str],
     needs: Vec<(String, Keep)>,
@@ -23,7 +22,6 @@ pub(super) struct Claim {
     remark: &'static str,
 }
 
-/// Result of testing a claim with a study.
 #[derive(Default)]
 pub(super) struct Finding {
     pub(super) holds: bool,
@@ -33,7 +31,7 @@ pub(super) struct Finding {
 }
 
 impl Claim {
-    /// A claim about the rows that `rows` accepts. Error messages use `what` as a description of these rows.
+    /// Creates a claim about the rows that `rows` accepts. `what` describes these rows in error messages.
     pub(super) fn new(
         number: u32,
         [title, published, paper_says]: [&'static str; 3],
@@ -54,12 +52,12 @@ impl Claim {
         }
     }
 
-    /// Sets the paths at which the config or the table must state a number for every row of the claim.
+    /// Sets the paths of config fields whose values must be numbers for every row of the claim.
     pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
         Self { numbers, ..self }
     }
 
-    /// Requires at least one row that `is_it` accepts. The error message uses `what` as a description of this row.
+    /// Requires at least one row that `is_it` accepts. `what` describes this row in the error message.
     pub(super) fn needs(
         mut self,
         what: impl Into<String>,
@@ -69,7 +67,7 @@ impl Claim {
         self
     }
 
-    /// Sets a remark, which is printed after the bounds of the checks.
+    /// Sets a remark, which is printed after the rules of the checks.
     pub(super) fn remark(self, remark: &'static str) -> Self {
         Self { remark, ..self }
     }
@@ -95,7 +93,7 @@ impl Claim {
         self
     }
 
-    /// Adds a check whose function `value` computes one value from each row.
+    /// Adds a check of `value(row)` for each row.
     pub(super) fn rows(self, value: impl Fn(&Row<'_>) -> Option<f64> + 'static) -> Self {
         self.values(move |rows| {
             let values = rows.iter().filter_map(|row| Some((*row, value(row)?)));
@@ -103,8 +101,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check whose function `value` computes one value from each group of rows. The rows of a group differ only
-    /// in swept fields whose paths begin with one of `free`.
+    /// Adds a check with one value per group of rows. The rows of a group differ only in swept fields whose paths begin
+    /// with one of `free`.
     pub(super) fn groups(
         self,
         free: &'static [&'static str],
@@ -143,7 +141,7 @@ impl Claim {
     }
 
     /// Adds a check of the ratios `value(one) / value(other)` for all pairs of rows that `is_pair` accepts and that
-    /// differ only in the paths `free`. Each ratio belongs to the row `other`.
+    /// differ only in swept fields whose paths are in `free`. Each ratio belongs to the row `other`.
     pub(super) fn pairs(
         self,
         free: &'static [&'static str],
@@ -168,17 +166,17 @@ impl Claim {
         self
     }
 
-    /// The check uses only rows that `keep` accepts.
+    /// Restricts the last check to rows that `keep` accepts.
     pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
         self.last(|check| check.keep.push(Box::new(keep)))
     }
 
-    /// The check uses only rows of this quantity.
+    /// Restricts the last check to rows of this quantity.
     pub(super) fn of(self, quantity: &'static str) -> Self {
         self.when(move |row| row.quantity() == quantity)
     }
 
-    /// The check uses only rows whose `number` is within a bound.
+    /// Restricts the last check to rows whose `number` is within a bound.
     pub(super) fn only(
         self,
         number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
@@ -187,43 +185,42 @@ impl Claim {
         self.when(within(number, bound))
     }
 
-    /// Ignores values that equal `value`.
+    /// The last check ignores values that equal `value`.
     pub(super) fn without(self, value: f64) -> Self {
         self.last(|check| check.without = Some(value))
     }
 
-    /// Names the values of the check. All values with the same name are compared and printed as one range.
+    /// Names the values of the last check. All values with the same name are compared and printed as one range.
     pub(super) fn named(self, name: fn(&Row<'_>) -> String) -> Self {
         self.last(|check| check.name = Some(name))
     }
 
-    /// Combines all values with the same name to one number.
     pub(super) fn merged(self, merge: fn(&[f64]) -> f64) -> Self {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// The check compares only some values with the bound: those of rows that `compared` accepts. All other values are
-    /// only printed.
+    /// The last check compares only the values of rows that `compared` accepts with the bound. It only prints all other
+    /// values.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }
 
-    /// Sets the bound that the values must meet.
     pub(super) fn bound(self, bound: Bound) -> Self {
         self.last(|check| check.bound = Some(bound))
     }
 
-    /// Requires that at least this share of the values meets the bound. By default, all values must meet it.
+    /// At least this share of the values must meet the bound. By default, all values must meet it.
     pub(super) fn in_share(self, share: f64) -> Self {
         self.last(|check| check.portion = Portion::Share(share))
     }
 
-    /// Requires that at least one value meets the bound. By default, all values must meet it.
+    /// At least one value must meet the bound. By default, all values must meet it.
     pub(super) fn in_one(self) -> Self {
         self.last(|check| check.portion = Portion::One)
     }
 
-    /// Skips the check if it has no values. By default, a claim is not testable if one of its checks has no values.
+    /// Skips the last check if it has no values. By default, a claim is not testable if one of its checks has no
+    /// values.
     pub(super) fn if_present(self) -> Self {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }
@@ -294,7 +291,7 @@ impl Claim {
     }
 }
 
-/// Joins one text of each outcome by semicolons. Empty texts are left out.
+/// Joins `text(outcome)` of all outcomes by semicolons. Empty texts are left out.
 fn joined<'a>(
     outcomes: impl IntoIterator<Item = &'a Outcome>,
     text: fn(&Outcome) -> &String,

@@ -9,7 +9,6 @@ use super::row::{Row, probe_radius, roll_angle, size, sorted};
 
 const OFFSET: &str = "scene.sensor.offset";
 
-/// The claims about sensors with pads.
 pub(super) fn claims() -> [Claim; 4] {
     [pad_size(), zeros(), longer_rolls(), half_millimetre()]
 }
@@ -22,8 +21,7 @@ fn pitch(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.sensor.pitch")? / probe_radius(row)?)
 }
 
-/// The rms error of a row; `None` if trials failed, because the errors of the successful trials alone would be too
-/// small.
+/// The rms error of a row. `None` if trials failed: the rms error of the successful trials alone would be too small.
 fn complete_error(row: &Row<'_>) -> Option<f64> {
     rms_error(row).filter(|_| row.statistic("failures") == Some(0.0))
 }
@@ -32,8 +30,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the pads of a row have random offsets, so that the error in this row is a mean over offsets. If the study
-/// has no random offsets, all rows are accepted.
+/// Whether the error of a row is a mean over random offsets of the pads. If the study has no random offsets, all rows
+/// are accepted.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))

@@ -11,11 +11,10 @@ const ESTIMATOR: &str = "scene.estimator";
 const GAUSSIAN: &str = "gaussian_curvature";
 const MEAN: &str = "mean_curvature";
 
-/// Share of a patch that must be classified correctly. Above this share, the patch counts as "well estimated" or
-/// "accurately classified", in the words of the paper.
+/// A surface patch counts as "well estimated" or "accurately classified", in the paper's words, if more than this share
+/// of the patch is classified correctly.
 const WELL: f64 = 0.9;
 
-/// The claims about patches.
 pub(super) fn claims() -> [Claim; 5] {
     [
         second_fit(),
@@ -63,12 +62,10 @@ fn is_sphere(row: &Row<'_>) -> bool {
     row.label(OBJECT) == "sphere"
 }
 
-/// The rms error over all points of the patch and all trials; `None` if it is 0.
 fn rms(row: &Row<'_>) -> Option<f64> {
     row.statistic("rms_error").filter(|error| *error > 0.0)
 }
 
-/// Share of the patch that is classified correctly, averaged over all trials. A failed trial counts as 0.
 fn share(row: &Row<'_>) -> Option<f64> {
     let is_share = row.quantity() == "class";
     let (trials, failures) = (row.statistic("trials")?, row.statistic("failures")?);
@@ -79,8 +76,8 @@ fn share(row: &Row<'_>) -> Option<f64> {
     is_share.then_some(mean)
 }
 
-/// Largest principal curvature of an object. If the true curvatures are the same in the whole patch, it is computed
-/// from them. Otherwise it is 1/radius, or 2|a| in the middle of a saddle z = a (x² − y²).
+/// Largest principal curvature of an object. If the true curvatures are the same in the whole patch, it is
+/// computed from them. Otherwise the result is 1/radius, or 2|a| in the middle of a saddle z = a (x² − y²).
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {
@@ -167,7 +164,8 @@ fn moderate_noise() -> Claim {
 }
 
 impl Claim {
-    /// Uses only rows of the paper's two-pass method with 10 % noise, on all surfaces except the sphere.
+    /// Restricts the last check to rows of the paper's two-pass method with 10 % noise, on all surfaces except the
+    /// sphere.
     fn off_sphere(self) -> Self {
         self.only(noise, is(0.1))
             .when(|row| is_two_pass(row) && !is_sphere(row))
@@ -275,7 +273,7 @@ fn turned_cylinder() -> Claim {
         .named(method)
         .merged(geometric_mean)
         .comparing(is_two_pass)
-        // The bound is 1.1, because an rms error over a few hundred trials has an uncertainty of a few percent.
+        // An rms error over a few hundred trials has an uncertainty of a few percent, so the bound is 1.1 instead of 1.
         .bound(AtLeast(1.1))
         .says("the rms error of K on the turned cylinder is {list} times that on the straight one")
         .headline("{range} × the error")

@@ -7,7 +7,6 @@ use super::row::{Row, probe_radius};
 
 const ESTIMATOR: &str = "scene.estimator";
 
-/// The claims about presses.
 pub(super) fn claims() -> [Claim; 3] {
     [gaussian_profile(), effective_radius(), regimes()]
 }
@@ -28,8 +27,8 @@ fn gaussian_profile() -> Claim {
             && is_kind(row, "scene.model", "half-space")
     })
     .rows(|row| row.statistic("mean"))
-    // Name the fields on which R² depends: the layout of the samples determines their weights, and the estimator
-    // determines which samples are fitted.
+    // Name the swept fields on which R² depends: the layout of the profile's samples determines their weights, and the
+    // estimator determines which samples are fitted.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()
@@ -43,7 +42,7 @@ fn gaussian_profile() -> Claim {
 
 // ---- The effective radius at increasing indentations
 
-/// Effective radii of contact in the paper, mm. A sensor of radius 20 mm is pressed onto a dish of radius 80 mm, a
+/// Effective radii of the contact in the paper, mm: a sensor of radius 20 mm pressed onto a dish of radius 80 mm, a
 /// plane, and a ball of radius 80 mm.
 const RADII: [f64; 3] = [26.7, 20.0, 16.0];
 /// Largest indentation in the paper, mm.
@@ -60,12 +59,10 @@ fn has_radius(row: &Row<'_>, radius: f64) -> bool {
     in_millimetres(row, "truth").is_some_and(|truth| (truth - radius).abs() <= 0.01 * radius)
 }
 
-/// Indentation in mm.
 fn depth(row: &Row<'_>) -> Option<f64> {
     Some(row.millimetres()? * row.number("scene.motion.indentation")?)
 }
 
-/// Relative error of the median of all estimates.
 fn error(row: &Row<'_>) -> Option<f64> {
     let truth = row.statistic("truth")?;
     Some((row.statistic("q50")? - truth).abs() / truth)
@@ -76,8 +73,8 @@ fn scatter(row: &Row<'_>) -> Option<f64> {
     Some((row.statistic("q95")? - row.statistic("q05")?) / (2.0 * row.statistic("truth")?))
 }
 
-/// Whether the row is for the paper's estimator and for a sensor that reads displacements directly. Camera sensors are
-/// excluded, because their rows use another elastic model.
+/// Whether a row belongs to the paper's estimator and to a sensor that reads displacements directly. Rows of camera
+/// sensors are excluded, because they use another elastic model.
 fn is_paper(row: &Row<'_>) -> bool {
     is_direct(row)
         && row.text("scene.estimator.kind") == Some("gaussian")
@@ -190,7 +187,6 @@ fn effective_radius() -> Claim {
 /// A relative curvature counts as zero below this share of the sensor's curvature.
 const ZERO: f64 = 1e-9;
 
-/// Relative curvature, in units of the sensor's curvature.
 fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     let sensor = probe_radius(row)?;
     let object = || match row.text("scene.object.kind")? {

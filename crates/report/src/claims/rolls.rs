@@ -11,7 +11,6 @@ const RADIUS: &str = "scene.probe.radius";
 const NOISE: &str = "scene.noise.angular_velocity.fraction";
 const ARC: &str = "scene.motion.arc_length";
 
-/// The claims about single rolls.
 pub(super) fn claims() -> [Claim; 6] {
     [
         relative_curvature(),
@@ -91,7 +90,7 @@ fn relative_curvature() -> Claim {
         .says("up to 1 % noise the rms error is {range} × the predicted noise × (1 + 1/RCR)/√12")
 }
 
-/// Whether the row has the paper's noise and directions. The noise is uniform and drawn once per probe; two probes
+/// Whether the row has the paper's noise and directions: the noise is uniform and drawn once per probe, and two probes
 /// roll in each of the directions ±u and ±v.
 fn has_eight_uniform_probes(row: &Row<'_>) -> bool {
     const DIRECTIONS: [f64; 8] = [0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0];
@@ -229,12 +228,12 @@ fn paraboloids() -> Claim {
         )
 }
 
-/// Arc length of the paraboloid z = −c r² from the apex to the point with the slope `x`, multiplied by 2c.
+/// Arc length of the paraboloid z = −c r² from the apex to the point with the slope `x`, multiplied by 2c (no unit).
 fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
 
-/// Largest slope at which `is_below` is true, found by bisection.
+/// Largest slope at which `is_below` is true, by bisection.
 fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..200 {
@@ -247,27 +246,28 @@ fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Relative error of the estimated curvature at the apex of z = −c r², without noise. The estimate is the mean
-/// curvature along the roll: the slope angle atan(2 c r), divided by the arc length. `share` is c times the arc
-/// length.
+/// Relative error, without noise, of the curvature at the apex of z = −c r² that is estimated from a roll. The estimate
+/// is the mean curvature along the roll: the slope angle atan(2 c r), divided by the arc length. `share` is c times the
+/// arc length.
 fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// Arc length at which the error without noise is 15 %, multiplied by the paraboloid's coefficient c.
+/// Arc length at which the relative error of the apex curvature without noise is 15 %, multiplied by the coefficient c of
+/// the paraboloid.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
 
 // ---- Sharp objects, whose contact stays on one pad
 
-/// Share of the trials in which the contact stays on one pad. Such a trial gives only an upper bound on the radius.
+/// Share of a row's trials in which the contact stays on one pad. Such a trial gives only an upper bound on the radius.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
 
-/// All rows of objects with the same radius. `all` is their number of trials, and `unresolved` the number of trials in
-/// which the contact stayed on one pad.
+/// All rows of objects with the same radius. `all` is the number of their trials, and `unresolved` the number of their
+/// trials in which the contact stayed on one pad.
 struct Trials<'a> {
     rows: Vec<Row<'a>>,
     all: f64,
@@ -280,7 +280,6 @@ impl Trials<'_> {
     }
 }
 
-/// Groups rows by the radius of the object, smallest radius first.
 fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
     let mut rows = rows.to_vec();
     let size = |row: &Row<'_>| size(row).unwrap_or(f64::INFINITY);
@@ -353,7 +352,7 @@ fn edge() -> Claim {
 /// Largest ratio at which the errors of a wrist sensor and of pads count as similar.
 const ALIKE: f64 = 1.5;
 
-/// Number after `word` in the label of a sensor: 0.5 for the label `pads 0.5 mm` and the word `pads `.
+/// Number after `word` in the label of a sensor, such as 0.5 in the label `pads 0.5 mm` for the word `pads `.
 fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
     let label = row.text("scene.sensor")?.strip_prefix(word)?;
     let size: f64 = label.split_whitespace().next()?.parse().ok()?;

@@ -3,7 +3,6 @@
 use crate::Study;
 use crate::records::by_key;
 
-/// A row of `cells.csv`.
 #[derive(Clone, Copy)]
 pub(super) struct Row<'a> {
     pub(super) study: &'a Study,
@@ -11,7 +10,6 @@ pub(super) struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// All rows of a study.
     pub(super) fn all(study: &'a Study) -> impl Iterator<Item = Self> {
         (0..study.cells().rows()).map(move |at| Self { study, at })
     }
@@ -24,17 +22,15 @@ impl<'a> Row<'a> {
         self.study.cells().statistic(self.at, name)
     }
 
-    /// Number at a path of the config, as [`Study::number`] returns it.
     pub(super) fn number(&self, path: &str) -> Option<f64> {
         self.study.number(self.at, path)
     }
 
-    /// Text at a path of the config, as [`Study::text`] returns it.
     pub(super) fn text(&self, path: &str) -> Option<&'a str> {
         self.study.text(self.at, path)
     }
 
-    /// Label of the part of the scene at `path`, or the kind of this part if it has no label.
+    /// Label of the part of the scene at `path`, such as `scene.object`; the part's `kind` if it has no label.
     pub(super) fn label(&self, path: &str) -> &'a str {
         let kind = || self.text(&format!("{path}.kind"));
         self.text(path).or_else(kind).unwrap_or_default()
@@ -49,7 +45,7 @@ impl<'a> Row<'a> {
         texts.join(", ")
     }
 
-    /// The row of another quantity in the same cell; `None` if the cell does not have this quantity.
+    /// The row of another quantity in the same cell (grid point); `None` if there is none.
     pub(super) fn of(&self, quantity: &str) -> Option<Self> {
         let table = self.study.cells();
         let is_cell = |at: &usize| table.cell(*at) == table.cell(self.at);
@@ -59,7 +55,7 @@ impl<'a> Row<'a> {
         cell.find(|row| row.quantity() == quantity)
     }
 
-    /// Share of the cell's trials that failed with a kind of failure that `is_it` accepts.
+    /// Share of the cell's trials whose kind of failure `is_it` accepts.
     pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
         let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
         let cell = self.study.cells().cell(self.at);
@@ -98,7 +94,7 @@ pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Pairs (x, y) of all rows, sorted by x.
+/// The pairs (`x`, `y`) of all rows, sorted by x.
 pub(super) fn sorted(
     rows: &[Row<'_>],
     x: impl Fn(&Row<'_>) -> Option<f64>,
@@ -110,7 +106,6 @@ pub(super) fn sorted(
     pairs
 }
 
-/// Radius of the probe.
 pub(super) fn probe_radius(row: &Row<'_>) -> Option<f64> {
     row.number("scene.probe.radius")
 }

@@ -12,7 +12,6 @@ const HUE_SLOPE: f64 = 0.02583;
 /// it in `examples/chromatouch-2020/`.
 const CENTROID_SLOPE: f64 = 7.0;
 
-/// The claims about sensors with markers.
 pub(super) fn claims() -> [Claim; 4] {
     [linear(), gores(), fisheye(), slopes()]
 }
@@ -21,7 +20,7 @@ fn mean(row: &Row<'_>) -> Option<f64> {
     row.statistic("mean")
 }
 
-/// Displacement of the marker along the skin; 0 if neither the table nor the config contains it.
+/// Tangential displacement of the marker; 0 if neither the table nor the config states it.
 fn shift(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.motion.shift").unwrap_or(0.0))
 }
@@ -30,7 +29,6 @@ fn indentation(row: &Row<'_>) -> Option<f64> {
     row.number("scene.motion.indentation")
 }
 
-/// Mean and standard deviation of a row's estimates over all trials.
 fn read(row: &Row<'_>) -> Option<(f64, f64)> {
     Some((mean(row)?, row.statistic("std").unwrap_or(0.0)))
 }
@@ -38,14 +36,14 @@ fn read(row: &Row<'_>) -> Option<(f64, f64)> {
 /// Straight lines that were fitted to groups of rows, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
-/// Both hues of a marker: the name of the quantity, and the name of the hue in sentences. The paper uses the mean hue.
+/// Both hues of a marker: name of the quantity, and name of the hue in sentences. The paper uses the mean hue.
 const HUES: [(&str, &str); 2] = [
     ("hue_change", "hue of the summed light"),
     ("mean_hue_change", "mean hue"),
 ];
 
-/// Straight lines of a hue over the indentation, one for each combination of the other swept fields. Only markers that
-/// are not displaced along the skin are used.
+/// Straight lines of a hue over the indentation, one line for each combination of the other swept fields. Only markers
+/// without tangential displacement are used.
 fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     through(
         unmoved(rows, quantity),
@@ -55,7 +53,7 @@ fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Straight lines of the true hue (without pixels and noise) over the indentation, one for each combination of the
+/// Straight lines of the true hue (without pixels and noise) over the indentation, one line for each combination of the
 /// other swept fields.
 fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     let exact = |row: &Row<'_>| Some((row.statistic("truth")?, 0.0));
@@ -67,14 +65,13 @@ fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Rows of a quantity in which the marker is not displaced along the skin.
 fn unmoved<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<Row<'a>> {
     let is_unmoved = |row: &&Row<'_>| row.quantity() == quantity && shift(row) == Some(0.0);
     rows.iter().filter(is_unmoved).copied().collect()
 }
 
-/// Straight lines of the centroid over the displacement along the skin, one for each indentation and each combination
-/// of the other swept fields.
+/// Straight lines of a marker's centroid over its tangential displacement, one line for each indentation and each
+/// combination of the other swept fields.
 fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     let shifts = rows.iter().filter(|row| row.quantity() == "centroid_shift");
     through(
@@ -109,7 +106,6 @@ fn through<'a>(
 }
 
 impl Claim {
-    /// Adds a check with one value per fitted line.
     fn lines(
         self,
         lines: impl for<'a> Fn(&[Row<'a>]) -> Lines<'a> + 'static,
@@ -168,17 +164,17 @@ fn linear() -> Claim {
         )
 }
 
-/// Slope of a line, per millimetre.
+/// Slope of a fitted line, converted from the study's length unit to 1/mm.
 fn slope(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(line.slope / row.millimetres()?)
 }
 
-/// Slope of a line of the hue, divided by the published slope.
+/// Slope of a line through hues, divided by the published slope.
 fn hue_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / HUE_SLOPE)
 }
 
-/// Slope of a line of the centroid, divided by the published slope.
+/// Slope of a line through centroids, divided by the published slope.
 fn centroid_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / CENTROID_SLOPE)
 }
@@ -193,8 +189,8 @@ fn is_rigid(row: &Row<'_>) -> bool {
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// For each line of the hue, the larger of two relative deviations from the published slopes: the deviation of this
-/// line, and the smallest deviation among the lines of the centroid for the same sensor.
+/// For each line through hues, the larger of two relative deviations from the published slopes: the deviation of this
+/// line, and the smallest deviation among the lines through centroids for the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -330,7 +326,7 @@ fn fisheye() -> Claim {
     claim
 }
 
-/// Mean and standard deviation of all readings at the same x.
+/// Mean and standard deviation of all measured y at the same x.
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     x: f64,
@@ -338,7 +334,6 @@ struct Reading {
     std: f64,
 }
 
-/// A straight line, fitted by least squares.
 #[derive(Debug, Clone, Copy)]
 struct StraightLine {
     slope: f64,
@@ -347,8 +342,8 @@ struct StraightLine {
 }
 
 impl StraightLine {
-    /// Fits a line to `readings` with equal weights. `None` for fewer than three different x, because a line through
-    /// two points always fits.
+    /// Fits a line to `readings` with equal weights. `None` for fewer than three different x, because a line fits any
+    /// two points.
     fn through(readings: &[Reading]) -> Option<Self> {
         let mut places: Vec<f64> = readings.iter().map(|reading| reading.x).collect();
         places.sort_by(f64::total_cmp);

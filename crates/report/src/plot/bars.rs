@@ -19,7 +19,7 @@ pub struct Bars {
     pub subtitle: String,
     /// Label of the horizontal axis, along which the numbers are drawn as bars.
     pub axis: String,
-    /// Name, number and standard error of each item.
+    /// Name, number and standard error of each item. The number is the length of the item's bar.
     pub bars: Vec<(String, f64, f64)>,
     /// Lines of text below the chart.
     pub notes: Vec<String>,
@@ -27,7 +27,6 @@ pub struct Bars {
 
 /// Half the height of a bar, relative to the distance between bars.
 const HALF_WIDTH: f64 = 0.32;
-/// Half-width of a 95 % interval, in standard errors.
 const NORMAL_95: f64 = 1.96;
 
 /// Draws a bar from 0 to each number, with its 95 % interval as a line.

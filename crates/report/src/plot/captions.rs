@@ -1,11 +1,11 @@
-//! Texts for captions: the swept values, the object of a study, and the failed trials.
+//! Texts for the captions of figures: swept values, the object of a study, and failed trials.
 
 use crate::table::{Axis, Table};
 use crate::{Study, study};
 use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
 
-/// Text of a swept value, for a place where a heading already states the name and the unit of the field.
+/// Text of a swept value, for a place below a heading with the name and the unit of the field.
 pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     match axis.header.as_str() {
         "quantity" => label::quantity(value),
@@ -13,28 +13,26 @@ pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// Text of a swept value, with the name and the unit of the field. If the value is a label, the text may consist of the
-/// label alone.
+/// Text of a swept value with the name and the unit of its field. If the value is a label, the text may be the label
+/// alone.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {
         ("quantity", _) => label::quantity(value),
         (_, Some(_)) => format!("{} {}", field.words, field.value(value)),
-        // The name of an object or an estimator, or a label of several words, is clear by itself. Before any other
-        // word, print the name of the field.
+        // The name of an object or an estimator, and a label of several words, are clear by themselves. Print the name
+        // of the field before any other word.
         ("scene.object" | "scene.estimator", None) => value.to_owned(),
         (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),
     }
 }
 
-/// Texts of all swept values of a row, with names and units.
 pub(crate) fn swept_values(table: &Table, row: usize) -> Vec<String> {
     let axes = table.axes().iter();
     axes.map(|axis| full_value(axis, axis.text(row))).collect()
 }
 
-/// Text about the object in the study's config: its kind and its numbers.
 pub(crate) fn object(study: &Study) -> Option<String> {
     let table = study.setting("scene.object")?.as_table()?;
     let kind = table.get("kind")?.as_str()?.replace('-', " ");
@@ -46,7 +44,7 @@ pub(crate) fn object(study: &Study) -> Option<String> {
     Some(parts.join(", "))
 }
 
-/// Text with the number of failed trials in the cells of `rows`, by kind of failure; `None` if no trial failed.
+/// Text with the number of failed trials in the cells of `rows`, for each kind of failure; `None` if no trial failed.
 pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     let table = study.cells();
     // Count each cell only once, because the rows of its quantities describe the same trials.
@@ -84,7 +82,8 @@ pub(crate) fn absent(absent: &[String]) -> Option<String> {
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// End of an error message about values that the key `where` of a plot names, but that the table does not contain.
+/// End of an error message about the same values: those that the key `where` of a plot names, but that the table does
+/// not contain.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

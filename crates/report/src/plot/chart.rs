@@ -17,10 +17,9 @@ use plotters::style::text_anchor::HPos;
 
 /// Gap between panels, and between the panels and the legend, in drawing units (1/3 px).
 const GAP: i32 = 90;
-/// Height of a panel, in drawing units.
 const PANEL_HEIGHT: i32 = 1170;
-/// Largest width of a row of panels, in drawing units. Long names below the x axis may widen the panels up to this
-/// width.
+/// Largest width of a row of panels, in drawing units. Panels with long names below the x axis may be widened up to
+/// this width.
 const LARGEST_WIDTH: i32 = 4500;
 /// Gap between neighbouring names below the x axis, in drawing units.
 const BESIDE: i32 = 36;
@@ -34,7 +33,6 @@ const LIMIT: i32 = 750;
 /// Function that draws the content of a panel. Its second argument is the index of the panel.
 type Draw<'a> = Box<dyn Fn(&mut Panel<'_>, usize) -> Drawn + 'a>;
 
-/// A group of panels with the same axes, and their legend.
 pub(crate) struct Chart<'a> {
     /// Label of the x axis; may be empty.
     pub(crate) x_label: String,
@@ -43,11 +41,8 @@ pub(crate) struct Chart<'a> {
     pub(crate) y: Scale,
     /// Titles of the panels; there is at least one panel. A title may be empty.
     pub(crate) titles: Vec<String>,
-    /// Key above the panels, which explains colours and symbols.
     pub(crate) key: Key,
-    /// Legend to the right of the panels.
     pub(crate) legend: Legend,
-    /// Draws the content of a panel.
     pub(crate) draw: Draw<'a>,
 }
 
@@ -58,7 +53,6 @@ pub(crate) struct Legend {
     pub(crate) entries: Key,
 }
 
-/// Draws a figure with the charts below each other. There must be at least one chart.
 pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, ReportError> {
     // All charts get the same margins, so that their panels align.
     let margins = charts.iter().map(Chart::margins);
@@ -79,7 +73,6 @@ pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, Repor
     })
 }
 impl Chart<'_> {
-    /// Margins to the left and right of the panels.
     fn margins(&self) -> [i32; 2] {
         let rows = self.legend.rows();
         let widths = rows.iter().map(|(sample, text)| {
@@ -90,8 +83,8 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// Smallest width of a panel at which the longest word of the names below the x axis fits, up to `LARGEST_WIDTH`.
-    /// It is 0 if the x axis shows numbers instead of names.
+    /// Smallest width of a panel for which the longest word below the x axis fits, up to `LARGEST_WIDTH`. It is 0 if
+    /// the x axis shows numbers instead of names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());
@@ -99,8 +92,8 @@ impl Chart<'_> {
         (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
     }
 
-    /// Number of panels per row. All rows get nearly the same number of panels, and the names below the x axes must
-    /// fit.
+    /// Number of panels per row, such that all rows have nearly the same number of panels and the names below the x
+    /// axes fit.
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
@@ -153,7 +146,7 @@ impl Chart<'_> {
 }
 
 impl Legend {
-    /// Symbol and text of each line of the legend. A heading has no symbol; the second line of a long label has an
+    /// Symbol and text of each line of the legend. The heading has no symbol; the second line of a long label has an
     /// empty symbol.
     fn rows(&self) -> Vec<(Option<Sample>, String)> {
         let heading = wrap(&self.title, TEXT, LIMIT).into_iter();
@@ -165,7 +158,6 @@ impl Legend {
         heading.map(|line| (None, line)).chain(entries).collect()
     }
 
-    /// Draws the legend with its upper left corner at (`left`, `top`). Returns the position of its lower edge.
     fn draw(&self, sheet: &Sheet, (left, top): Point) -> Drawn<i32> {
         let mut y = top + TEXT / 2;
         for (sample, text) in self.rows() {
@@ -179,15 +171,10 @@ impl Legend {
     }
 }
 
-/// Sizes of the parts of a chart, in drawing units.
 struct PanelLayout {
-    /// Width of the whole image.
     total: i32,
-    /// Margins to the left and right of the panels.
     margins: [i32; 2],
-    /// Width and height of each panel.
     panel: Point,
-    /// Number of panels per row.
     columns: i32,
     /// Height that is reserved for the title above each panel.
     heading: i32,
@@ -232,19 +219,15 @@ const LABELS: i32 = 60;
 /// A chart of the plotters library whose axes have the type [`Scale`].
 pub(crate) type Panel<'a> = ChartContext<'a, Drawing, Cartesian2d<Scale, Scale>>;
 
-/// Position and size of a panel on the sheet, in drawing units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
-    /// Upper left corner.
     pub(crate) corner: Point,
-    /// Width and height.
     pub(crate) size: Point,
     /// Whether the ticks of the x axis, and of the y axis, have labels.
     pub(crate) labelled: [bool; 2],
 }
 
 impl Place {
-    /// Creates the empty panel at this place.
     pub(crate) fn panel<'a>(&self, sheet: &Sheet, x: &Scale, y: &Scale) -> Drawn<Panel<'a>> {
         let [below, beside] = self.labelled.map(|labelled| LABELS * i32::from(labelled));
         let corner = (self.corner.0 - beside, self.corner.1);
@@ -270,7 +253,6 @@ pub(crate) fn mesh(panel: &mut Panel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// Draws the outline of a panel.
 pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     let area = panel.plotting_area().strip_coord_spec();
     let (wide, high) = area.dim_in_pixel();
@@ -278,8 +260,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws a vertical error bar at `x`, between the two `ends`. The bar is left out if the marker of the point, which is
-/// `hidden` drawing units high, would cover it. An end that is outside the panel has no cap.
+/// Draws a vertical error bar at `x`, between the two `ends`. The marker of the data point is `hidden` drawing units
+/// high; a bar that the marker would cover is left out. An end that is outside the panel has no cap.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

@@ -5,7 +5,7 @@ use super::style::CLASSES;
 use crate::ReportError;
 use crate::records::Records;
 
-/// Names of the columns that are read from `map.csv`, in the order in which the code uses them.
+/// Names of the columns that are read from `map.csv`. The code refers to them by their index in this list.
 const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
 
 /// Index of a shape class in [`CLASSES`]; `None` for a point without a class.
@@ -14,26 +14,26 @@ pub(crate) type Class = Option<usize>;
 /// The maps of all cells, in the order of `map.csv`.
 #[derive(Debug)]
 pub(crate) struct Maps {
-    /// Unit of x and y, as the header states it; may be empty.
+    /// Unit of x and y in the header of `map.csv`; may be empty.
     pub(crate) unit: String,
     pub(crate) cells: Vec<CellMap>,
 }
 
-/// Map of one cell: a grid of `side` × `side` points. The points are sorted by x, and points with the same x by y.
+/// Map of one cell: a grid of `side` × `side` points, sorted by x; points with the same x are sorted by y.
 #[derive(Debug)]
 pub(crate) struct CellMap {
     pub(crate) cell: u64,
     pub(crate) side: usize,
-    /// Coordinate x of each grid line, in ascending order: the mean x of all points on the line.
+    /// Coordinate x of each grid line, in ascending order: the mean x of the points on the line.
     pub(crate) x: Vec<f64>,
-    /// Coordinate y of each grid line, in ascending order: the mean y of all points on the line.
+    /// Coordinate y of each grid line, in ascending order: the mean y of the points on the line.
     pub(crate) y: Vec<f64>,
     pub(crate) estimated: Vec<Class>,
     pub(crate) truth: Vec<Class>,
 }
 
 impl CellMap {
-    /// Share of the points with a true class that are classified correctly; `None` if no point has a true class.
+    /// Share of correctly classified points among the points with a true class; `None` if no point has a true class.
     pub(crate) fn share_correct(&self) -> Option<f64> {
         let known = self.truth.iter().zip(&self.estimated);
         let known: Vec<_> = known.filter(|(truth, _)| truth.is_some()).collect();
@@ -102,7 +102,8 @@ fn class(table: &Records, row: usize, column: usize) -> Result<Class, ReportErro
     }
 }
 
-/// Rectangle of grid squares with the same class. Its corners are on the grid lines `x.0` and `x.1`, `y.0` and `y.1`.
+/// A rectangle of grid squares that have the same class. Its corners are on the grid lines `x.0` and `x.1`, `y.0` and
+/// `y.1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) class: Class,
@@ -110,8 +111,8 @@ pub(crate) struct Band {
     pub(crate) y: (usize, usize),
 }
 
-/// Covers a grid with rectangles of the same class, as few as possible: squares with the same class are joined along
-/// y, and equal columns of squares along x. `classes` are sorted by x, then by y.
+/// Covers the grid with few rectangles of equal class: squares with the same class are joined along y, and equal
+/// columns of squares are joined along x. `classes` are sorted by x, then by y.
 pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     let mut start = 0;
@@ -137,7 +138,6 @@ pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
 /// Edge between two grid squares. Both ends are corners (x, y) of squares, with whole coordinates from 0 to `side`.
 pub(crate) type Edge = [(usize, usize); 2];
 
-/// Edges between squares of different classes. Successive edges in the same direction are joined to one line.
 pub(crate) fn boundaries(side: usize, classes: &[Class]) -> Vec<Edge> {
     let mut edges = Vec::new();
     for across in 1..side {

@@ -1,4 +1,4 @@
-//! Figures of kind `class-map`. They show a map of the true shape classes, and a map of the estimated classes of each
+//! Figures of kind `class-map`: a map of the true shape classes beside maps of the estimated classes, one for each
 //! cell.
 
 use super::captions::full_value;
@@ -18,27 +18,22 @@ use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Largest number of cells in a figure.
 const MAX_CELLS: usize = 60;
 /// Gap between panels, in drawing units (1/3 px).
 const GAP: i32 = 66;
 /// Side length of the coloured squares in the key, in drawing units.
 const SAMPLE: i32 = 54;
-/// Smallest width of a panel, in drawing units.
 const NARROWEST: i32 = 588;
-/// Largest width of a panel, in drawing units.
 const WIDEST: i32 = 870;
 /// Largest ratio of the longer to the shorter side of a panel.
 const SLIMMEST: f64 = 3.0;
-/// Overlap of coloured rectangles, relative to the panel's size. Without it, thin gaps would be visible between
-/// neighbours.
+/// Overlap of neighbouring coloured rectangles, relative to the panel's size. Without an overlap, thin gaps would be
+/// visible between them.
 const OVERLAP: f64 = 0.004;
 /// Width of the lines that outline regions, in drawing units.
 const BOUNDARY: u32 = 5;
-/// Background of the entry "true boundary" in the key. It stays light on a dark page.
 const PALE: Colour = Colour(243, 243, 243);
 
-/// Draws a figure of kind `class-map`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let maps = class_grid::read(of)?;
     let mapped: Vec<u64> = maps.cells.iter().map(|map| map.cell).collect();
@@ -68,7 +63,6 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     )
 }
 
-/// Subtitle with the settings that are the same in all panels.
 fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let parts = selection::in_common(of.study, &rows);
@@ -82,13 +76,12 @@ fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     phrases::sentence(&parts, &shown_of)
 }
 
-/// A row of panels, with its heading.
 struct PanelRow<'a> {
     heading: &'a str,
     panels: Vec<MapPanel<'a>>,
 }
 
-/// The map that a panel shows, and the column of this panel.
+/// A map, and the column in which it is drawn.
 struct MapPanel<'a> {
     column: usize,
     title: &'a str,
@@ -120,7 +113,7 @@ fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
 }
 
 /// Key of the figure: the classes that occur in the maps, in the order of [`CLASSES`], and the boundary between true
-/// classes if there is one.
+/// classes if a map has one.
 fn key(lines: &[PanelRow<'_>]) -> Key {
     let maps = || {
         let panels = lines.iter().flat_map(|line| &line.panels);
@@ -151,14 +144,10 @@ pub(super) fn colour(class: Class) -> Colour {
     known.map_or(WHITE, |(_, colour)| *colour)
 }
 
-/// Positions and sizes of all panels, in drawing units.
 struct MapLayout {
-    /// Width of the whole image.
     total: i32,
     columns: i32,
-    /// Position of the left edge of the first column of panels.
     left: i32,
-    /// Width and height of each panel.
     panel: (i32, i32),
     x: Scale,
     y: Scale,
@@ -167,7 +156,7 @@ struct MapLayout {
 }
 
 impl MapLayout {
-    /// Computes the layout of all rows of panels; there is at least one row. `unit` is the unit of x and y.
+    /// Computes the layout for all rows of panels; `lines` is not empty. `unit` is the unit of x and y.
     fn of(lines: &[PanelRow<'_>], unit: &str) -> Self {
         let panels = || lines.iter().flat_map(|line| &line.panels);
         let x = range(panels().map(|panel| &panel.map.x));
@@ -231,7 +220,7 @@ impl MapLayout {
         Ok(())
     }
 
-    /// Writes the title above a panel, and the share of correctly classified points.
+    /// Writes the title above a panel, with the share of correctly classified points.
     fn label(&self, sheet: &Sheet, place: &Place, map: &MapPanel<'_>, title: &[String]) -> Drawn {
         let (left, top) = place.corner;
         let mut y = top - TEXT / 2 - 18;
@@ -252,7 +241,6 @@ impl MapLayout {
     }
 }
 
-/// Draws the squares of a map in the colours of their classes, and the boundaries between the true classes.
 fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let CellMap {
         side,
@@ -280,7 +268,7 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// Edges of the squares whose centres are on these grid lines. An edge is halfway between two neighbouring lines.
+/// Edges of the squares whose centres are on these grid lines. Each edge is halfway between two neighbouring lines.
 fn ends(lines: &[f64]) -> Vec<f64> {
     let [first, .., last] = lines else {
         let only = lines.first().copied().unwrap_or(0.0);
@@ -294,7 +282,6 @@ fn ends(lines: &[f64]) -> Vec<f64> {
     [vec![before], inner, vec![after]].concat()
 }
 
-/// A scale that covers the squares of all maps.
 fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
     let all: Vec<f64> = maps.flat_map(|lines| ends(lines)).collect();
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
@@ -304,10 +291,9 @@ fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
 
 /// Largest number of cells in a row of panels.
 const MAX_PER_ROW: usize = 5;
-/// Number of cells in a row if the values of a swept field do not fit into one row.
+/// Number of cells in a row if no swept field has so few values that they fit into one row.
 const DEFAULT_PER_ROW: usize = 4;
 
-/// A cell whose map is drawn, with one of its rows in `cells.csv`.
 #[derive(Clone, Copy)]
 struct Shown<'a> {
     map: &'a CellMap,
@@ -316,7 +302,6 @@ struct Shown<'a> {
 
 /// The cells that one row of panels shows.
 struct CellRow<'a> {
-    /// Text of the swept values that all cells of this row share, but that differ between rows.
     heading: String,
     /// Map of the true classes; `None` if a row above already shows the same map.
     truth: Option<&'a CellMap>,
@@ -324,7 +309,6 @@ struct CellRow<'a> {
     cells: Vec<(String, &'a CellMap)>,
 }
 
-/// Arranges cells in rows of panels. There must be at least one cell.
 fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let varying: Vec<&Axis> = table
@@ -368,8 +352,8 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     rows_of_cells
 }
 
-/// The swept field whose values are side by side in a row of panels. Among the fields whose values fit into one row,
-/// it is the field with the most values; of several such fields, the last one. If no field fits, it is the last field.
+/// The swept field whose values are side by side in a row of panels: among the fields whose values fit into one row,
+/// the last of those with the most values. If the values of no field fit, it is the last field.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

@@ -1,5 +1,4 @@
-//! Figures of kind `class-surface`. They show the fitted surface of a cell in three dimensions, coloured by shape
-//! class.
+//! Figures of kind `class-surface`: the fitted surface of a cell in three dimensions, coloured by shape class.
 
 use super::captions::full_value;
 use super::class_grid::{self, CellMap, Class};
@@ -19,7 +18,8 @@ use plotters::style::Color;
 const MAX_SURFACES: usize = 6;
 /// Side length of the coloured squares in the key, in drawing units.
 const SAMPLE: i32 = 54;
-/// Share of the ink colour in the colour of the lines between squares. The rest is the colour of the square.
+/// The colour of the lines between the squares of a surface contains this share of the ink colour. The rest is the
+/// colour of the square.
 const LINE_INK: f64 = 0.25;
 
 /// A fitted surface: the positions of the points in the map of one cell.
@@ -29,7 +29,6 @@ struct Surface<'a> {
     places: Vec<Vector>,
 }
 
-/// Draws a figure of kind `class-surface`, with its surfaces below each other.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let maps = class_grid::read(of)?;
     let mapped: Vec<u64> = maps.cells.iter().map(|map| map.cell).collect();
@@ -84,7 +83,6 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     })
 }
 
-/// Positions of the points in the map of each cell, in the order of the table.
 fn places(of: Request<'_>) -> Result<Vec<(u64, Vec<Vector>)>, ReportError> {
     let table = Records::read(of.study.files(), "map.csv", &["cell", "x", "y", "z"])?;
     let table = table.filled()?;
@@ -103,13 +101,11 @@ fn places(of: Request<'_>) -> Result<Vec<(u64, Vec<Vector>)>, ReportError> {
     cells.iter().map(places).collect()
 }
 
-/// Subtitle with the settings that are the same for all surfaces.
 fn subtitle(of: Request<'_>, rows: &[usize]) -> String {
     let parts = selection::in_common(of.study, rows);
     phrases::sentence(&parts, "fit of one trial per surface")
 }
 
-/// Key of the figure: the classes that occur on the surfaces, in the order of [`CLASSES`].
 fn key(surfaces: &[Surface<'_>]) -> Key {
     let named = CLASSES.iter().enumerate();
     let named = named.map(|(at, (name, _))| (Some(at), name.replace('-', " ")));

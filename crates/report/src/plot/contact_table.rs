@@ -4,14 +4,14 @@ use super::space::Vector;
 use crate::records::Records;
 use crate::{Files, ReportError};
 
-/// Names of the columns that are read from `trace.csv`, in the order in which the code uses them.
+/// Names of the columns that are read from `trace.csv`. The code refers to them by their index in this list.
 const TRACE: [&str; 10] = [
     "finger", "x", "y", "z", "normal_x", "normal_y", "normal_z", "tip_x", "tip_y", "tip_z",
 ];
-/// Columns of `readings.csv` that are read.
 const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
 
-/// Two positions count as equal if their distance is below this share of the size of the box around all contacts.
+/// A reading and a true contact count as equal if their distance is below this share of the size of the box around all
+/// contacts.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
 /// A true contact of a fingertip with the object.
@@ -20,28 +20,24 @@ pub(crate) struct Touch {
     pub(crate) place: Vector,
     /// Unit normal; `None` if the normal in the table is the zero vector.
     pub(crate) normal: Option<Vector>,
-    /// Centre of the fingertip.
     pub(crate) tip: Vector,
 }
 
-/// True contacts and readings of one finger. The readings are empty if all readings equal the contacts.
+/// True contacts and readings of one finger. `readings` is empty if all readings equal the contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct Finger {
-    /// Name of the finger in the table.
     pub(crate) name: String,
     pub(crate) touches: Vec<Touch>,
     pub(crate) readings: Vec<Vector>,
 }
 
-/// The contacts of all fingers in one glide.
 #[derive(Debug)]
 pub(crate) struct Contacts {
-    /// Unit of all positions, as the header states it; may be empty.
     pub(crate) unit: String,
     /// The fingers in order of appearance. There is at least one finger, and each finger has at least one contact.
     pub(crate) fingers: Vec<Finger>,
     /// Root-mean-square distance between readings and true contacts. `None` if the readings equal the contacts, or if
-    /// there are not as many readings as contacts.
+    /// their numbers differ.
     pub(crate) off: Option<f64>,
     /// Whether the centres of the fingertips are at other positions than the contacts.
     pub(crate) tips_apart: bool,
@@ -55,7 +51,6 @@ impl Touch {
     }
 }
 
-/// Reads `trace.csv` and, if it exists, `readings.csv`.
 pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     let table = Records::read(files, "trace.csv", &TRACE)?.filled()?;
     let touch = |row: usize| -> Result<Touch, ReportError> {

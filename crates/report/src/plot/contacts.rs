@@ -1,4 +1,4 @@
-//! Figures of kind `contacts`. They show paths, normals and readings of gliding fingers in three dimensions.
+//! Figures of kind `contacts`: paths, normals and readings of gliding fingers in three dimensions.
 
 use super::captions;
 use super::contact_table::{self, Contacts, Finger, Touch};
@@ -22,7 +22,6 @@ const SAMPLE: i32 = 102;
 const PATH: u32 = 8;
 const FINE: u32 = 4;
 const DOT: u32 = 15;
-/// Draws a figure of kind `contacts`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let contacts = contact_table::read(of.study.files())?;
     let words = of.words(subtitle(of, &contacts), Vec::new());
@@ -43,7 +42,6 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     })
 }
 
-/// Scales that cover everything in the figure, and the length of the lines that show normals.
 fn scales(contacts: &Contacts) -> ([Scale; 3], f64) {
     let touches = || contacts.fingers.iter().flat_map(|finger| &finger.touches);
     let mut places: Vec<Vector> = touches().map(|touch| touch.place).collect();
@@ -62,7 +60,6 @@ fn scales(contacts: &Contacts) -> ([Scale; 3], f64) {
     ([0, 1, 2].map(|axis| around(&places, axis)), stroke)
 }
 
-/// Subtitle of the plot: the object, the numbers of fingers and contacts, and the error of the readings.
 fn subtitle(of: Request<'_>, contacts: &Contacts) -> String {
     let object: Vec<String> = captions::object(of.study).into_iter().collect();
     let fingers = contacts.fingers.len();
@@ -125,13 +122,11 @@ fn key(contacts: &Contacts) -> Key {
     entries
 }
 
-/// The contacts, and the three-dimensional chart in which they are drawn.
 struct Scene<'a> {
     space: Space<'a>,
     contacts: &'a Contacts,
     /// Height of the floor.
     floor: f64,
-    /// Length of the lines that show normals.
     stroke: f64,
 }
 

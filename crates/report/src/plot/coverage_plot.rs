@@ -1,4 +1,4 @@
-//! Figure of measured against stated coverage of intervals, with one panel per estimator.
+//! Figure of the measured coverage of intervals over the stated coverage, with one panel per estimator.
 
 use super::drawing::Figure;
 use super::scale::Scale;
@@ -12,7 +12,7 @@ use crate::interval_coverage::{Estimator, STATED};
 const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 
 /// Draws the measured coverage, that is, the share of intervals that contain the true value. Each point is the median
-/// over the cells of an estimator; its bar extends from the 5 % to the 95 % quantile.
+/// over the cells of an estimator; its bar extends from the 5 % to the 95 % quantile over these cells.
 pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
     let words = Words::new(
         "calibration-of-intervals",
@@ -69,8 +69,8 @@ fn panel(estimator: &Estimator) -> Content {
     }
 }
 
-/// Quantile of sorted numbers, interpolated linearly. `share` is its probability. The result is 0 if there are no
-/// numbers.
+/// Quantile of the numbers `sorted`, interpolated linearly. `share` is the probability of the quantile. The result is 0
+/// if there are no numbers.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return 0.0;

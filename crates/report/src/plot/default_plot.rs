@@ -6,15 +6,15 @@ use palpate_study::config::{self, PlotConfig, Scale};
 use palpate_study::{Quantity, QuantityKind, Statistic};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Quantities that the default plot may show, in order of preference.
+/// Quantities that the default plot shows if the study has them, in order of preference.
 const PREFERRED: [Quantity; 2] = [Quantity::OBJECT_CURVATURE, Quantity::MEAN_CURVATURE];
 /// An axis is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
 
 /// The default plot. It shows the relative rms error of the object's curvature over the first swept field. It has one
 /// line per value of the second swept field, and one panel per value of the third. For every further field, only the
-/// first value is plotted. A field that does not vary independently of the earlier fields is ignored. `None` if no
-/// field is swept, or if no statistic is defined.
+/// first value is plotted. A field that does not vary independently of the earlier fields is ignored. The result is
+/// `None` if no field is swept, or if no statistic has a value.
 ///
 /// If the study does not estimate the object's curvature, the plot shows the mean curvature, or else the first
 /// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not estimated, the plot
@@ -81,7 +81,7 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     }))
 }
 
-/// Whether an axis has different values in rows that agree on all axes in `others`.
+/// Whether the values of `axis` differ in rows that agree in all `others`.
 fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     let mut known: BTreeMap<Vec<&str>, BTreeSet<&str>> = BTreeMap::new();
     for &row in rows {

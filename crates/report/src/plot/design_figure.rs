@@ -124,16 +124,14 @@ pub struct Stretch {
     pub meets: bool,
 }
 
-/// Background colour where values meet the target (blue).
 const MEETS: Colour = Colour(190, 220, 242);
 /// Background colour where it is undecided whether values meet the target. This grey has another lightness than the
 /// other backgrounds, so it differs from them in a grey print too.
 const OPEN: Colour = Colour(226, 226, 226);
-/// Background colour where values miss the target.
 const MISSES: Colour = WHITE;
 /// Width of the line that shows the limit, in drawing units (1/3 px).
 const LIMIT: u32 = 6;
-/// Marker of a point where values begin to meet the target.
+/// Marker of the values of the searched field at which the target is just met.
 const CROSSING: Style = Style {
     colour: INK,
     marker: Marker::Circle,
@@ -144,11 +142,10 @@ const BEST: Style = Style {
     marker: Marker::Diamond,
 };
 const BEST_SIZE: f64 = 36.0;
-/// Half the width of the thin area that shows a single value, relative to the panel. Without a width, the value would
+/// Half the width of the thin area that shows a single value, relative to the panel. Without a width, the area would
 /// not be visible.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of the area that is drawn if there is only one value of the other field, relative to the panel's
-/// width.
+/// Half the width of the area that is drawn if the other field has only one value, relative to the panel's width.
 const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
@@ -367,7 +364,7 @@ impl FieldAxis {
         Scale::around(self.spacing(), ends)
     }
 
-    /// Factor by which values of the field are multiplied to get the displayed numbers.
+    /// Factor between values of the field in the tables and the displayed numbers.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,
@@ -376,20 +373,19 @@ impl FieldAxis {
     }
 }
 
-/// Converts ranges of the searched field to areas and lines in a panel. `along` is the scale of the searched field,
-/// and `across` that of the other field. Positions on both scales are from 0 to 1.
+/// Converts ranges of the searched field to areas and lines in a panel. `along` is the scale of the searched field, and
+/// `across` that of the other field. Positions on both scales run from 0 to 1.
 struct Bands<'a> {
     field: &'a FieldAxis,
     along: Scale,
     across: Scale,
-    /// Whether the x axis shows the searched field.
     is_along_x: bool,
 }
 
 /// Ranges of the searched field at one value of the other field.
 struct Column {
     at: f64,
-    /// Whether the values of each range meet the target (true) or miss it.
+    /// For each range, whether its values meet the target (true) or miss it.
     sides: Vec<bool>,
     /// Positions of both ends of each range on the scale of the searched field.
     runs: Vec<[f64; 2]>,
@@ -405,7 +401,7 @@ impl Bands<'_> {
         }
     }
 
-    /// Positions of the ends `from` and `to` of a range of the searched field, on the scale of this field.
+    /// Positions of the values `from` and `to` on the scale of the searched field.
     fn ends(&self, (from, to): (f64, f64)) -> [f64; 2] {
         let half = if self.field.names.is_empty() {
             0.0
@@ -421,8 +417,8 @@ impl Bands<'_> {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }
 
-    /// Background areas. If a column and its neighbour have the same sequence of ranges, the areas connect both
-    /// columns. Otherwise, the areas of a column end halfway to its neighbour.
+    /// Background areas of all columns. If a column and its neighbour have the same sequence of ranges, the areas
+    /// connect both columns. Otherwise, the areas of a column end halfway to its neighbour.
     fn grounds(&self, columns: &[Column], is_named: bool) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let mut grounds = Vec::new();
         let pairs = columns.windows(2);
@@ -517,7 +513,6 @@ impl Bands<'_> {
         contours
     }
 
-    /// Point at these positions on the scales of the other field and of the searched field.
     fn at(&self, (across, along): (f64, f64)) -> (f64, f64) {
         let [across, along] = [(&self.across, across), (&self.along, along)]
             .map(|(scale, position)| scale.value(position.clamp(0.0, 1.0)));

@@ -14,18 +14,17 @@ use std::io;
 /// Number of drawing units per pixel. The plotters library uses integer coordinates, and whole pixels would be too
 /// coarse.
 const DETAIL: u32 = 3;
-/// The plotters library's SVG backend divides a font size by this number to get the em. The em is the nominal height
-/// of the font.
+/// The plotters library's SVG backend divides a font size by this number to get the em, the nominal height of the font.
 const EM: f64 = 1.24;
-/// Distance by which text is moved down, in ems. This centres capital letters and digits vertically; the SVG backend
-/// alone centres lower-case letters.
+/// Distance by which text is moved down, in ems, so that capital letters and digits are centred vertically. Without it,
+/// the SVG backend centres lower-case letters.
 const SINK: f64 = 0.09;
 /// Distance between lines of text, as a multiple of the font size.
 pub(crate) const LEADING: f64 = 1.35;
 /// Height of lower-case letters, in ems.
 #[cfg(feature = "png")]
 const X_HEIGHT: f64 = 0.52;
-/// Largest memory that an image may need while it is drawn, bytes.
+/// Limit of the memory for drawing one image, bytes.
 #[cfg(feature = "png")]
 const MAX_BYTES: u64 = 1 << 31;
 
@@ -42,7 +41,6 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Makes a figure from a drawing.
     pub(crate) fn new(name: String, title: String, drawing: Drawing) -> Result<Self, ReportError> {
         let svg = drawing.svg(&title).map_err(|error| ReportError::Draw {
             path: format!("{name}.svg").into(),
@@ -56,7 +54,6 @@ impl Figure {
         })
     }
 
-    /// Width in pixels.
     pub(crate) fn width(&self) -> f64 {
         f64::from(self.drawing.size.0.div_ceil(DETAIL))
     }
@@ -76,8 +73,8 @@ impl Figure {
 
 /// The shapes of a figure, from bottom to top.
 ///
-/// This is a backend of the plotters library that only records shapes. The images are made later, so the height of a
-/// figure can depend on its content, and a PNG is made only on request.
+/// `Drawing` is a backend of the plotters library that only records shapes. The images are made from the recorded
+/// shapes later. So the height of a figure can depend on its content, and a PNG is made only on request.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
     /// Width and height of the image in drawing units.
@@ -85,7 +82,6 @@ pub(crate) struct Drawing {
     shapes: Vec<Shape>,
 }
 
-/// A shape with one colour.
 #[derive(Debug, Clone, PartialEq)]
 struct Shape {
     form: Form,
@@ -96,20 +92,18 @@ struct Shape {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Form {
-    /// A line: its points and its width.
     Line(Vec<BackendCoord>, u32),
     Polygon(Vec<BackendCoord>),
-    /// A disc: its centre and its radius.
     Disc(BackendCoord, u32),
-    /// A line of text, the position of its anchor point, the em of the font, and a share. This share of the text's
-    /// width is to the left of the anchor. The anchor is at half the text's height.
+    /// A line of text, its anchor point, the em of its font, and a share: this share of the text's width is to the left
+    /// of the anchor. The anchor is at half the text's height.
     Text(String, BackendCoord, f64, f64),
 }
 
 type Drawn<E> = Result<(), DrawingErrorKind<E>>;
 
 impl Drawing {
-    /// An empty drawing with this width. Its height is set later.
+    /// A drawing without shapes. Its height is set later.
     pub(crate) fn new(width: i32) -> Self {
         Self {
             size: (width.unsigned_abs(), 1 << 24),
@@ -136,7 +130,6 @@ impl Drawing {
         Ok(())
     }
 
-    /// The image as SVG on a white background. Screen readers read `label`.
     fn svg(&self, label: &str) -> Result<String, DrawingErrorKind<io::Error>> {
         let mut text = String::new();
         {
@@ -171,7 +164,7 @@ impl Drawing {
         Ok(self.named(&text, label))
     }
 
-    /// Adds the size in pixels, the label and the tooltips of the shapes to the SVG of the backend.
+    /// Adds to the SVG of the backend: the size in pixels, the label, and the tooltips of the shapes.
     fn named(&self, svg: &str, label: &str) -> String {
         let (width, height) = (self.size.0 / DETAIL, self.size.1 / DETAIL);
         let label = escaped(label);
@@ -200,7 +193,7 @@ impl Drawing {
         named
     }
 
-    /// The image as PNG data on a white background. It is drawn in `DETAIL` times its size and then reduced.
+    /// The image as PNG data on a white background. It is drawn `DETAIL` times as large and then reduced.
     #[cfg(feature = "png")]
     fn png(&self) -> Result<Vec<u8>, String> {
         use plotters::backend::BitMapBackend;
@@ -227,12 +220,11 @@ impl Drawing {
 
 #[cfg(feature = "png")]
 impl Shape {
-    /// Draws this shape on a backend.
     fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Drawn<B::ErrorType> {
         let colour = self.colour;
         match &self.form {
-            // Draw each segment separately, because the backend leaves holes where a line crosses itself. In addition,
-            // make horizontal and vertical lines narrower, because the backend draws them one pixel too wide.
+            // Draw each segment separately, because the backend leaves holes where a line crosses itself. Make
+            // horizontal and vertical lines one pixel narrower, because the backend draws them one pixel too wide.
             Form::Line(points, width) => {
                 for pair in points.windows(2) {
                     let is_straight = pair[0].0 == pair[1].0 || pair[0].1 == pair[1].1;
@@ -330,7 +322,7 @@ impl DrawingBackend for Drawing {
         self.push(polygon, style.color())
     }
 
-    /// Records each line of a text as a shape. The lines are drawn below each other.
+    /// Records each line of a text as a shape of its own, below the previous line.
     fn draw_text<S: BackendTextStyle>(
         &mut self,
         text: &str,
@@ -362,7 +354,6 @@ impl DrawingBackend for Drawing {
     }
 }
 
-/// Replaces the reserved characters of SVG in a text by their escape sequences.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -20,9 +20,9 @@ pub struct Heat {
     pub name: String,
     /// Title of the figure.
     pub title: String,
-    /// Line of text below the title, which explains the shares.
+    /// Line of text below the title. It explains what the shares in the heat map mean.
     pub subtitle: String,
-    /// Label of the field whose values name the rows and columns.
+    /// Label of the field whose values are the names of the rows and columns.
     pub axis: String,
     /// The panels of the heat map.
     pub panels: Vec<HeatPanel>,
@@ -43,7 +43,6 @@ pub struct HeatPanel {
 
 /// Largest number of items in a panel.
 const MAX_THINGS: usize = 40;
-/// Largest number of panels.
 const MAX_PANELS: usize = 24;
 /// Side of a square with a number, in drawing units (1/3 px).
 const LARGE: i32 = 222;
@@ -55,7 +54,6 @@ const MAX_NUMBERED: usize = 12;
 const NAME: i32 = 510;
 /// Gap between panels, in drawing units.
 const GAP: i32 = 102;
-/// Gap between names along x, in drawing units.
 const BESIDE: i32 = 12;
 /// Width of the symbol beside each text of the key, in drawing units.
 const SAMPLE: i32 = 78;
@@ -137,8 +135,7 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws a panel whose squares begin at the upper left `corner`. Returns the position of the lower edge of the panel's
-/// labels.
+/// Draws a panel whose squares begin at the upper left `corner`. Returns the y of the lower edge of the panel's labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
     // If the squares are smaller than the text, only some of the names fit beside them.
@@ -179,7 +176,7 @@ fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32
     Ok(corner.1 + high + below)
 }
 
-/// A share in percent. A share below 1 is never rounded to 100 %.
+/// A share as text in percent. A share below 1 is never rounded to 100 %.
 fn in_percent(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 99.5 => format!("{percent:.0} %"),
@@ -188,7 +185,6 @@ fn in_percent(share: f64) -> String {
     }
 }
 
-/// Fill colour of a square. A larger share is darker.
 fn shade(share: Option<f64>) -> Colour {
     share.map_or(NONE, |share| mixed(WHITE, ALL, share))
 }

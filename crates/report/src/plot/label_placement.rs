@@ -1,4 +1,4 @@
-//! Places labels beside points, so that labels cover neither each other nor points.
+//! Places labels beside the points of a figure, so that labels cover neither each other nor points.
 
 use super::lettering::width;
 use super::sheet::Point;
@@ -7,19 +7,18 @@ use super::sheet::Point;
 pub(super) const NAME: i32 = 45;
 /// Distances from its point at which a label may be placed, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
-/// Largest distance of a label from its point without a line between them, in drawing units.
+/// A label that is farther from its point than this gets a line to the point, in drawing units.
 const MAX_WITHOUT_LEADER: i32 = 60;
-/// For the label of a point that is not on the Pareto front, only this many of the smallest [`DISTANCES`] are tried.
+/// Number of [`DISTANCES`] that are tried for the label of a point that is not on the Pareto front, smallest first.
 const BESIDE: usize = 2;
-/// Number of directions that are tried for a label.
 const DIRECTIONS: usize = 24;
 /// Half the height of a label including the space around it, in drawing units.
 const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover, in drawing units.
 const POINT: i32 = 18;
 
-/// Penalty for each other label that a label covers, and for each leader that it covers. A leader is the line from a
-/// point to its label. Penalties are in the same unit as the distance of a label from its point.
+/// Penalty for each other label and each leader that a label covers. A leader is the line from a point to its label.
+/// Penalties are in the same unit as the distance of a label from its point.
 const HIDES_NAME: i32 = 3_000_000;
 /// Penalty for each other label that the leader of a label crosses.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
@@ -34,15 +33,13 @@ const HIDES_BEATEN: i32 = 90;
 /// Penalty for each error bar that a label covers.
 const HIDES_BAR: i32 = 90;
 
-/// A label at its final place.
 pub(super) struct PlacedLabel {
     pub(super) text: String,
-    /// Left end of the label's text, at half its height.
     pub(super) place: Point,
     /// Line from the point to the label; `None` if the label is close to its point.
     pub(super) leader: Option<[Point; 2]>,
     pub(super) bounds: Bounds,
-    /// Whether the label's point is on the Pareto front.
+    /// Whether the point of this label is on the Pareto front.
     pub(super) of_front: bool,
 }
 
@@ -74,16 +71,15 @@ impl Bounds {
         along(from, to).any(|at| self.meets(&Self::around(at, (3, 3))))
     }
 
-    /// The point of the rectangle that is nearest to a given point.
     fn nearest(&self, (x, y): Point) -> Point {
         let [left, top, right, bottom] = self.0;
         (x.clamp(left, right), y.clamp(top, bottom))
     }
 }
 
-/// Places labels within a frame, one after another. Labels of points on the Pareto front are placed first, where their
-/// penalty is smallest. Labels of the points in `beaten`, which are not on the front, are placed only where there is
-/// space. Labels also avoid the error bars `bars`.
+/// Places the labels of a figure within a frame, one after another. Labels of points on the Pareto front are placed
+/// first, where their penalty is smallest. Labels of the points in `beaten`, which are not on the front, are placed
+/// only where there is space. Labels also avoid the error bars `bars`.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],
@@ -129,7 +125,8 @@ pub(super) fn place(
     names
 }
 
-/// Rectangle of a label at `distance` from its point. `at` is the index of the direction; direction 0 is to the right.
+/// Rectangle of a label at `distance` from its point. `at` is the index of the direction from the point to the label;
+/// direction 0 is to the right.
 fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, Bounds) {
     let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
     let (sine, cosine) = libm::sincos(angle);
@@ -141,7 +138,7 @@ fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, 
     (distance, Bounds::around(centre, (half_width, HALF)))
 }
 
-/// Sum of the penalties of a label that is placed in the rectangle `bounds`. Penalties for error bars are not included.
+/// Sum of the penalties for a label in the rectangle `bounds`, without the penalties for error bars.
 fn hidden(
     bounds: &Bounds,
     own: Point,
@@ -172,7 +169,6 @@ fn hidden(
     cost + CROSSES_FRONT * crossings.count() as i32
 }
 
-/// Points along a line segment.
 fn along(from: Point, to: Point) -> impl Iterator<Item = Point> {
     (0..=40).map(move |step| {
         let on_the_way = |from: i32, to: i32| from + step * (to - from) / 40;

@@ -14,11 +14,11 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     fonts.filter_map(Result::ok).collect()
 });
 
-/// Reserve for the width of a text: a viewer of the SVG uses its own sans-serif font, which may be wider by this
-/// factor.
+/// Factor by which the width of a text is increased, because a viewer of the SVG uses its own sans-serif font, which
+/// may be wider.
 const ROOM: f64 = 1.12;
 
-/// Width of `text` at the font size `em`, with a reserve for a wider font.
+/// Width of `text` at the font size `em`, increased by the factor [`ROOM`].
 pub(crate) fn width(text: &str, em: i32) -> i32 {
     (ROOM * f64::from(em) * set(text, |_, _, _| ())).ceil() as i32
 }
@@ -44,8 +44,8 @@ fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     end
 }
 
-/// Calls `pixel` with the position and the coverage of each pixel of a text. The anchor (`x`, `base`) is on the base
-/// line of the text. The share `before` of the text's width is to the left of the anchor.
+/// Calls `pixel` with the position and the coverage (0 to 1) of each pixel of a text. The anchor (`x`, `base`) is on
+/// the base line of the text. The share `before` of the text's width is to the left of the anchor.
 #[cfg(feature = "png")]
 pub(crate) fn pixels(
     text: &str,

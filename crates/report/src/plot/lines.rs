@@ -1,4 +1,4 @@
-//! Figures of kind `lines`. They show statistics of `cells.csv` as lines.
+//! Figures of kind `lines`: statistics of `cells.csv` as lines.
 
 use super::captions::{self, full_value, short_value};
 use super::drawing::Figure;
@@ -13,25 +13,24 @@ use crate::{ReportError, phrases};
 use palpate_study::{Label, number};
 use std::collections::BTreeMap;
 
-/// Draws a figure of kind `lines`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let selection = Selection::new(of)?;
     Lines::new(&selection)?.figure()
 }
 
-/// Share of failed trials above which a point is circled, because it describes only the successful trials.
+/// A point is circled if more than this share of its trials failed, because its statistics describe only the successful
+/// trials.
 const MAX_FAILED: f64 = 0.05;
 
-/// Points that cannot be drawn: for each reason, the number of points and the series to which they belong.
+/// Points that cannot be drawn. For each reason: the number of points, and the series to which they belong.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
-/// The selected rows of a table, with the labels of their columns.
 struct Lines<'a> {
     of: &'a Selection<'a>,
     x: Label,
     y: Label,
     spacing: [Spacing; 2],
-    /// Names along the x axis, if its values are not numbers.
+    /// Names along the x axis; `None` if the values of x are numbers.
     categories: Option<Vec<&'a str>>,
 }
 
@@ -142,8 +141,8 @@ impl<'a> Lines<'a> {
         [named.unwrap_or(x), y]
     }
 
-    /// The lines of one panel, in the order of the legend. A line may be followed by a dashed line, which shows another
-    /// statistic for comparison.
+    /// The lines of one panel, in the order of the legend. A solid line may be followed by a dashed line with a second
+    /// statistic of the same series.
     fn lines(&self, rows: &[usize], skipped: &mut Skipped<'a>) -> Vec<Line> {
         let series: Vec<(Style, Vec<usize>)> = match self.of.series {
             None => vec![(Style::of(0), rows.to_vec())],
@@ -211,8 +210,8 @@ impl<'a> Lines<'a> {
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
     }
 
-    /// 95 % intervals of those points of `rows` that can be drawn. The intervals are computed from the Monte Carlo
-    /// error of the statistic.
+    /// The x and the 95 % interval of each point of `rows` that can be drawn. The intervals are computed from the Monte
+    /// Carlo error of the statistic.
     fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
         let [across, up] = self.spacing;
         let bar = |&row: &usize| {
@@ -225,14 +224,13 @@ impl<'a> Lines<'a> {
         rows.iter().filter_map(bar).collect()
     }
 
-    /// Whether so many trials of `row` failed that its statistics describe only the successful trials.
+    /// Whether more than [`MAX_FAILED`] of the trials of `row` failed.
     fn is_of_survivors(&self, row: usize) -> bool {
         let count = |name| self.of.table.statistic(row, name).unwrap_or(0.0);
         let is_of_trials = !["failures", "trials"].contains(&self.of.y);
         is_of_trials && count("failures") > MAX_FAILED * count("trials")
     }
 
-    /// Position of `row` along the x axis.
     fn across(&self, row: usize) -> Option<f64> {
         match (self.of.x, &self.categories) {
             (Column::Axis(axis), Some(names)) => {
@@ -257,7 +255,6 @@ impl<'a> Lines<'a> {
         [axis('x', x, &self.x), axis('y', y, &self.y)]
     }
 
-    /// The reference points that the config states for this plot.
     fn points(&self) -> Result<Points, ReportError> {
         let Selection {
             of,
@@ -303,7 +300,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Text with the fixed settings and the number of trials per point.
+    /// Subtitle with the settings that all points share and with the number of trials per point.
     fn subtitle(&self) -> String {
         let Selection {
             of, table, rows, ..
@@ -349,7 +346,6 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Label of a statistic, computed for the quantities of all rows.
 fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     let table = of.table;
     let of_row = |row: &usize| phrases::statistic(name, &[table.quantity(*row)], table.unit(*row));
@@ -371,14 +367,14 @@ fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     }
 }
 
-/// The rows among `rows` in which the field `axis` has this value.
+/// The rows of `rows` in which the field `axis` has the value `value`.
 fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     let rows = rows.iter().copied();
     rows.filter(|row| axis.text(*row) == value).collect()
 }
 
-/// Colour and marker for a value of a swept field. Both depend only on the study, so they are the same in all plots of
-/// the study.
+/// Colour and marker for a value of a swept field. They depend only on the index of the value in the study, so a value
+/// has the same style in all plots of the study.
 fn style(axis: &Axis, value: &str) -> Style {
     let place = axis.values().iter().position(|known| known == value);
     Style::of(place.unwrap_or(0))

@@ -1,4 +1,4 @@
-//! Figures of Pareto fronts: the error of models against their cost, with one panel per scene. Models on the front are
+//! Figures of Pareto fronts: the error of models over their cost, with one panel per scene. Models on the front are
 //! labelled; other models are labelled only if there is space.
 
 use super::chart::{Panel, Place, bar, mesh};
@@ -25,8 +25,8 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
-/// Largest relative error on the error axis. Models with a larger error are useless; they are drawn as arrows at the
-/// edge.
+/// Upper end of the error axis (relative error). Models with a larger error are useless; they are drawn as arrows at
+/// the edge.
 const MAX_ERROR: f64 = 10.0;
 
 /// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
@@ -37,7 +37,6 @@ pub fn tradeoff_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     figures(&Tradeoff::read(files)?)
 }
 
-/// Draws one Pareto figure for each comparison of models.
 pub(crate) fn figures(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
     let ladders = tradeoff.ladders.iter();
     ladders
@@ -45,7 +44,7 @@ pub(crate) fn figures(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
         .collect()
 }
 
-/// Draws the Pareto figure of one comparison of models. The costs of the models are in `unit`.
+/// Draws the Pareto figure of one comparison of models. `unit` is the unit of the models' costs.
 fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
@@ -114,7 +113,6 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws the panel of one scene, with all models.
 fn front(
     sheet: &Sheet,
     panel: &mut Panel<'_>,
@@ -182,12 +180,11 @@ fn front(
     Ok(())
 }
 
-/// Ends of the 95 % interval of a model's error.
 fn interval(rung: &Rung) -> [f64; 2] {
     normal(rung.error, rung.error_std).map(|end| Spacing::Log.nearest(end))
 }
 
-/// Name of a model. If its error is beyond the axis, the text also contains the error.
+/// Label of a model: its name, and its error if the error is beyond the axis.
 fn named(rung: &Rung) -> String {
     match is_off_scale(rung) {
         true => format!(
@@ -203,13 +200,13 @@ fn is_off_scale(rung: &Rung) -> bool {
     rung.error > MAX_ERROR
 }
 
-/// Corners of an arrowhead that points upwards, above a marker.
+/// Corners of an arrowhead above a marker that points upwards.
 fn arrow((x, y): Point) -> [Point; 3] {
     let (size, bottom) = (OTHER as i32, y - MARKER as i32 - 9);
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of a model without the numbers in it. Models for which this text is the same belong to one family.
+/// Name of a model without the numbers in it. Models with the same result belong to one family.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {
@@ -229,7 +226,6 @@ fn family(name: &str) -> String {
         .join(", ")
 }
 
-/// Error at which a model is drawn: its error, limited to the range of the axis.
 fn drawn_error(rung: &Rung) -> f64 {
     rung.error.min(MAX_ERROR)
 }

@@ -1,4 +1,4 @@
-//! Figures of one press. They show the true and the measured displacements of the markers.
+//! Figures of one press: the true and the measured displacements of the markers.
 
 mod marker_table;
 mod outward;
@@ -30,7 +30,8 @@ pub fn press_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     Ok(vec![quiver::figure(&trace)?, profile(&trace)?])
 }
 
-/// Draws the profiles: the normal displacement and, below it, the displacement along the skin.
+/// Draws the figure `trace-profile`: the normal displacement over the distance from the contact and, below it, the
+/// displacement along the skin.
 fn profile(trace: &Trace) -> Result<Figure, ReportError> {
     let label = |text: &str| with_unit(text, &spoken_unit(&trace.unit));
     let distances: Vec<f64> = trace.markers.iter().map(|marker| marker.radial).collect();
@@ -61,7 +62,8 @@ fn profile(trace: &Trace) -> Result<Figure, ReportError> {
     series::figure(words, plots)
 }
 
-/// True values and readings of one component of the displacement, as points over the distance from the contact.
+/// True values and readings of one component of the displacement, over the distance from the contact, as one set of
+/// points each.
 fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>) -> Vec<PointSet> {
     let markers = || trace.markers.iter().enumerate();
     let truth =

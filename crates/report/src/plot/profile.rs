@@ -1,5 +1,4 @@
-//! Figures of kind `profile`. They show the true and the estimated displacement of the skin over the distance from the
-//! contact.
+//! Figures of kind `profile`: the true and the estimated displacement of the skin over the distance from the contact.
 
 use super::captions::{full_value, short_value};
 use super::drawing::Figure;
@@ -18,7 +17,6 @@ use palpate_study::label::{spoken_unit, with_unit};
 /// Largest number of series. The lines have no markers and differ only in colour, so only a few can be distinguished.
 const MAX_LINES: usize = PLAIN;
 
-/// Draws a figure of kind `profile`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let component = of.plot.component.unwrap_or(Component::Normal);
     let profiles = read(of, component)?;
@@ -123,16 +121,15 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     all.filter(|line| !line.runs.is_empty()).collect()
 }
 
-/// Swept fields in which the drawn cells differ.
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Swept fields in which the cells differ, except the field whose values separate the panels.
+    /// Swept fields in which the drawn cells differ, without the field whose values separate the panels.
     names: Vec<&'a Axis>,
 }
 
 /// Cells that are drawn in the same colour, one cell per panel.
 struct Series<'a> {
-    /// This series' values of the swept fields in which the series differ.
+    /// Values of the swept fields [`Axes::names`] in this series.
     name: Vec<&'a str>,
     label: String,
     style: Style,
@@ -153,7 +150,7 @@ impl<'a> Axes<'a> {
         self.names.iter().map(|axis| axis.text(row)).collect()
     }
 
-    /// Heading of the legend: the name of the swept field, if the series differ in only one field; otherwise empty.
+    /// Heading of the legend: the name of the swept field if the series differ in only one field; otherwise empty.
     fn title(&self) -> String {
         match self.names.as_slice() {
             [axis] => Label::of_field(&axis.header).text(),
@@ -197,7 +194,7 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// Style of the series with this label. If the series differ in only one field, the value of this field may be given
+/// Style of the series with this label. If the series differ in only one field, `name` may be the value of this field
 /// instead of the label.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
@@ -208,21 +205,19 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     })
 }
 
-/// One component of the displacement in every cell, in the order of the table.
+/// One component of the displacement in every cell, in the order of `map.csv`.
 struct Profiles {
     /// Units of the distance from the contact and of the displacement, as the headers state them; may be empty.
     units: [String; 2],
     cells: Vec<Profile>,
 }
 
-/// Displacement in one cell over the distance from the contact.
 struct Profile {
     cell: u64,
     truth: Runs,
     estimate: Runs,
 }
 
-/// Reads the profiles of one component from `map.csv`.
 fn read(of: Request<'_>, component: Component) -> Result<Profiles, ReportError> {
     let columns = match component {
         Component::Normal => ["normal_displacement", "estimated_normal_displacement"],

@@ -8,18 +8,18 @@ use crate::table::same;
 use palpate_study::{config, number};
 use plotters::style::Color;
 
-/// An axis of a plot, for the conversion of numbers to displayed numbers.
+/// An axis of a plot. It converts numbers of the config to displayed numbers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AxisScale {
     pub(crate) name: char,
     pub(crate) spacing: Spacing,
-    /// Factor by which a number is multiplied to get the displayed number.
+    /// Displayed number divided by the number in the config.
     pub(crate) factor: f64,
 }
 
 impl AxisScale {
-    /// Displayed number for `value`. If this number cannot be drawn on the axis, the error states the reason. `what`
-    /// names the item in the error message.
+    /// The displayed number for `value`. If it cannot be drawn on the axis, the error states the reason and calls the
+    /// number `what`.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         let refused = |why| {
@@ -50,7 +50,7 @@ pub(crate) fn marks(marks: &[config::Mark], [x, y]: [AxisScale; 2]) -> Result<Ve
     marks.iter().map(place).collect()
 }
 
-/// Sets of reference points. A set belongs to one panel, or to all panels (`None`).
+/// Sets of reference points. Each set belongs to one panel, or to all panels (`None`).
 #[derive(Debug, Default)]
 pub(crate) struct Points {
     sets: Vec<(Option<String>, PointSet)>,
@@ -101,7 +101,6 @@ impl Points {
         Ok(Self { sets })
     }
 
-    /// The sets of points for the panel that shows the swept value `value`.
     pub(crate) fn of_panel(&self, value: Option<&str>) -> Vec<PointSet> {
         let here = |panel: &Option<String>| match (panel, value) {
             (Some(panel), Some(value)) => same(panel, value),
@@ -112,8 +111,8 @@ impl Points {
         sets.map(|(_, set)| set.clone()).collect()
     }
 
-    /// Label and style of each set of points. If sets with the same label have different colours, the legend shows a
-    /// neutral colour.
+    /// Label and style of each set of points, for the legend. If sets with the same label have different colours, the
+    /// legend shows a neutral colour.
     pub(crate) fn legend(&self) -> Vec<(String, Style)> {
         let mut entries: Vec<(String, Style)> = Vec::new();
         for (_, set) in &self.sets {

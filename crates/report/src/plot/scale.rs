@@ -1,4 +1,4 @@
-//! Axes: where a value is along an axis, and which ticks an axis has.
+//! Scales of axes: the position of a value along an axis, and the ticks of the axis.
 
 use super::lettering::{width, wrap};
 use super::sheet::TEXT;
@@ -13,35 +13,33 @@ pub(crate) enum Spacing {
     Log,
 }
 
-/// A tick with its label.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
     pub(crate) at: f64,
     pub(crate) label: String,
 }
 
-/// An axis with its range, its ticks and its grid lines. The plotters library uses it as a coordinate type.
+/// An axis with its range, its ticks and its grid lines. The plotters library uses this type as a coordinate.
 #[derive(Debug, Clone)]
 pub(crate) struct Scale {
     spacing: Spacing,
     /// Lower end of the range. On a logarithmic axis, `min` and `max` are the decimal logarithms of the ends.
     min: f64,
     max: f64,
-    /// Names of the values at the positions 0, 1, …; empty for an axis with numbers.
+    /// Names at the positions 0, 1, … of the axis; empty for an axis with numbers.
     names: Vec<String>,
-    /// Approximate number of ticks that the axis should have.
+    /// Approximate number of ticks.
     about: usize,
-    /// Whether there are grid lines between the ticks.
     has_minor: bool,
 }
 
-/// Largest magnitude that can be drawn. On a logarithmic axis, the inverse of this number is the smallest magnitude.
+/// Largest magnitude that can be drawn on an axis. On a logarithmic axis, the inverse of this number is the smallest
+/// magnitude.
 const LARGEST: f64 = 1e300;
-/// Smallest gap between two numbers along the x axis, in drawing units (1/3 px).
+/// Smallest gap between two tick labels along the x axis, in drawing units (1/3 px).
 const BETWEEN_NUMBERS: i32 = 24;
 
 impl Spacing {
-    /// `Log` if `is_log` is true, otherwise `Linear`.
     pub(crate) fn log(is_log: bool) -> Self {
         if is_log { Self::Log } else { Self::Linear }
     }
@@ -68,7 +66,7 @@ impl Spacing {
 }
 
 impl Scale {
-    /// An axis that covers all `values`, with a margin. All values must be drawable on it.
+    /// An axis that covers all `values`, with a margin. Each value must be finite and drawable on the axis.
     pub(crate) fn around(spacing: Spacing, values: impl Iterator<Item = f64>) -> Self {
         let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values {
@@ -96,7 +94,7 @@ impl Scale {
         }
     }
 
-    /// A linear axis that ends exactly at `min` and `max`. The two numbers must differ and be drawable.
+    /// A linear axis that ends exactly at `min` and `max`. The two numbers must differ.
     pub(crate) fn exactly(min: f64, max: f64) -> Self {
         Self {
             spacing: Spacing::Linear,
@@ -126,12 +124,10 @@ impl Scale {
         }
     }
 
-    /// The same axis with about this number of ticks.
     pub(crate) fn with_ticks(self, about: usize) -> Self {
         Self { about, ..self }
     }
 
-    /// The same axis without grid lines between its ticks.
     pub(crate) fn without_minor(self) -> Self {
         Self {
             has_minor: false,
@@ -139,12 +135,11 @@ impl Scale {
         }
     }
 
-    /// Whether the axis has names instead of numbers.
     pub(crate) fn is_named(&self) -> bool {
         !self.names.is_empty()
     }
 
-    /// The same axis with as many ticks as possible, so that their labels fit below a panel of this width. An axis of
+    /// The same axis with as many ticks as possible whose labels fit below a panel of the width `panel`. An axis of
     /// names keeps all its names, but wraps long names. `gap` is the smallest distance between neighbouring names.
     pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
         if !self.names.is_empty() {
@@ -170,24 +165,21 @@ impl Scale {
         choices.find(fits).unwrap_or(self.clone().with_ticks(2))
     }
 
-    /// The lower and the upper end of a linear axis.
     pub(crate) fn ends(&self) -> (f64, f64) {
         (self.min, self.max)
     }
 
-    /// Names of the values along the axis; empty for an axis with numbers.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Width of the widest tick label.
     pub(crate) fn widest(&self) -> i32 {
         let ticks = self.ticks();
         let widths = ticks.iter().map(|tick| width(&tick.label, TEXT));
         widths.max().unwrap_or(0)
     }
 
-    /// Largest number of lines in the label of a tick.
+    /// Largest number of lines of text in a tick label.
     pub(crate) fn lines(&self) -> i32 {
         let lines = self.names.iter().map(|name| name.lines().count() as i32);
         lines.max().unwrap_or(1)
@@ -227,7 +219,6 @@ impl Scale {
         }
     }
 
-    /// Positions of grid lines between the ticks, without labels.
     fn minor(&self) -> Vec<f64> {
         match self.spacing {
             _ if !self.has_minor || !self.names.is_empty() => Vec::new(),
@@ -239,7 +230,7 @@ impl Scale {
         }
     }
 
-    /// All numbers within the range of the axis that are one of these digits times a power of ten.
+    /// All numbers within the range of the axis that are a digit of `digits` times a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -313,7 +304,7 @@ impl Ranged for Scale {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
-        // Positions far outside of the axis are limited, because the plotters library uses `i32` pixels.
+        // Limit positions far outside of the axis, because the plotters library uses `i32` pixels.
         let place = self.place(*value).clamp(-9.0, 9.0);
         start + (place * f64::from(end - start)).round() as i32
     }
@@ -338,7 +329,7 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-/// A power of ten, with the same bits as its decimal literal.
+/// A power of ten, with exactly the bits that its decimal literal has.
 fn power(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::MAX)
 }
@@ -364,7 +355,7 @@ fn linear_range(min: f64, max: f64) -> (f64, f64) {
         return (min - margin, max + margin);
     }
     let margin = 0.05 * (max - min);
-    // If the smallest value is small compared with the largest, the range starts just below zero.
+    // If all values are ≥ 0 and the smallest is small compared with the largest, the range starts just below zero.
     let low = if min >= 0.0 && min < 0.4 * max {
         -0.3 * margin
     } else {

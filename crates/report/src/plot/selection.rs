@@ -8,7 +8,7 @@ use crate::{ReportError, Study, Table};
 use palpate_study::config::PlotConfig;
 use std::collections::BTreeMap;
 
-/// A `[[plot]]` table, and the study for which it is drawn.
+/// A `[[plot]]` table, and the study for which its figure is drawn.
 #[derive(Clone, Copy)]
 pub(crate) struct Request<'a> {
     pub(crate) study: &'a Study,
@@ -18,7 +18,6 @@ pub(crate) struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// The texts around the figure: name, title, subtitle and notes.
     pub(crate) fn words(&self, subtitle: String, notes: Vec<String>) -> Words {
         let title = self.plot.title.as_deref().unwrap_or(self.study.title());
         Words {
@@ -29,7 +28,7 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Error for a plot that cannot be drawn from the table.
+    /// Error for a plot that cannot be drawn. `problem` describes what is wrong in the table or the plot.
     pub(crate) fn bad(&self, problem: String) -> ReportError {
         ReportError::BadPlot {
             path: self.study.run_toml(),
@@ -38,7 +37,7 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Error for a key of the plot whose `value` is not the name of a column. The error lists the `known` columns.
+    /// Error for a key of the plot whose `value` names no column. The error lists the `known` columns.
     pub(crate) fn unknown<'b>(
         &self,
         key: &str,
@@ -51,7 +50,7 @@ impl<'a> Request<'a> {
         ))
     }
 
-    /// The swept field that the key `key` of the plot names. An unknown field is an error.
+    /// The swept field whose path is `name`. `key` is the plot's key that contains this name, for the error message.
     pub(crate) fn axis(&self, key: &str, name: &str) -> Result<&'a Axis, ReportError> {
         let table = self.study.cells();
         let known = table.axes().iter().map(|axis| axis.header.as_str());
@@ -60,7 +59,7 @@ impl<'a> Request<'a> {
     }
 }
 
-/// The `names`, sorted by their similarity to `wanted`. The most similar name is first.
+/// The `names`, most similar to `wanted` first.
 pub(crate) fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<&str> = names.collect();
     let likeness = |name: &str| strsim::jaro_winkler(wanted, name);
@@ -81,12 +80,11 @@ pub(crate) struct Selection<'a> {
     pub(crate) of: Request<'a>,
     pub(crate) table: &'a Table,
     pub(crate) x: Column<'a>,
-    /// Name of the statistic on the y axis.
     pub(crate) y: &'a str,
     pub(crate) series: Option<&'a Axis>,
     pub(crate) panels: Option<&'a Axis>,
     pub(crate) rows: Vec<usize>,
-    /// Values that the key `where` states but the table does not contain.
+    /// Values that the plot's key `where` states but that the table does not contain.
     pub(crate) absent: Vec<String>,
 }
 
@@ -99,7 +97,6 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// Text of this column in `row`; empty if the statistic has no value.
     fn text(self, table: &Table, row: usize) -> String {
         match self {
             Self::Axis(axis) => axis.text(row).to_owned(),
@@ -117,7 +114,6 @@ fn axis<'a>(table: &'a Table, name: &str) -> Option<&'a Axis> {
 }
 
 impl<'a> Selection<'a> {
-    /// Selects the columns and rows of a plot from the study's table.
     pub(crate) fn new(of: Request<'a>) -> Result<Self, ReportError> {
         let (table, plot) = (of.study.cells(), of.plot);
         let swept = || table.axes().iter().map(|axis| axis.header.as_str());
@@ -182,8 +178,8 @@ impl<'a> Selection<'a> {
         Ok(selection)
     }
 
-    /// Checks that no two rows have the same panel, series and x. The error names the swept fields in which such rows
-    /// differ.
+    /// Returns an error if two rows have the same panel, series and x. The error names the swept fields in which the
+    /// rows differ.
     fn check_unique(&self) -> Result<(), ReportError> {
         let (table, plot) = (self.table, self.of.plot);
         let mut points: BTreeMap<[String; 3], Vec<usize>> = BTreeMap::new();
@@ -196,8 +192,8 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // At most one row may belong to each point. Rows in which the statistic on x is undefined are not drawn, so
-        // they are not checked.
+        // At most one row may belong to each point. Rows without a value of the statistic on x are not drawn, so they
+        // are not checked.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {
@@ -231,9 +227,9 @@ fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
     }
 }
 
-/// The cells that a figure of `map.csv` shows.
+/// The cells of `map.csv` that a figure shows.
 pub(crate) struct CellSelection {
-    /// One row of `cells.csv` for each cell. There is at least one row.
+    /// One row of `cells.csv` for each selected cell. There is at least one row.
     pub(crate) rows: Vec<usize>,
     /// Notes about cells without a map, and about values that the key `where` names, but that the table does not
     /// contain.
@@ -273,7 +269,6 @@ pub(crate) fn choose_cells(of: Request<'_>, mapped: &[u64]) -> Result<CellSelect
     Ok(CellSelection { rows, notes })
 }
 
-/// Text with the swept values of a row.
 fn place(study: &Study, row: usize) -> String {
     let values = captions::swept_values(study.cells(), row);
     match values.is_empty() {

@@ -13,14 +13,13 @@ use plotters::series::LineSeries;
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, ShapeStyle};
 
-/// Number of points of a line above which its markers are small.
+/// A line with more than this number of points has small markers.
 const MANY_POINTS: usize = 25;
 /// Size of open markers, in drawing units (1/3 px).
 pub(crate) const OPEN_MARKER: f64 = 21.0;
 /// Width of the circle around a marker, in drawing units.
 const CIRCLE: f64 = 4.5;
 
-/// A group of panels with lines and points. All panels have the same axes.
 #[derive(Debug, Clone)]
 pub(crate) struct Plot {
     pub(crate) x_label: String,
@@ -29,7 +28,6 @@ pub(crate) struct Plot {
     pub(crate) y: Scale,
     /// Content of each panel. There is at least one panel.
     pub(crate) panels: Vec<Content>,
-    /// Key above the panels.
     pub(crate) key: Key,
     pub(crate) series: SeriesKey,
     pub(crate) marks: Vec<Mark>,
@@ -37,19 +35,16 @@ pub(crate) struct Plot {
     pub(crate) marker: f64,
 }
 
-/// Content of a panel.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Content {
-    /// Title of the panel; may be empty.
     pub(crate) title: String,
-    /// Coloured areas behind everything else. Each area is a polygon, given by its corners and its colour.
+    /// Coloured areas in the background. Each area is a polygon, given by its corners and its colour.
     pub(crate) grounds: Vec<(Vec<(f64, f64)>, Colour)>,
     pub(crate) lines: Vec<Line>,
     pub(crate) points: Vec<PointSet>,
 }
 
 impl Content {
-    /// Coordinates of all points in the panel: of the points of the lines, and of the single points.
     pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lines = self
             .lines
@@ -60,7 +55,6 @@ impl Content {
     }
 }
 
-/// A set of single points, which are drawn as open markers.
 #[derive(Debug, Clone)]
 pub(crate) struct PointSet {
     pub(crate) label: String,
@@ -69,17 +63,16 @@ pub(crate) struct PointSet {
     pub(crate) at: Vec<(f64, f64)>,
 }
 
-/// Points of a line. Where a value is missing, the line is interrupted and a new part begins.
+/// The points of a line in uninterrupted parts. A missing value ends a part.
 pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 
 /// The line of one series in one panel.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) style: Style,
-    /// Whether the line is dashed and has no markers. A dashed line shows a second statistic, which is compared with
-    /// the solid line.
+    /// Whether the line is dashed and has no markers. A dashed line shows a second statistic of the series, for
+    /// comparison with the solid line.
     pub(crate) dashed: bool,
-    /// Points of the line, sorted by x.
     pub(crate) runs: Runs,
     /// Points with a circle around their marker.
     pub(crate) circled: Vec<(f64, f64)>,
@@ -87,7 +80,7 @@ pub(crate) struct Line {
     pub(crate) bars: Vec<(f64, [f64; 2])>,
 }
 
-/// Explanation of the lines and markers. It is empty if there is only one series and no dashed line.
+/// Explanation of the lines and markers of a plot. It is empty if there is only one series and no dashed line.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SeriesKey {
     pub(crate) title: String,
@@ -98,7 +91,6 @@ pub(crate) struct SeriesKey {
     pub(crate) points: Vec<(String, Style)>,
 }
 
-/// A reference line with a label.
 #[derive(Debug, Clone)]
 pub(crate) struct Mark {
     pub(crate) on_x: bool,
@@ -107,8 +99,8 @@ pub(crate) struct Mark {
     pub(crate) style: ShapeStyle,
 }
 
-/// The x axis and the y axis, which cover all points and reference lines. `make` makes an axis from its index (0 for
-/// x, 1 for y) and from the values that it must cover.
+/// The x axis and the y axis, which cover all points and reference lines. `make` creates an axis from its index (0 for
+/// x, 1 for y) and from the values that the axis must cover.
 pub(crate) fn scales(
     panels: &[Content],
     marks: &[Mark],
@@ -131,14 +123,12 @@ pub(crate) fn scales(
     ]
 }
 
-/// Draws a figure with the plots below each other. There must be at least one plot.
 pub(crate) fn figure(words: Words, plots: Vec<Plot>) -> Result<Figure, ReportError> {
     let charts: Vec<Chart<'_>> = plots.iter().map(Plot::chart).collect();
     chart::figure(words, &charts)
 }
 
 impl Line {
-    /// A line without circles and error bars.
     pub(crate) fn new(style: Style, dashed: bool, runs: Runs) -> Self {
         Self {
             style,
@@ -151,7 +141,7 @@ impl Line {
 }
 
 impl Plot {
-    /// A plot without reference lines, legend and key. The first label and the first scale are those of x.
+    /// A plot without reference lines, legend and key. The order in `labels` and in the pair of scales is x, y.
     pub(crate) fn new(labels: [String; 2], [x, y]: [Scale; 2], panels: Vec<Content>) -> Self {
         let [x_label, y_label] = labels;
         Self {
@@ -299,7 +289,6 @@ impl Plot {
 }
 
 impl Mark {
-    /// Draws a reference line. Its label is placed where it covers the fewest lines and points.
     fn draw(&self, label: &str, content: &Content, panel: &Panel<'_>) -> Drawn {
         const PLACES: [f64; 5] = [0.98, 0.02, 0.5, 0.25, 0.75];
         let area = panel.plotting_area().use_screen_coord();
@@ -314,7 +303,8 @@ impl Mark {
         let along = |start: i32, end: i32| {
             PLACES.map(|share| start + (share * f64::from(end - start)) as i32)
         };
-        // `ends` are the ends of the line, and `places` are possible places of its label on both sides of the line.
+        // `ends` are the ends of the reference line, and `places` are possible places of its label on both sides of the
+        // line.
         let (ends, places) = if self.on_x {
             let heights = along(down.end - half, down.start + half);
             let beside = heights.map(|y| [(x + 18, y), (x - 18 - wide, y)]);
@@ -353,8 +343,8 @@ impl Mark {
 }
 
 impl Content {
-    /// Measure of how much a label in this box would cover: 3 for each point in the box, and 1 for each sample of a
-    /// line. Each line segment has 21 samples.
+    /// How much a label in this box would cover: 3 for each point in the box, and 1 for each of the 21 samples of a
+    /// line segment.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

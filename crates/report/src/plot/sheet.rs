@@ -1,4 +1,5 @@
-//! The sheet on which a figure is drawn. It adds the title, the subtitle, the key and the notes to the content.
+//! The sheet on which a figure is drawn: the figure's content between title, subtitle and key above and the notes
+//! below.
 
 use super::drawing::{Drawing, Figure, LEADING};
 use super::lettering::{width, wrap};
@@ -49,13 +50,12 @@ pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
 /// A position in drawing units, from the upper left corner.
 pub(crate) type Point = (i32, i32);
 
-/// The texts of a figure that are around its content.
+/// Texts above and below the content of a figure.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Words {
     /// Name of the figure's files, without extension.
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Line of text below the title, with the number of trials and the fixed settings.
     pub(crate) subtitle: String,
     /// Lines of text below the content, for example about points that are not drawn.
     pub(crate) notes: Vec<String>,
@@ -72,17 +72,16 @@ impl Words {
     }
 }
 
-/// The sheet of a figure that is being drawn.
 pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Lower edge of the parts that are already drawn, in drawing units from the top.
+    /// Lower edge of everything that is already drawn, in drawing units from the top.
     pub(crate) top: i32,
 }
 
-/// Symbol beside a text of a key. It consists of a filled rectangle, a line on it and a marker on top. Each part may
-/// be missing.
+/// Symbol beside a text of a key. It consists of a filled rectangle, a line on the rectangle and a marker on top. Each
+/// part may be missing.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sample {
     pub(crate) ground: Option<Colour>,
@@ -91,10 +90,10 @@ pub(crate) struct Sample {
     pub(crate) symbol: Option<Symbol>,
 }
 
-/// Entries of a key: the symbol (sample) and the text of each entry.
+/// Entries of a key: symbol (sample) and text of each entry.
 pub(crate) type Key = Vec<(Sample, String)>;
 
-/// Draws a figure: first the title, then the content, which `draw` draws, then the notes.
+/// Draws a figure from top to bottom: title and subtitle, then the content, which `draw` draws, then the notes.
 pub(crate) fn figure(
     words: Words,
     width: i32,
@@ -119,13 +118,12 @@ pub(crate) fn figure(
     Figure::new(words.name, words.title, drawing)
 }
 
-/// Style of a text in this colour. The text is centred vertically on its position.
+/// Style of a text with this colour, centred vertically on its position.
 pub(crate) fn letters(em: i32, colour: Colour, horizontal: HPos) -> TextStyle<'static> {
     let font = FontDesc::from((FontFamily::SansSerif, em));
     font.color(&colour).pos(Pos::new(horizontal, VPos::Center))
 }
 
-/// A dashed line through `points`.
 pub(crate) fn dashed<C: Clone>(
     points: Vec<C>,
     style: ShapeStyle,
@@ -145,7 +143,6 @@ impl Sheet {
         notes.try_for_each(|note| self.paragraph(note, TEXT, QUIET))
     }
 
-    /// Draws a text and wraps it to the width of the sheet.
     fn paragraph(&mut self, text: &str, em: i32, colour: Colour) -> Drawn {
         for line in wrap(text, em, self.width - 2 * EDGE) {
             let place = (EDGE, self.top + em / 2);
@@ -156,18 +153,15 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws one line of text, centred vertically on `place`.
     pub(crate) fn text(&self, text: &str, place: Point, anchor: HPos, colour: Colour) -> Drawn {
         self.area
             .draw_text(text, &letters(TEXT, colour, anchor), place)
     }
 
-    /// Draws a line through some points.
     pub(crate) fn path(&self, points: Vec<Point>, style: ShapeStyle) -> Drawn {
         self.area.draw(&PathElement::new(points, style))
     }
 
-    /// Draws a text that begins at `left`, and wraps it to lines that are at most `limit` wide.
     pub(crate) fn heading(&mut self, text: &str, left: i32, limit: i32) -> Drawn {
         for line in wrap(text, TEXT, limit) {
             self.text(&line, (left, self.top + TEXT / 2), HPos::Left, INK)?;
@@ -194,7 +188,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws an entry of a key: a sample that begins at (x, y) and is `wide` wide, and then its text.
+    /// Draws an entry of a key: a sample of the width `wide` whose left end is at (x, y), and then its text.
     pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
         if let Some(ground) = sample.ground {
             let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];
@@ -249,7 +243,6 @@ impl Sample {
         }
     }
 
-    /// This sample with a marker on it.
     pub(crate) fn with(self, symbol: Symbol) -> Self {
         Self {
             symbol: Some(symbol),

@@ -14,9 +14,9 @@ use plotters::style::{Color, TRANSPARENT};
 /// A point or a direction in three dimensions.
 pub(crate) type Vector = [f64; 3];
 
-/// Angle by which the view is turned from the direction +x towards −y, degrees.
+/// Horizontal direction from the object to the viewer: angle from +x towards −y, degrees.
 const TURN: f64 = 62.0;
-/// Angle of the viewpoint above the horizontal plane, degrees.
+/// Angle of the viewer's direction above the horizontal plane, degrees.
 const RAISE: f64 = 36.0;
 /// Space for the labels of the axes to the left and to the right of the box, in drawing units (1/3 px).
 const BESIDE: i32 = 198;
@@ -24,33 +24,31 @@ const BESIDE: i32 = 198;
 pub(super) const BELOW: i32 = 48;
 /// Largest height of the box of the three-dimensional chart, in drawing units.
 const TALLEST: i32 = 1860;
-/// Distance between ticks, in drawing units. The number of ticks on an axis is its length divided by this distance, but
-/// at least 2 and at most 6.
+/// Distance between ticks, in drawing units. An axis has its length divided by this distance as number of ticks, but at
+/// least 2 and at most 6.
 const APART: f64 = 192.0;
 
 /// A three-dimensional chart of the plotters library. Its x axis points to the right, its y axis up, and its z axis
 /// away from the viewer. Therefore, y and z of the contacts must be swapped.
 pub(super) type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
-/// A scale that covers one coordinate of all positions. `axis` is the index of the coordinate.
+/// A scale that covers one coordinate of all positions. `axis` is the index of the coordinate (0, 1 or 2).
 pub(super) fn around(places: &[Vector], axis: usize) -> Scale {
     Scale::around(Spacing::Linear, places.iter().map(|place| place[axis]))
 }
 
 /// An orthographic view from above. All axes have the same scale.
 pub(super) struct View {
-    /// Unit vectors of the view: to the right, up, and towards the viewer.
+    /// Unit vectors of the view: `right`, `up`, and towards the viewer.
     right: Vector,
     up: Vector,
     toward: Vector,
-    /// Lengths of the box's sides, in drawing units.
     sides: Vector,
-    /// Height of the box in the image, in drawing units.
     pub(super) high: i32,
 }
 
 impl View {
-    /// A view of the box whose axes have these scales. The box is as large as the figure allows.
+    /// The view of a box whose axes have these scales. The box is as large as the figure allows.
     pub(super) fn of(scales: &[Scale; 3]) -> Self {
         let (sin_turn, cos_turn) = libm::sincos((-TURN).to_radians());
         let (sin, cos) = libm::sincos(RAISE.to_radians());
@@ -72,7 +70,7 @@ impl View {
         }
     }
 
-    /// Adds an empty three-dimensional chart with its walls to the sheet, below everything that was already drawn.
+    /// Adds an empty three-dimensional chart with its walls to the sheet, below everything that is already drawn.
     pub(super) fn space<'a>(&self, sheet: &Sheet, scales: &[Scale; 3]) -> Drawn<Space<'a>> {
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let about = (self.sides[axis] / APART).clamp(2.0, 6.0) as usize;
@@ -112,7 +110,6 @@ impl View {
         Ok(space)
     }
 
-    /// Writes the names of the axes.
     pub(super) fn name_axes(
         &self,
         space: &Space<'_>,

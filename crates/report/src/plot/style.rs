@@ -9,13 +9,11 @@ pub(crate) const GRID: Colour = Colour(210, 210, 210);
 pub(crate) const FAINT: Colour = Colour(238, 238, 238);
 pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 
-/// Colour of the floor of a 3D figure.
 pub(crate) const FLOOR: Colour = Colour(248, 248, 246);
 
-/// Colour of boundaries between coloured areas. It stays dark on a dark page.
+/// Colour of boundaries between coloured areas. This colour is also dark on a dark page.
 pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
 
-/// Background of figures on a dark page.
 pub(crate) const DARK: Colour = Colour(27, 29, 31);
 
 /// Colours that are replaced on a dark page, each with the colour that replaces it. All other colours are visible on
@@ -59,10 +57,9 @@ const COLOURS: [Colour; 7] = [
     Colour(0, 0, 0),
 ];
 
-/// Largest number of lines that differ in colour alone.
+/// Largest number of lines that are distinguished by colour alone.
 pub(crate) const PLAIN: usize = COLOURS.len();
 
-/// Shape of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Marker {
     Circle,
@@ -118,7 +115,6 @@ impl Style {
         }
     }
 
-    /// Style of open markers that belong to no series. Each `index` has its own shape.
     pub(crate) fn open(index: usize) -> Self {
         Self {
             colour: NEUTRAL,
@@ -150,12 +146,11 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// The eight shape classes, as they are named in files, with their colours. They are in the order of the table of
-/// classes, row by row. Its rows are for the mean curvature H > 0, H = 0 and H < 0, its columns for the Gaussian
-/// curvature K > 0, K = 0 and K < 0.
+/// The eight shape classes with their names in files and their colours. The order is: mean curvature H > 0, then H = 0,
+/// then H < 0; for the same sign of H, Gaussian curvature K > 0, K = 0, K < 0.
 ///
 /// From convex to concave, the colours change from red to blue, which colour-blind readers can distinguish. For grey
-/// prints, all colours have different lightness. None of them is the colour of a series.
+/// prints, all colours have different lightness. No series has one of these colours.
 pub(crate) const CLASSES: [(&str, Colour); 8] = [
     ("peak", Colour(122, 31, 18)),
     ("ridge", Colour(210, 79, 31)),
@@ -208,7 +203,7 @@ mod tests {
                 lightness(shown(colour)) > lightness(DARK) + 38.0,
                 "{colour:?}"
             );
-            // A pale colour is less prominent on both pages: it is lighter on a white page and darker on a dark page.
+            // A pale colour must be less prominent on both pages: lighter on a white page, and darker on a dark page.
             let pale = shown(pale(colour));
             if COLOURS.contains(&colour) {
                 assert!(lightness(pale) < lightness(shown(colour)), "{colour:?}");

@@ -5,7 +5,7 @@ use plotters::element::{Drawable, PointCollection};
 use plotters_backend::{BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Width of the white rim around a marker, in drawing units. It separates the marker from shapes below it.
+/// Width of the white rim around a marker, in drawing units. The rim separates the marker from shapes below it.
 const RIM: f64 = 4.5;
 
 /// A marker of approximately the radius `size`, with a white rim.
@@ -17,7 +17,6 @@ pub(crate) struct Symbol {
     pub(crate) is_open: bool,
 }
 
-/// A marker and its position, as an element of the plotters library.
 pub(crate) struct Placed<C>(pub(crate) C, pub(crate) Symbol);
 
 impl Symbol {
@@ -74,7 +73,7 @@ impl<C, B: DrawingBackend> Drawable<B> for Placed<C> {
     }
 }
 
-/// Fills the shape of a marker. The shape has approximately the radius `size`, plus `rim` on all sides.
+/// Fills the shape of a marker. Its radius is approximately `size` plus `rim`.
 fn fill<B: DrawingBackend, S: BackendStyle>(
     backend: &mut B,
     marker: Marker,
@@ -83,7 +82,7 @@ fn fill<B: DrawingBackend, S: BackendStyle>(
     style: &S,
 ) -> Result<(), DrawingErrorKind<B::ErrorType>> {
     let r = size + rim;
-    // Corners of a rectangle whose sides have the half lengths `a` and `b`.
+    // Corners of a rectangle with the side lengths 2 `a` and 2 `b`.
     let bar = |a: f64, b: f64| [(-a, -b), (a, -b), (a, b), (-a, b)];
     let long = bar(1.15 * r, 0.35 * size + rim);
     let (corners, turns): (&[(f64, f64)], &[f64]) = match marker {

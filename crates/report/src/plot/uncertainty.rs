@@ -6,17 +6,15 @@ use palpate_study::{Quantity, QuantityKind, Statistic};
 /// Note that explains the error bars of a figure.
 pub(crate) const BARS: &str =
     "Bars: 95 % intervals of the Monte Carlo error. Bars shorter than their marker are not drawn.";
-/// Half-width of a 95 % interval, in standard errors.
 const HALF_WIDTH: f64 = 1.96;
 
-/// Ends of the 95 % interval of a value with this standard error.
 pub(crate) fn normal(value: f64, error: f64) -> [f64; 2] {
     [value - HALF_WIDTH * error, value + HALF_WIDTH * error]
 }
 
-/// Ends of the 95 % interval of a statistic in `row`, in the unit of the table. The interval comes from the Monte
-/// Carlo error. `None` for fewer than two trials, for a statistic without Monte Carlo error, and for the mean of the
-/// reported standard deviations, because the table does not contain its scatter.
+/// Ends of the 95 % interval of the statistic `name` in `row`, in the unit of the table. The interval comes from the
+/// Monte Carlo error of the trials. `None` for fewer than two trials, for a statistic without Monte Carlo error, and
+/// for the mean of the reported standard deviations, because the table does not contain their scatter.
 ///
 /// If a trial observes several points of a patch, the errors at these points are not independent. Therefore the
 /// intervals of rms errors, mean absolute errors and shares of points count each trial once. The intervals of other
@@ -88,12 +86,12 @@ fn ratio(error: f64, of: f64) -> f64 {
     if of > 0.0 { error / of } else { 0.0 }
 }
 
-/// Standard error of the mean of `count` absolute values. `rms` is their root mean square.
+/// Standard error of the mean of `count` absolute values. `mean` is this mean, and `rms` their root mean square.
 fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
     ((rms * rms - mean * mean).max(0.0) / count).sqrt()
 }
 
-/// Standard error of a standard deviation. If the bias is small, this standard error is computed from that of the rms
+/// Standard error of a standard deviation. If the bias is small, it is computed from the standard error of the rms
 /// error; otherwise the estimates are assumed to be normally distributed.
 fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f64) -> Option<f64> {
     if bias.abs() > 0.5 * std || std == 0.0 {
@@ -125,8 +123,8 @@ mod tests {
     use super::*;
     use crate::Files;
 
-    /// The interval of a statistic, computed from a table with one row of 100 trials. `columns` are the statistics of
-    /// this row.
+    /// The interval of the statistic `of` in a table with one row of 100 trials. `columns` are the statistics in this
+    /// row.
     fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
         let names = Statistic::ALL.map(Statistic::name).join(",");
         let texts = Statistic::ALL.map(|statistic| {

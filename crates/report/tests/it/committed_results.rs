@@ -10,7 +10,6 @@ fn results() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results")
 }
 
-/// Folders of all studies, sorted by name.
 fn studies() -> Vec<PathBuf> {
     let folders = read_dir(results())
         .unwrap()
@@ -22,7 +21,6 @@ fn studies() -> Vec<PathBuf> {
     folders
 }
 
-/// Checks that the files in a folder are identical to `figures`. Returns the number of figures.
 #[track_caller]
 fn drawn(folder: &Path, figures: Vec<Figure>) -> usize {
     for figure in &figures {

@@ -9,8 +9,8 @@ const PLOT: &str =
 const HEADER: &str =
     "finger,x_cm,y_cm,z_cm,normal_x,normal_y,normal_z,tip_x_cm,tip_y_cm,tip_z_cm\n";
 
-/// Trace of three fingers on the plane z = 0, with two contacts each. Fingers are `scale` apart, and `tip` is the
-/// radius of their tips.
+/// Text of `trace.csv` for three fingers on the plane z = 0, with two contacts each. The fingers are `scale` apart, and
+/// `tip` is the radius of their tips.
 fn trace(scale: f64, tip: f64) -> String {
     let mut text = HEADER.to_owned();
     for finger in 0..3 {
@@ -22,7 +22,7 @@ fn trace(scale: f64, tip: f64) -> String {
     text
 }
 
-/// Readings of the contacts in [`trace`]. Their heights are too large by `by`.
+/// Text of `readings.csv` for the contacts in [`trace`]. The heights in the readings are too large by `by`.
 fn readings(scale: f64, by: f64) -> String {
     let mut text = "finger,x_cm,y_cm,z_cm,normal_x,normal_y,normal_z\n".to_owned();
     for finger in 0..3 {

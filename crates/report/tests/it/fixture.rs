@@ -22,7 +22,6 @@ pub(crate) struct Cells {
     rows: usize,
 }
 
-/// True value and statistics in one row of `cells.csv`.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Numbers {
     pub(crate) truth: Option<f64>,
@@ -30,13 +29,9 @@ pub(crate) struct Numbers {
     pub(crate) failures: u64,
     pub(crate) mean: Option<f64>,
     pub(crate) std: Option<f64>,
-    /// Relative rms error.
     pub(crate) rms: Option<f64>,
-    /// Relative mean absolute error.
     pub(crate) abs: Option<f64>,
-    /// The 5, 50 and 95 % quantiles.
     pub(crate) quantiles: Option<[f64; 3]>,
-    /// Coverage of the 95 % intervals.
     pub(crate) coverage: Option<f64>,
     pub(crate) bound: Option<f64>,
 }
@@ -64,8 +59,8 @@ impl Cells {
         }
     }
 
-    /// Adds a cell with the quantity `normal_curvature_u`. `place` is the text of the swept values. Failed trials have
-    /// the kind `unresolved`.
+    /// Adds a cell with the quantity `normal_curvature_u`. `place` are the swept values, separated by commas. Failed
+    /// trials have the kind `unresolved`.
     pub(crate) fn push(&mut self, place: &str, numbers: Numbers) {
         self.push_of(place, "normal_curvature_u,1/cm", numbers, "unresolved");
     }
@@ -123,7 +118,6 @@ impl Cells {
 
 pub(crate) const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
 
-/// A study from the texts of its config, cells and failures. `others` contains names and texts of further files.
 pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, &str)]) -> Study {
     let files = [
         ("run.toml", config),
@@ -133,7 +127,7 @@ pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, 
     Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
 }
 
-/// A value that contains the score of one claim: the score itself, or a study with only one score.
+/// A value with exactly one score: the score of a claim itself, or a study with only one claim.
 pub(crate) trait Scored {
     fn score(&self) -> Score;
 }
@@ -176,7 +170,6 @@ pub(crate) fn untestable(of: &impl Scored, parts: &[&str]) {
     has_verdict(&of.score(), Verdict::NotTestable, parts);
 }
 
-/// The first figure of the study, as SVG.
 #[track_caller]
 pub(crate) fn drawn(study: &Study) -> String {
     figures(study).unwrap().remove(0).svg
@@ -195,7 +188,6 @@ pub(crate) fn says(text: &str, parts: &[&str]) {
     }
 }
 
-/// Checks that a figure contains these lines of text.
 #[track_caller]
 pub(crate) fn shows(svg: &str, texts: &[&str]) {
     for text in texts {
@@ -206,13 +198,11 @@ pub(crate) fn shows(svg: &str, texts: &[&str]) {
     }
 }
 
-/// Number of SVG elements of this kind with this colour.
 pub(crate) fn count(svg: &str, element: &str, colour: &str) -> usize {
     let is_one = |line: &&str| line.starts_with(&format!("<{element} ")) && line.contains(colour);
     svg.lines().filter(is_one).count()
 }
 
-/// The number in an attribute of an SVG element.
 pub(crate) fn attribute(element: &str, name: &str) -> f64 {
     let text = element.split(&format!(" {name}=\"")).nth(1).unwrap();
     text.split('"').next().unwrap().parse().unwrap()

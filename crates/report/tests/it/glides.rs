@@ -78,7 +78,6 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
     study(&config(0.1, &format!("claims = {claims}")), &text, &[])
 }
 
-/// A study from the texts of its config and cells. `others` contains names and texts of further files.
 pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> Study {
     fixture::study(config, cells, NO_FAILURES, others)
 }

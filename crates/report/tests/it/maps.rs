@@ -1,4 +1,4 @@
-//! Tests figures of kind `class-map`: their shapes and texts, and input that is rejected.
+//! Tests figures of kind `class-map` and `class-surface`: their shapes and texts, and input that is rejected.
 
 use crate::fixture::{attribute, count, drawn, refused, shows};
 use crate::glides::{cells, config, map, study};
@@ -9,7 +9,7 @@ const AXES: &str = "scene.noise.position.fraction_of_ifd,scene.estimator";
 const PLACES: [&str; 2] = ["0.05,two-pass", "0.05,penalised"];
 /// True classes on a grid of 3 × 3 points, with a saddle ridge in one corner.
 const TRUTH: &str = "rrrrrrrss";
-/// Estimated classes on the grid of `TRUTH`. The space is a point without an estimate.
+/// Estimated classes on the grid of `TRUTH`. The space is a point without an estimated class.
 const FOUND: &str = "rrr rrpss";
 
 fn made(plots: &str, map: &str) -> Study {

@@ -3,7 +3,7 @@
 use crate::fixture::{differs, holds, untestable};
 use crate::glides::{Made, cells, config, patches, study};
 
-/// Errors with which all claims hold: 1 % of the curvatures, and all classes correct.
+/// Errors for which all claims hold: 1 % of the curvatures, and all classes correct.
 const GOOD: Made = Made {
     gaussian: 0.0004,
     mean: 0.002,
@@ -53,7 +53,7 @@ fn claim_10_is_about_the_worst_surface() {
                     failures,
                     ..GOOD
                 },
-                // The claim must ignore rows with more noise, and rows of the first pass alone.
+                // The claim must ignore rows with more noise, and rows whose method is only the first pass.
                 (_, 0.1, _) | (_, _, "first pass") => Made { share: 0.1, ..GOOD },
                 _ => GOOD,
             }
@@ -61,7 +61,7 @@ fn claim_10_is_about_the_worst_surface() {
     };
     holds(&table(0.91, 0), &["91 % (turned cylinder)"]);
     differs(&table(0.89, 0), &["89 % (turned cylinder)"]);
-    // A tenth of the trials failed, so that the share of correctly classified places is 0.9 × 0.95.
+    // A tenth of the trials failed, so the share of correctly classified places is 0.9 × 0.95.
     differs(&table(0.95, 20), &["85.5 % (turned cylinder)"]);
 }
 
@@ -84,7 +84,7 @@ fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
             }
         })
     };
-    // The curvature κ is 0.2 on all surfaces. For the saddle it is 2 × 0.1, from its config.
+    // The largest curvature κ is 0.2 on all surfaces. For the saddle, it is 2 × 0.1, computed from the config.
     holds(&table(0.95, 0.3, 0.02, 0.02), &["95 % of the sphere"]);
     differs(&table(0.8, 0.3, 0.02, 0.02), &["80 % of the sphere"]);
     differs(&table(0.95, 0.95, 0.02, 0.02), &["95 % (saddle)"]);

@@ -6,7 +6,7 @@ use palpate_report::{Study, score};
 
 // ---- Claim 15: R² of the Gaussian
 
-/// Table with an R² for each layout of the samples. All rows have this number of trials and this estimator.
+/// Table with an R² for each layout of the profile's samples. All rows have this number of trials and this estimator.
 fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
     let mut cells = Cells::new("scene.probe.layout,scene.estimator");
     for (layout, found) in by_layout {
@@ -41,7 +41,7 @@ fn claim_15_holds_if_some_weighting_gives_the_published_value() {
         &study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
         &["0.977 (equal steps, calibrated gaussian), 0.972"],
     );
-    // If one of two rows of the same layout contradicts the published value, the claim fails.
+    // If one of two table rows with the same layout of samples contradicts the published value, the claim fails.
     differs(
         &study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
         &["0.961 to 0.98 (equal steps, calibrated gaussian)"],
@@ -66,7 +66,7 @@ fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
 // ---- Claim 16: convergence of the effective radius
 
 /// A study with all objects, estimators and indentations. `made` returns the median and the scatter of the paper's
-/// estimator at an indentation, both relative to the true value.
+/// estimates at an indentation, both relative to the true value.
 fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> Study {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.estimator");
     for (object, _, radius) in OBJECTS {

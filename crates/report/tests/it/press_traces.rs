@@ -9,8 +9,8 @@ const TRACE: &str = "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,
     2,0,4,4,0.5,0,0.2\n\
     3,-4,0,4,0.5,-0.2,0\n\
     4,0,-4,4,0.5,0,-0.2\n";
-/// Readings of the markers, in another order than in the trace. The third marker has no reading. The errors are 0.1 mm
-/// inward and 0.05 mm along the skin.
+/// Text of `readings.csv`. The markers are in another order than in `trace.csv`. The third marker has no reading. The
+/// errors are 0.1 mm inward and 0.05 mm along the skin.
 const READINGS: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm\n\
     0,-4,0.6,0,-0.25\n\
     4,0,0.4,0.25,0\n\
@@ -25,7 +25,6 @@ fn press(trace: &str, readings: &str) -> Result<Vec<Figure>, ReportError> {
     ]))
 }
 
-/// The figures `quiver` and `trace-profile`, as SVG.
 #[track_caller]
 fn drawn(trace: &str, readings: &str) -> [String; 2] {
     let figures = press(trace, readings).unwrap();
@@ -38,7 +37,6 @@ fn says(svg: &str, text: &str) -> bool {
     svg.contains(&format!("\n{text}\n"))
 }
 
-/// Vertical positions of the centres of all discs with this colour, in pixels.
 fn heights(svg: &str, colour: &str) -> Vec<f64> {
     let discs = svg
         .lines()
@@ -57,7 +55,7 @@ fn missing_readings_are_not_drawn() {
     ));
     assert!(!profile.contains("along the skin"));
     assert!(says(&profile, "distance from the contact (mm)"));
-    // The readings contain no marker.
+    // In this case, the readings contain no marker.
     let [quiver, profile] = drawn(TRACE, READINGS.lines().next().unwrap());
     assert!(says(&quiver, "5 markers, 5 without a reading."));
     assert_eq!(heights(&profile, VERMILION).len(), 1);

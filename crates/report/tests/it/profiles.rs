@@ -11,7 +11,6 @@ const LINES: &str = "[[plot]]\nname = \"p\"\nx = \"scene.motion.indentation\"\ny
 const HEADER: &str = "cell,radial_position_mm,normal_displacement_mm,radial_displacement_mm,\
     estimated_normal_displacement_mm,estimated_radial_displacement_mm\n";
 const POINTS: &str = "[[plot.points]]\nlabel = \"published\"\n";
-/// Table of six cells: three objects with two estimators each. The second estimator has no radial component.
 fn cells() -> Cells {
     let mut cells = Cells::new("scene.object,scene.estimator");
     for (object, ..) in OBJECTS {
@@ -133,7 +132,6 @@ fn profiles_of_any_size_are_drawn() {
     }
 }
 
-/// Cells with two indentations per object.
 fn spreads() -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {

@@ -23,8 +23,8 @@ fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f
         for depth in [0.4, 0.8, 1.2] {
             for shift in [0.0, 0.5, 1.0] {
                 let place = format!("{object},{depth},{shift}");
-                // Claims about the hue must use only markers that are not shifted, so the hues of shifted markers are
-                // made absurd.
+                // Claims about the hue must use only markers that are not displaced along the skin. So the test gives
+                // displaced markers absurd hues.
                 let wild = mean(100.0 * shift);
                 let read = if shift == 0.0 { hue(at, depth) } else { wild };
                 cells.push_of(&place, "hue_change,1/mm", read, "");
@@ -112,13 +112,13 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
 
 // ---- Claim 22: slopes of the straight lines
 
-/// A study of two sensors with these slopes of the mean hue and of the centroid, per millimetre. The hue of the summed
-/// light does not change.
+/// A study of two sensors. `hue` are the slopes of the mean hue and `centroid` those of the centroid, per millimetre.
+/// The hue of the summed light does not change.
 fn slopes(hue: [f64; 2], centroid: [f64; 2]) -> Study {
     slopes_with("", hue, centroid)
 }
 
-/// The study that [`slopes`] returns, with the additional keys `probe` in the config of the probe.
+/// The same study as [`slopes`], with the additional keys `probe` in the config of the probe.
 fn slopes_with(probe: &str, hue: [f64; 2], centroid: [f64; 2]) -> Study {
     let mut cells = Cells::new("scene.sensor,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, sensor) in ["as designed", "nearer camera"].into_iter().enumerate() {

@@ -27,7 +27,6 @@ roll,ideal,40,0
 roll,noise,90,16
 ";
 
-/// Names and texts of the tables of a comparison with these models (`rungs`).
 fn tables(rungs: &str) -> [(&'static str, String); 4] {
     [
         ("ladders.csv", LADDERS.to_owned()),
@@ -44,7 +43,6 @@ fn fill(folder: &Path) {
     }
 }
 
-/// The figure of the only comparison, as SVG.
 fn drawn(rungs: &str) -> String {
     let mut figures = tradeoff_figures(&Files::in_memory(tables(rungs))).unwrap();
     assert_eq!((figures.len(), figures[0].name.as_str()), (1, "rolling"));
@@ -97,7 +95,6 @@ fn the_page_reports_the_check_of_auto() {
     }
 }
 
-/// A study whose folder is in the folder `results`.
 fn study_in(results: &Path) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm");
     cells.push("5", Numbers::new(0.2, 0.1));

@@ -5,7 +5,7 @@ use crate::{Files, ReportError, phrases};
 use palpate_study::label::spoken_unit;
 use palpate_study::number;
 
-/// Names of the columns that are read from `trace.csv`, in the order in which the code uses them.
+/// Names of the columns that are read from `trace.csv`. The code refers to them by their index in this list.
 const TRACE: [&str; 6] = [
     "x",
     "y",
@@ -14,7 +14,7 @@ const TRACE: [&str; 6] = [
     "tangential_x",
     "tangential_y",
 ];
-/// Names of the columns that are read from `readings.csv`. The last two columns may be missing.
+/// Names of the columns that are read from `readings.csv`. The last two columns may be missing from the file.
 const READINGS: [&str; 5] = [
     "x",
     "y",
@@ -22,8 +22,8 @@ const READINGS: [&str; 5] = [
     "tangential_x",
     "tangential_y",
 ];
-/// Two positions count as equal if their coordinates differ by less than this share of the largest coordinate of all
-/// markers.
+/// A reading and a marker are at the same position if their coordinates differ by less than this share of the largest
+/// coordinate of all markers.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
 /// Displacement of a marker, in the length unit of the tables.
@@ -31,14 +31,13 @@ const RELATIVE_TOLERANCE: f64 = 1e-6;
 pub(super) struct Displacement {
     /// Component along the normal, positive inwards.
     pub(super) normal: f64,
-    /// Components of the displacement along both axes of the skin at the marker; `None` if they were not measured.
+    /// Components along both axes of the skin at the marker; `None` if they were not measured.
     pub(super) tangential: Option<[f64; 2]>,
 }
 
-/// A marker on the skin.
 #[derive(Debug, Clone)]
 pub(super) struct Marker {
-    /// Position of the marker along the skin at rest.
+    /// Position of the marker along the skin before the press.
     pub(super) place: [f64; 2],
     /// Distance of the marker from the contact, along the skin.
     pub(super) radial: f64,
@@ -47,18 +46,14 @@ pub(super) struct Marker {
     pub(super) reading: Option<Displacement>,
 }
 
-/// The markers of one press.
 #[derive(Debug)]
 pub(super) struct Trace {
-    /// Unit of all lengths, as the headers state it; may be empty.
     pub(super) unit: String,
     /// The markers in the order of `trace.csv`. There is at least one.
     pub(super) markers: Vec<Marker>,
-    /// Whether displacements along the skin were measured.
     pub(super) reads_tangential: bool,
 }
 
-/// Reads `trace.csv` and `readings.csv`.
 pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
     let trace = Records::read(files, "trace.csv", &TRACE)?.filled()?;
     one_unit(&trace, trace.unit(0), TRACE.len())?;
@@ -132,7 +127,6 @@ fn add_readings(
 }
 
 impl Trace {
-    /// Number of markers without a reading.
     pub(super) fn lost(&self) -> usize {
         let lost = |marker: &&Marker| marker.reading.is_none();
         self.markers.iter().filter(lost).count()
@@ -153,7 +147,6 @@ impl Trace {
         (rms(normal), rms(tangential))
     }
 
-    /// Text with the number of markers, the number of markers without a reading, and the errors of the readings.
     pub(super) fn subtitle(&self) -> String {
         let count = self.markers.len();
         let mut markers = format!("{count} marker{}", if count == 1 { "" } else { "s" });
@@ -170,7 +163,7 @@ impl Trace {
         phrases::sentence(&[], &markers)
     }
 
-    /// A length with its unit.
+    /// A length as text with `digits` significant digits and its unit.
     pub(super) fn length(&self, length: f64, digits: usize) -> String {
         let text = format!(
             "{} {}",

@@ -1,12 +1,12 @@
 //! Computes, for each marker, the direction along the skin away from the contact. The tables state only the distance
 //! of each marker from the contact, so the position of the contact is fitted to these distances.
 
-/// Number of equal steps in the search for the curvature of the skin.
+/// Number of equal steps in the first part of the search for the curvature of the skin.
 const STEPS: u32 = 60;
-/// Number of golden-section steps, which follow the equal steps. They narrow the range around the best curvature of the
-/// skin.
+/// Number of golden-section steps in the second part of the search. They narrow the range around the best curvature of
+/// the skin.
 const REFINEMENTS: u32 = 60;
-/// Largest curvature of the skin that is tried, multiplied by the largest distance from the contact. At π, this
+/// Largest curvature of the skin that is tried, multiplied by the largest distance from the contact. With π, this
 /// distance would be half a great circle.
 const ROUNDEST: f64 = 3.1;
 /// Regularisation of the least-squares fit: the trace of the matrix of the normal equations, multiplied by this number,
@@ -61,8 +61,8 @@ pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64
 struct Contact {
     curvature: f64,
     place: [f64; 3],
-    /// Misfit of the chords from the markers to the contact: sum of the squared differences between fitted and given
-    /// squares of the chords.
+    /// Sum of the squared misfits of the chords from the markers to the contact. The misfit of a chord is the
+    /// difference between its fitted and its given squared length.
     misfit: f64,
 }
 
@@ -94,7 +94,8 @@ impl Contact {
         }
     }
 
-    /// Unit vector away from the contact at a marker, in the parallel-transported axes; `None` at the contact.
+    /// Unit vector along the skin away from the contact, at a marker, in the parallel-transported axes; `None` at the
+    /// contact.
     fn away_at(&self, place: [f64; 2]) -> Option<[f64; 2]> {
         let length = libm::hypot(place[0], place[1]);
         let [x, y, z] = on_sphere(place, self.curvature);
@@ -116,7 +117,7 @@ impl Contact {
     }
 }
 
-/// Three-dimensional coordinates of a position along the skin.
+/// Three-dimensional coordinates of a position along the skin of a sphere with this curvature.
 fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
     let length = libm::hypot(place[0], place[1]);
     let stretch = over(length * curvature);
@@ -128,7 +129,6 @@ fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
     ]
 }
 
-/// The function sin(x)/x, which is 1 at x = 0.
 fn over(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { libm::sin(x) / x }
 }
@@ -137,7 +137,8 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Least-squares solution of linear equations. Each row contains the three coefficients and the right-hand side.
+/// Least-squares solution of linear equations with three unknowns. Each row contains the three coefficients and the
+/// right-hand side.
 fn least_squares(rows: &[([f64; 3], f64)]) -> [f64; 3] {
     let sum =
         |term: &dyn Fn(&[f64; 3], f64) -> f64| rows.iter().map(|(r, v)| term(r, *v)).sum::<f64>();
@@ -175,8 +176,6 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Transports a vector in parallel from the apex to a position on the skin. This is a rotation about a horizontal
-    /// axis by the polar angle of the position (Rodrigues' formula).
     fn carried(vector: [f64; 3], place: [f64; 2], radius: f64) -> [f64; 3] {
         let length = libm::hypot(place[0], place[1]);
         let axis = if length > 0.0 {

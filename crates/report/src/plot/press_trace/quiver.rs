@@ -19,25 +19,23 @@ use plotters::style::text_anchor::HPos;
 const KEY: i32 = 720;
 /// Gap between the key and the box that contains the markers, in drawing units.
 const GAP: i32 = 90;
-/// Smallest displacement along the skin for which arrows are drawn.
+/// Smallest displacement along the skin for which arrows are drawn, in the length unit of the tables.
 const MIN_DISPLACEMENT: f64 = 1e-290;
 /// Width of the arrow of a true displacement, in drawing units.
 const TRUE: f64 = 15.0;
-/// Width of the arrow of a reading, in drawing units. It is narrower, because it is drawn on the arrow of the true
-/// displacement.
+/// Width of the arrow of a reading, in drawing units. This arrow is narrower, because it is drawn on the arrow of the
+/// true displacement.
 const READ: f64 = 6.0;
 /// Length of the symbol beside each text of the key, in drawing units.
 const SAMPLE: i32 = 120;
 /// Width and height of the strip in the key that shows the shades of grey, in drawing units.
 const STRIP: Point = (78, 570);
-/// Number of shades in the strip of the key.
 const SHADES: i32 = 95;
-/// Grey for the smallest normal displacement. Arrows are visible on it.
+/// Grey of the smallest normal displacement. Arrows are visible on this grey.
 const LIGHT: Colour = Colour(252, 252, 252);
-/// Grey for the largest normal displacement. Arrows are visible on it.
+/// Grey of the largest normal displacement. Arrows are visible on this grey.
 const DARK: Colour = Colour(130, 130, 130);
 
-/// Draws the figure `quiver`: the markers with their arrows, and the key.
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let title = "Displacement of the markers along the skin";
     let words = Words::new("quiver", title, &trace.subtitle(), &[]);
@@ -85,7 +83,6 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     })
 }
 
-/// Scales of x and y that cover all markers. Both have the same length per unit.
 fn scales(trace: &Trace) -> [Scale; 2] {
     let ends = [0, 1].map(|axis| {
         let along = trace.markers.iter().map(|marker| marker.place[axis]);
@@ -101,16 +98,13 @@ fn scales(trace: &Trace) -> [Scale; 2] {
     })
 }
 
-/// The markers of a press, with the scales and sizes for drawing them.
 struct Quiver<'a> {
     trace: &'a Trace,
-    /// Scale from the true normal displacement to shades of grey.
     shade: Scale,
-    /// Radius of a marker, in drawing units.
     radius: f64,
-    /// Length of the longest displacement along the skin, in the unit of the tables.
+    /// Largest displacement of a marker along the skin, in the unit of the tables.
     longest: f64,
-    /// Length of an arrow in drawing units, divided by the displacement that the arrow shows; `None` if no marker moves
+    /// Length of an arrow in drawing units, divided by the displacement that the arrow shows. `None` if no marker moves
     /// along the skin.
     stretch: Option<f64>,
 }
@@ -121,8 +115,8 @@ impl Quiver<'_> {
         with_unit(label, &spoken_unit(&self.trace.unit))
     }
 
-    /// Draws a marker at its position at rest, in the grey of its normal displacement. A marker without a reading is
-    /// crossed out.
+    /// Draws a marker at its position at rest. Its shade of grey shows its true normal displacement. A marker without a
+    /// reading is crossed out.
     fn marker(&self, marker: &Marker, panel: &Panel<'_>) -> Drawn {
         let area = panel.plotting_area();
         let shade = mixed(LIGHT, DARK, self.shade.place(marker.truth.normal));
@@ -188,7 +182,6 @@ impl Quiver<'_> {
         Ok(())
     }
 
-    /// Draws the strip of greys in the key, with the values of the normal displacement.
     fn strip(&self, left: i32, sheet: &Sheet) -> Drawn {
         let (right, bottom) = (left + STRIP.0, sheet.top + STRIP.1);
         for at in 0..SHADES {
@@ -218,7 +211,6 @@ fn read_colour() -> Colour {
     Style::of(1).colour
 }
 
-/// Symbol that crosses out a marker without a reading.
 fn lost(size: f64) -> Symbol {
     let style = Style {
         colour: read_colour(),
