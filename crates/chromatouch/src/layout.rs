@@ -211,8 +211,8 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
     Ok((0..=rows as u32).flat_map(row).collect())
 }
 
-/// Coordinates of `markers` equally spaced markers along a line. The first is at 0, the last at `length`. `reach` is
-/// the distance of the farthest marker from the apex. It must be less than half the circumference of the sensor.
+/// Coordinates of `markers` equally spaced markers along a line. The first is at 0, the last at `length`. `reach`, the
+/// distance of the farthest marker from the apex, must be less than half the circumference of the sensor.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -229,7 +229,6 @@ fn equal_steps(
     Ok((0..markers).map(move |marker| length * share(marker)))
 }
 
-/// A pair of points that are too close to each other.
 pub(crate) struct TooClose {
     /// The smaller index of the two points, counted from 0.
     pub(crate) first: usize,

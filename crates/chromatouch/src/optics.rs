@@ -56,8 +56,7 @@ pub struct Optics {
     colours: Colours,
     blemishes: Blemishes,
     contrasts: Contrasts,
-    /// Pose of the camera. It is `None` if the camera is exactly in the sensor's centre and its axis passes through the
-    /// apex.
+    /// Pose of the camera; `None` if the camera is exactly in the sensor's centre and its axis passes through the apex.
     pose: Option<Pose>,
 }
 
@@ -131,8 +130,8 @@ impl Optics {
         &self.array
     }
 
-    /// For each marker after its motion, returns the direction and the angular radius of both discs, as viewed from the
-    /// camera's position. The result is `None` for a missing marker.
+    /// For each marker after its motion, the direction and the angular radius of both discs, as viewed from the camera.
+    /// `None` for a missing marker.
     fn sights<'a>(
         &'a self,
         motions: &'a [Option<MarkerMotion>],

@@ -18,10 +18,8 @@ pub use strain::FoldStrain;
 
 use crate::LayoutError;
 
-/// Smallest allowed number of gores of a pattern.
 pub(crate) const FEWEST_GORES: u32 = 3;
 
-/// Largest allowed number of gores of a pattern.
 pub(crate) const MOST_GORES: u32 = 360;
 
 /// Largest allowed number of chords for one side of a gore's outline, from the apex to the equator.
@@ -73,8 +71,8 @@ impl Pattern {
         })
     }
 
-    /// Returns the point of a marker in the flat pattern. `[x, y]` is the marker's place on the skin, in the
-    /// coordinates of [`Layout::places`](crate::Layout::places).
+    /// Point of the flat pattern at which a marker lies. `[x, y]` is the marker's place on the skin, in the coordinates
+    /// of [`Layout::places`](crate::Layout::places).
     fn flatten(&self, marker: usize, [x, y]: [f64; 2]) -> Result<FlatPlace, PatternError> {
         let from_apex = libm::hypot(x, y);
         let polar = from_apex / self.radius;
@@ -129,14 +127,13 @@ mod tests {
     use crate::Layout;
     use approx::assert_relative_eq;
 
-    /// Outline of one gore of a sphere with the radius `radius`. The apex is at the top.
     fn gore(gores: u32, samples: u32, radius: f64) -> Vec<[f64; 2]> {
         let upright = |[across, from_apex]: [f64; 2]| [across, radius * FRAC_PI_2 - from_apex];
         let pattern = Pattern::new(gores, samples, radius).unwrap();
         pattern.outline().map(upright).collect()
     }
 
-    /// Signed area that a closed line encloses.
+    /// Area that a closed line encloses, positive if the line is counter-clockwise.
     fn area(outline: &[[f64; 2]]) -> f64 {
         let next = outline.iter().cycle().skip(1);
         let sides = outline.iter().zip(next);
@@ -207,7 +204,7 @@ mod tests {
                 );
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
-                // The gores cannot overlap on the flat sheet, because each gore stays within its share of the full
+                // The gores do not overlap on the flat sheet, because each gore stays within its share of the full
                 // turn.
                 let [x, y] = flat.assembled;
                 assert_relative_eq!(

@@ -11,7 +11,8 @@ use super::sines::sinc_and_cosine;
 use crate::Discs;
 use crate::layout::{MOST_MARKERS, too_close};
 
-/// Allowed lengths. The limits ensure that the product of a few lengths neither overflows nor underflows.
+/// Allowed values of all lengths of a sensor. The limits ensure that the product of a few lengths neither overflows nor
+/// underflows.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// Smallest allowed ratio of a disc's radius to its distance from the sensor's centre.
@@ -44,8 +45,8 @@ pub struct DiscMotion {
 }
 
 impl DiscMotion {
-    /// Angles between a disc after its motion and the position of its marker at rest. They are the sum of the motion
-    /// `moved` and of the disc's `misalignment`, which grows with the stretch of the skin.
+    /// Angles between a disc after its motion and the position of its marker at rest. The result is the sum of `moved`
+    /// and of the disc's `misalignment`, which grows with the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -72,11 +73,11 @@ pub struct MarkerArray {
     stands: Vec<Stand>,
 }
 
-/// All discs of one colour, that is, one disc of each marker.
+/// All discs of one colour: one disc of each marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layer {
     name: &'static str,
-    /// Distance (length) between each disc and the sensor's centre at rest.
+    /// Distance (length) between the sensor's centre and the middle of each disc at rest.
     pub(super) distance: f64,
     /// Ratio of a disc's radius to its distance from the sensor's centre.
     half_width: f64,
@@ -93,19 +94,15 @@ pub(super) struct Stand {
     pub(super) misalignment: [f64; 2],
 }
 
-/// A disc as viewed from the camera. It covers all directions that are within an angular radius of the direction of its
+/// A disc as viewed from the camera: it covers all directions that are within an angular radius of the direction of its
 /// middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
-    /// Unit vector from the camera to the middle of the disc.
     pub(super) direction: Vector3<f64>,
-    /// Sine of the disc's angular radius, which is less than 90°.
     pub(super) sine: f64,
-    /// Cosine of the disc's angular radius.
     pub(super) cosine: f64,
 }
 
-/// Both discs of a marker as viewed from the camera, after their motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MarkerSight {
     pub(super) magenta: Sight,
@@ -263,22 +260,18 @@ impl MarkerArray {
         self.radius
     }
 
-    /// Position of a marker at rest.
     pub(super) fn stand(&self, marker: usize) -> &Stand {
         &self.stands[marker]
     }
 
-    /// The two layers of discs: first the magenta discs, then the yellow discs.
     pub(super) const fn layers(&self) -> [&Layer; 2] {
         [&self.magenta, &self.yellow]
     }
 
-    /// Distance (length) between the sensor's centre and the nearest disc at rest.
     pub(super) fn nearest(&self) -> f64 {
         self.magenta.distance.min(self.yellow.distance)
     }
 
-    /// Both discs of one marker after a motion, as viewed from a camera with the pose `pose`.
     pub(super) fn sight(
         &self,
         marker: usize,
@@ -308,8 +301,8 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// A disc of this layer as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad. If the
-    /// motion is impossible, the function returns the length of the motion as the error.
+    /// A disc of this layer as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad. The
+    /// error is the length of an impossible motion.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
@@ -336,8 +329,8 @@ impl Layer {
         })
     }
 
-    /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. If the
-    /// stretch is impossible, the function returns the distance by which the disc's edge would move as the error.
+    /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. The
+    /// error is the distance by which an impossible stretch would move the disc's edge.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         for stretch in [motion.stretch, motion.skin_stretch] {
@@ -351,13 +344,11 @@ impl Layer {
 
     /// A disc as viewed from a camera that is not in the sensor's centre. The view is computed from `sight`, the view
     /// from the centre. The disc is approximated by a circular cap with the same solid angle, which is correct to first
-    /// order in the solid angle. If the motion moves the disc behind the camera, the function returns the inward motion
-    /// of the disc as the error.
+    /// order in the solid angle. The error is the inward motion of a disc that moves behind the camera.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
         let distance = ray.norm();
-        // Cosine of the angle between the ray from the camera and the normal of the disc.
         let facing = ray.dot(&sight.direction) / distance;
         let is_before = facing > 0.0;
         if !is_before {
@@ -400,7 +391,6 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
     })
 }
 
-/// Returns an error if two discs of a layer overlap as viewed from the centre.
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
     // Two caps with the angular radius α touch if the chord between their middles has the length 2 sin α.

@@ -32,7 +32,6 @@ const LARGEST_FRAME: u32 = 8192;
 pub struct Camera {
     pub(super) lens: Lens,
     size_px: u32,
-    /// Polar angle at the rim of the image circle, rad.
     pub(super) rim_rad: f64,
     pub(super) rim_cosine: f64,
     pub(super) px_per_rad: f64,
@@ -44,8 +43,8 @@ pub struct Camera {
 /// the unit vector (x `lateral_rad`, y `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
-    /// Angle that the pixel covers in the azimuthal direction, rad. It is an arc on the unit sphere, not a difference
-    /// of azimuths.
+    /// Angle that the pixel covers in the azimuthal direction, rad. The angle is an arc on the unit sphere, not a
+    /// difference of azimuths.
     pub(super) lateral_rad: f64,
     /// Cosine of the polar angle of the light's direction.
     pub(super) cosine: f64,
@@ -227,15 +226,15 @@ impl Camera {
         }
     }
 
-    /// Scale of the lens and its derivatives at the polar angle `polar` (rad). The caller passes the sine and cosine of
-    /// this angle.
+    /// The lens's scale (px per rad) and the derivatives of this scale at the polar angle `polar` (rad). The caller
+    /// passes the sine and cosine of the angle.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
     }
 
-    /// Scale of the lens and its derivatives at `direction`, which is a unit vector. If the direction is beyond the rim
-    /// of the image circle, the result is for the rim.
+    /// The lens's scale (px per rad) and the derivatives of this scale at `direction` (a unit vector). For a direction
+    /// beyond the rim of the image circle, the values at the rim.
     pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
         let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
         let polar = polar.min(self.rim_rad).min(PI - 1e-6);
@@ -270,8 +269,8 @@ impl Camera {
         }
     }
 
-    /// Square of the polar angle, rad². `square` is (r/f)², where r is the distance from the image's centre and f the
-    /// focal length.
+    /// Square of the polar angle (rad²) of an image point. `square` is (r/f)², where r is the distance of the point
+    /// from the image's centre and f the focal length.
     #[inline]
     pub(super) fn polar_square(&self, square: f64) -> f64 {
         match self.lens {
@@ -342,7 +341,7 @@ impl Camera {
         1.0 / (self.px_per_rad * terms.slope(polar.min(self.rim_rad).powi(2)))
     }
 
-    /// Angle that a pixel covers in the radial direction, rad.
+    /// Angle (rad) that the pixel of `ray` covers in the radial direction.
     #[inline]
     pub(super) fn radial_rad(&self, ray: &Ray) -> f64 {
         match self.lens {

@@ -37,8 +37,8 @@ impl Default for Colours {
 /// equally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
-    /// Share of green light that the pixel absorbs, plus the share of blue light that it absorbs. Both shares are
-    /// relative to the light of the white layer.
+    /// Share of green light plus share of blue light that the pixel absorbs. Both shares are relative to the light of
+    /// the white layer.
     pub(super) absorbed: f64,
     /// Two chroma components of the pixel, computed from its light: red − (green + blue)/2, and √3/2 (green − blue).
     pub(super) chroma: [f64; 2],
@@ -46,8 +46,8 @@ pub(super) struct Contrast {
     pub(super) hue_turns: Option<f64>,
 }
 
-/// Contrasts of the three regions of a marker. One region is covered only by the magenta disc, one only by the yellow
-/// disc, and one by both discs.
+/// Contrasts of the three regions of a marker: covered only by the magenta disc, only by the yellow disc, and by both
+/// discs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrasts {
     pub(super) magenta: Contrast,

@@ -46,7 +46,6 @@ impl Departure {
 }
 
 impl Camera {
-    /// Returns this camera with `k3` and `k5` added to the odd terms of its lens.
     fn departed(self, [k3, k5]: [f64; 2]) -> Result<Self, OpticsError> {
         if [k3, k5] == [0.0; 2] {
             return Ok(self);

@@ -74,18 +74,11 @@ impl Lens {
     }
 }
 
-/// The function q = θ / sin θ and its derivatives. For an equidistant lens, q is the azimuthal scale divided by the
-/// radial scale.
 struct Stretch {
-    /// Value of the function q.
     value: f64,
-    /// Derivative q′ with respect to θ.
     slope: f64,
-    /// Second derivative q″ with respect to θ.
     curve: f64,
-    /// The product q′ cot θ.
     slope_bend: f64,
-    /// The expression cot θ − θ / sin² θ.
     bend: f64,
 }
 
@@ -120,8 +113,8 @@ impl Stretch {
 }
 
 impl Local {
-    /// The lens and its derivatives at the polar angle `polar` (rad). The caller passes the sine and cosine of this
-    /// angle. `focal` is the focal length, px.
+    /// Expansion of a lens at the polar angle `polar` (rad), whose sine and cosine the caller passes. `focal` is the
+    /// focal length, px.
     #[inline]
     pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match lens {
@@ -151,8 +144,8 @@ impl Local {
         }
     }
 
-    /// A lens with odd terms. Two polynomials in u = θ² are used: m = r / (f θ) and n = m r′ / f. The azimuthal scale
-    /// is g = f q m. The image area per solid angle is J = f² q n.
+    /// Expansion of a lens with odd terms. Two polynomials in u = θ² are used: m = r / (f θ) and n = m r′ / f. The
+    /// azimuthal scale is g = f q m. The image area per solid angle is J = f² q n.
     fn odd(focal: f64, polar: f64, cosine: f64, stretch: &Stretch, terms: OddTerms) -> Self {
         let OddTerms { k3, k5 } = terms;
         let square = polar * polar;

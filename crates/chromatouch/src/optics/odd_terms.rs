@@ -31,13 +31,13 @@ impl OddTerms {
         polar * self.stretch(polar * polar)
     }
 
-    /// The map of the lens (r / f) divided by the angle, as a function of the squared angle.
+    /// Image radius of the lens, r / f, divided by the angle, as a function of the squared angle.
     #[inline]
     pub(super) fn stretch(self, square: f64) -> f64 {
         1.0 + square * (self.k3 + square * self.k5)
     }
 
-    /// Derivative of the lens's map with respect to the angle, as a function of the squared angle.
+    /// Derivative of the image radius r / f with respect to the angle, as a function of the squared angle.
     #[inline]
     pub(super) fn slope(self, square: f64) -> f64 {
         1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
@@ -75,12 +75,12 @@ impl OddTerms {
         angle
     }
 
-    /// Largest angle up to which the slope of the map is at least [`LEAST_SLOPE`] everywhere. The result is at most
-    /// half a turn.
+    /// Largest angle up to which the slope of the lens's map is at least [`LEAST_SLOPE`] everywhere. The result is at
+    /// most half a turn.
     pub(super) fn reach(self) -> f64 {
-        // The lens stops being invertible where its slope reaches the smallest allowed value. With u = θ², where θ is
-        // the angle, the slope minus this value is the polynomial a u² + b u + c. Its smallest positive root is
-        // computed without cancellation.
+        // A lens is invertible up to the angle θ at which the slope d(r/f)/dθ of its image radius reaches
+        // `LEAST_SLOPE`. With u = θ², the slope minus `LEAST_SLOPE` is the polynomial a u² + b u + c. The smallest
+        // positive root of this polynomial is computed without cancellation.
         let (a, b, c) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - LEAST_SLOPE);
         let square = b * b - 4.0 * a * c;
         if square < 0.0 {
@@ -104,7 +104,8 @@ impl OddTerms {
         }
     }
 
-    /// Upper bound of the slope of the map, and of the map divided by the angle, between the axis and the angle `rim`.
+    /// Upper bound of the slope of the lens's map r / f, and of the map divided by the angle, between the axis and the
+    /// angle `rim`.
     pub(super) fn most_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         1.0 + square * (3.0 * self.k3.max(0.0) + square * (5.0 * self.k5.max(0.0)))
@@ -119,8 +120,6 @@ impl OddTerms {
         -(constant / at + k5 * at) / 3.0
     }
 
-    /// Returns these terms if they are valid for a lens whose field of view extends to the angle `rim` (rad). Otherwise
-    /// returns an error.
     pub(super) fn checked(self, rim: f64) -> Result<Self, OpticsError> {
         for (setting, term) in [("k3", self.k3), ("k5", self.k5)] {
             OpticsError::unless(term.abs() <= MOST_TERM, setting, term, "from -100 to 100")?;

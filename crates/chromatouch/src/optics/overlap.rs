@@ -10,7 +10,6 @@ use nalgebra::Vector3;
 use super::array::Sight;
 use super::lens::{Local, Region};
 
-/// Overlap of the two discs of a marker.
 pub(super) enum Overlap {
     None,
     AllOfMagenta,
@@ -18,7 +17,8 @@ pub(super) enum Overlap {
     Part(Part),
 }
 
-/// Overlap of two discs whose edges cross. Its moments are computed about a direction inside the overlap.
+/// Overlap of two discs whose edges cross. The moments of the overlap are computed about a direction inside the
+/// overlap.
 pub(super) struct Part {
     /// Unit vector of the direction about which the moments are computed.
     pub(super) direction: Vector3<f64>,
@@ -41,8 +41,8 @@ struct Moments {
     second_across: f64,
 }
 
-/// Half-angle of a segment of a circle. `sine` and `cosine` are its sine and cosine, both multiplied by the same
-/// positive factor.
+/// Half of the central angle of a circle's segment. `sine` and `cosine` are its sine and cosine, both multiplied by the
+/// same positive factor.
 #[derive(Clone, Copy)]
 pub(super) struct HalfAngle {
     angle: f64,
@@ -68,7 +68,8 @@ impl HalfAngle {
         ];
         if across.abs() < 1e-3 * along {
             let tangent = across / along;
-            // Compute the arctangent of the small difference by its series, with a relative error of 1e-13.
+            // The arctangent of `tangent`, the tangent of the small angle between `self` and the new half-angle, is
+            // computed by its power series, with a relative error of 1e-13.
             let step = tangent * (1.0 - tangent * tangent * (1.0 / 3.0 - 0.2 * tangent * tangent));
             return Self {
                 angle: self.angle + step,
@@ -80,7 +81,7 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap. They make the
+/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap. These make the
 /// computation of the new half-angles faster.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
@@ -207,7 +208,6 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
 }
 
 impl Moments {
-    /// Moments of the area's mirror image, whose coordinates on the axis have the opposite sign.
     fn mirrored(self) -> Self {
         Self {
             first: -self.first,

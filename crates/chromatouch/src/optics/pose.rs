@@ -54,7 +54,6 @@ impl Pose {
         self.turn.into()
     }
 
-    /// This pose after a small additional displacement and a small additional rotation.
     pub(super) fn moved(&self, place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let place = self.place + Vector3::from(place);
         let turn = self.turn + Vector3::from(turn_rad);
@@ -93,7 +92,6 @@ impl Pose {
         })
     }
 
-    /// Converts a direction from the sensor's axes to the camera's axes.
     #[inline]
     pub(super) fn turned(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.to_camera * direction

@@ -42,13 +42,12 @@ impl Optics {
     }
 }
 
-/// A direction in the polar coordinates of the camera, and the derivatives of the lens at this direction.
+/// A direction in the polar coordinates of the camera, and the expansion of the lens at this direction.
 #[derive(Clone, Copy)]
 pub(super) struct Aim {
     polar: f64,
     sine: f64,
     cosine: f64,
-    /// Cosine and sine of the direction's azimuth.
     azimuth: [f64; 2],
     local: Local,
 }
@@ -106,7 +105,7 @@ impl Aim {
         ]
     }
 
-    /// Whether a disc is completely in the image circle. The middle of the disc is in the direction of `self`.
+    /// Whether a disc whose middle is in the direction of `self` is completely in the image circle.
     #[inline]
     fn holds(&self, camera: &Camera, disc: &Sight) -> bool {
         if self.polar > camera.rim_rad {
@@ -131,7 +130,6 @@ struct Image {
 }
 
 impl Image {
-    /// The image of a region whose reference direction is `aim`.
     #[inline]
     fn of(aim: &Aim, region: &Region) -> Self {
         let [x, y] = aim.azimuth;
@@ -144,7 +142,6 @@ impl Image {
     }
 }
 
-/// Images of both discs of a marker and of their overlap.
 pub(super) struct MarkerProjection {
     aims: [Aim; 2],
     discs: [Image; 2],
@@ -154,7 +151,7 @@ pub(super) struct MarkerProjection {
 }
 
 impl MarkerProjection {
-    /// The projection of a marker; `None` if a part of the marker is outside of the image circle.
+    /// Images of the discs of a marker; `None` if a part of the marker is outside of the image circle.
     #[inline(always)]
     pub(super) fn new(camera: &Camera, sight: &MarkerSight) -> Option<Self> {
         let MarkerSight { magenta, yellow } = sight;
@@ -175,7 +172,7 @@ impl MarkerProjection {
         })
     }
 
-    /// The projection after a small change of one of the two discs. `disc` is 0 for the magenta disc and 1 for the
+    /// This projection after a small change of one of the two discs. `disc` is 0 for the magenta disc and 1 for the
     /// yellow disc.
     #[inline]
     pub(super) fn beside(&self, camera: &Camera, sight: &MarkerSight, disc: usize) -> Self {
@@ -192,7 +189,6 @@ impl MarkerProjection {
         }
     }
 
-    /// Size, centroid and hue of the marker. `contrasts` contains the colours of its three regions.
     #[inline(always)]
     pub(super) fn features(&self, camera: &Camera, contrasts: &Contrasts) -> Option<SeenMarker> {
         features(camera, contrasts, self.discs, self.shared)
@@ -274,8 +270,8 @@ fn features(
     })
 }
 
-/// HSV hue of a colour, in turns. The argument is the chroma of the colour, `[R - (G + B)/2, √3/2 (G - B)]`. The HSV
-/// hue follows a hexagon, so it is not the angle of the chroma vector.
+/// HSV hue of a colour, in turns, from its chroma `[R - (G + B)/2, √3/2 (G - B)]`. The HSV hue follows a hexagon, so it
+/// is not the angle of the chroma vector.
 fn hue([along, across]: [f64; 2]) -> f64 {
     let half_difference = across / 3.0_f64.sqrt();
     let (red, grey) = (along / 1.5, -along / 3.0);

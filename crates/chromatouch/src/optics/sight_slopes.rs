@@ -24,9 +24,7 @@ pub(super) const TURN: usize = 8;
 /// Number of columns of [`SightSlopes::by`].
 pub(super) const COLUMNS: usize = 11;
 
-/// Derivatives of a disc's direction and angular radius as viewed from the camera.
 pub(super) struct SightSlopes {
-    /// Two unit vectors perpendicular to the direction of the disc's middle.
     across: [Vector3<f64>; 2],
     /// Derivatives, one column per variable (see [`INWARD`] to [`TURN`]). The first two rows are the derivatives of the
     /// direction along the two vectors `across`. The third row is the derivative of the logarithm of the tangent of the
@@ -170,7 +168,6 @@ impl Stand {
     }
 }
 
-/// Two unit vectors perpendicular to a unit vector and to each other.
 fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let axis = if direction.x.abs() < 0.5 {
         Vector3::x()

@@ -1,6 +1,5 @@
 //! Sines and cosines, computed with polynomials.
 
-/// Number of terms of the series of sine and cosine.
 const TERMS: usize = 9;
 
 /// Coefficients of the powers of x² in cos x, starting with the constant.
@@ -9,7 +8,7 @@ const COSINE: [f64; TERMS] = series(0);
 /// Coefficients of the powers of x² in sin x / x, starting with the constant.
 const SINC: [f64; TERMS] = series(1);
 
-/// Coefficients (−1)^k / (2k + odd)! of the series of the cosine (`odd` is 0) and of sin x / x (`odd` is 1).
+/// Coefficients (−1)^k / (2k + odd)! of the power series of cos x (`odd` is 0) and of sin x / x (`odd` is 1).
 const fn series(odd: usize) -> [f64; TERMS] {
     let mut coefficients = [1.0; TERMS];
     let mut term = 1;
@@ -22,8 +21,7 @@ const fn series(odd: usize) -> [f64; TERMS] {
 }
 
 /// sin θ / θ and cos θ for an angle θ up to half a turn, computed from θ². Both are even functions of θ, so no square
-/// root is needed. They are computed from the power series at θ/2. The first omitted term of each series is below
-/// 1e-12.
+/// root is needed. The power series are evaluated at θ/2. The first omitted term of each series is below 1e-12.
 #[inline]
 pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
     let half_squared = 0.25 * angle_squared;

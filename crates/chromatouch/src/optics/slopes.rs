@@ -12,7 +12,7 @@ use super::projection::MarkerProjection;
 use super::sight_slopes::{COLUMNS, DEEPER, INWARD, PLACE, TURN, WIDER, X};
 use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
-/// Finite-difference step of the two components of a disc's direction (rad) and of the logarithm of its angular size.
+/// Finite-difference step for the two components of a disc's direction (rad) and of the logarithm of its angular size.
 const STEP: f64 = 1e-7;
 /// Finite-difference step for the transmittances of the discs.
 const SHARE: f64 = 1e-6;
@@ -41,13 +41,12 @@ pub struct MarkerSlopes {
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
-/// Values that are computed once and used for the derivatives of all markers.
 struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
-    /// For each requested transmittance: its index, and the contrasts after this transmittance is increased by one
-    /// finite-difference step.
+    /// For each requested transmittance: its index among the values of a departure, and the contrasts after one
+    /// finite-difference step of this transmittance.
     colours: Vec<(usize, Contrasts)>,
     requested: &'a [usize],
 }
@@ -162,9 +161,10 @@ impl Shared<'_> {
         Some(slopes)
     }
 
-    /// Writes the requested derivatives of the marker's features into `slopes`. They are with respect to the depths and
-    /// diameters of the discs, and to the camera's position, rotation, centre and scale. `by` contains one matrix per
-    /// disc. The matrix is the part of the derivatives that is due to the direction and the angular size of this disc.
+    /// Writes the requested derivatives of the marker's features into `slopes`. These are the derivatives with respect
+    /// to the depths and diameters of the discs, and to the camera's position, rotation, centre and scale. `by`
+    /// contains one matrix per disc. The matrix is the part of the derivatives that is due to the direction and the
+    /// angular size of this disc.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();
@@ -194,7 +194,8 @@ impl Shared<'_> {
     }
 }
 
-/// Difference between the nearly equal features of two markers, to first order.
+/// Difference between the nearly equal features of two markers, to first order. Rows: centroid (px), hue (turns),
+/// logarithm of the size.
 fn difference(one: &SeenMarker, other: &SeenMarker) -> Vector4<f64> {
     let turn = one.hue_turns - other.hue_turns;
     Vector4::new(

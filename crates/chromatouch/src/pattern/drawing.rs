@@ -40,7 +40,6 @@ impl CuttingSheet {
         Ok(DxfWriter::text_of(&self.in_millimetres(unit_mm)?))
     }
 
-    /// The sheet with all lengths converted to millimetres.
     fn in_millimetres(&self, unit_mm: f64) -> Result<Self, PatternError> {
         let radius_mm = self.radius() * unit_mm;
         let [least, most] = DRAWABLE_MM;
@@ -64,8 +63,8 @@ fn millimetres(value: f64) -> String {
     }
 }
 
-/// SVG text of a sheet whose lengths are in millimetres. The y axis of SVG points down the page, while the y axis of
-/// the sheet points up.
+/// SVG text of a cutting sheet whose lengths are in millimetres. The y axis of SVG points down the page, while the y
+/// axis of the sheet points up.
 fn svg_text(sheet: &CuttingSheet) -> String {
     let half_side = sheet.half_side();
     let corner = millimetres(-half_side);
@@ -130,7 +129,6 @@ struct DxfWriter {
 }
 
 impl DxfWriter {
-    /// DXF text of a sheet whose lengths are in millimetres.
     fn text_of(sheet: &CuttingSheet) -> String {
         let mut writer = Self::default();
         writer.header(sheet.half_side());

@@ -123,15 +123,15 @@ impl Pattern {
     }
 }
 
-/// Distance of a point from a chord of a gore's right edge, extended to a line. It is positive if the point is inside
-/// the gore. The point is given by its distance across the gore and its distance from the apex.
+/// Distance of a point from the line through a chord of a gore's right edge, positive if the point is inside the gore.
+/// The point is given by its distance across the gore and its distance from the apex.
 fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
     let length = libm::hypot(u - x, v - y);
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
-/// Checks that discs with the diameter `diameter` do not overlap. Discs overlap if the distance between their centres
-/// is less than the diameter.
+/// Checks that discs with the diameter `diameter` do not overlap. Discs overlap if their centres are closer than the
+/// diameter.
 fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
     match too_close(centres, diameter, narrowest) {
         None => Ok(()),
@@ -157,22 +157,18 @@ impl CuttingSheet {
         &self.marks
     }
 
-    /// Centres of the discs of each marker, in the layout's order.
     pub(super) fn centres(&self) -> &[[f64; 2]] {
         &self.centres
     }
 
-    /// Diameters of the discs, length.
     pub(super) const fn discs(&self) -> Discs {
         self.discs
     }
 
-    /// Radius of the sphere, length.
     pub(super) const fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// This sheet with all lengths multiplied by `factor`.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         let place = |place: &[f64; 2]| place.map(|coordinate| coordinate * factor);
         let cut = |outline: &Vec<[f64; 2]>| outline.iter().map(place).collect();

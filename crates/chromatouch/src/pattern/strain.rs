@@ -29,9 +29,9 @@ use gauss_quad::GaussLegendre;
 use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
-/// Number of quadrature nodes per direction. For three or more gores, the quadrature error is below 1e-20. The error
-/// depends on the singularity of the integrand that is nearest to the interval. This singularity is at the imaginary
-/// shear s = 2i.
+/// Number of quadrature nodes per direction for the mean square strain. For three or more gores, the quadrature error
+/// is below 1e-20. The error depends on the singularity of the integrand that is nearest to the interval. This
+/// singularity is at the imaginary shear s = 2i.
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.
@@ -135,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Point in 3D space after folding onto a sphere of radius 1.
+    /// Point of a flat gore after folding onto a sphere of radius 1.
     fn fold([x, y]: [f64; 2]) -> [f64; 3] {
         let longitude = x / libm::cos(y);
         [

@@ -36,8 +36,8 @@ fn at_rest(optics: &Optics) -> Vec<Option<MarkerMotion>> {
     vec![Some(MarkerMotion::default()); optics.array().places().len()]
 }
 
-/// Features of a marker, computed by their definitions from the pixel levels in a square of the frame. The background
-/// is white.
+/// Features of the marker in a square of the frame, computed by their definitions from the pixel levels in a square of
+/// the frame. The background is white.
 fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     let ground = 240.0;
     let range = |middle: f64| (middle - half_side) as u32..=(middle + half_side) as u32;
@@ -62,7 +62,7 @@ fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     }
 }
 
-/// Hue (turns) of a colour whose red component is the largest.
+/// Hue (turns) of a colour whose largest component is red.
 fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
     assert!(red > green && red > blue);
     ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)
@@ -132,8 +132,8 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
-    // The tolerance is largest for a pinhole lens, because it has the largest error in the overlap of the discs: up to
-    // 2e-4 focal lengths at 60°.
+    // The tolerance is largest for a pinhole lens, because its projection has the largest error in the overlap of the
+    // discs: up to 2e-4 focal lengths at 60°.
     let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
     for (lens, bound_px) in [
         (Lens::Fisheye, 0.01),
@@ -230,7 +230,6 @@ fn blemishes_that_are_off_change_no_byte_and_draw_nothing() {
     assert!(noisy(0) == noisy(0) && noisy(0) != noisy(1) && noisy(0) != clean);
 }
 
-/// A frame without markers.
 fn empty(size_px: u32, blemishes: Blemishes, noise: Option<u64>) -> RgbImage {
     let optics = optics(array(&[], 0.0), size_px, blemishes);
     let mut stream = noise.map(|seed| Stream::new(seed, 0, Channel::Pixel));

@@ -86,7 +86,7 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             ..Departure::default()
         });
         let Ok(departed) = departed else {
-            // With these terms, the image would be folded inside of the rim.
+            // Only the last lens may be impossible: its image would be folded inside of the rim.
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
@@ -111,8 +111,8 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             let angle = libm::hypot(place[0], place[1]) / 20.0;
             let map = angle + k3 * angle.powi(3) + k5 * angle.powi(5);
             let radius = libm::hypot(seen.centroid_px[0] - 319.5, seen.centroid_px[1] - 319.5);
-            // The comparison has a tolerance, because the centroid of a disc of finite size is not exactly the image of
-            // its centre.
+            // The tolerance is needed because the centroid of a disc of finite size is not exactly the image of its
+            // centre.
             let error = radius - other.px_per_rad() * map;
             assert!(error.abs() < 0.5, "marker {marker}: {error}");
         }
@@ -159,7 +159,7 @@ fn direction([x, y]: [f64; 2]) -> Vector3<f64> {
     Vector3::new(sine * x / (20.0 * angle), sine * y / (20.0 * angle), cosine)
 }
 
-/// Image area per solid angle at a position in the image, by finite differences.
+/// Image area per solid angle at the position `place` in the image, by finite differences.
 fn area(camera: &Camera, place: [f64; 2]) -> f64 {
     let middle = direction(place);
     let across = Vector3::new(-middle.y, middle.x, 0.0).normalize();

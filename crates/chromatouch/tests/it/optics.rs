@@ -49,7 +49,7 @@ pub(crate) fn inward(normal: f64) -> DiscMotion {
     }
 }
 
-/// Features of the marker of a sensor that has only one marker.
+/// Features of the only marker of a sensor.
 fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
     optics.project(&[motion]).unwrap()[0].unwrap()
 }
@@ -131,8 +131,8 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
         );
         assert_relative_eq!(marker.centroid_px[0], 319.5, epsilon = 1e-9);
         assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
-        // The middle of the marker is red, and the ring around it is magenta. Both contribute red light, but only the
-        // ring contributes blue light.
+        // The middle of the marker is red, and the ring around the middle is magenta. Both contribute red light, but
+        // only the ring contributes blue light.
         let ring = area(17.0) - area(19.0);
         let turns = 1.0 - ring / area(17.0) / 6.0;
         assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);

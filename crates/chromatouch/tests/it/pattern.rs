@@ -43,7 +43,6 @@ fn length([[x, y], [u, v]]: [[f64; 2]; 2]) -> f64 {
 struct Drawing {
     outlines: Vec<Vec<[f64; 2]>>,
     lines: Vec<[[f64; 2]; 2]>,
-    /// Centres and radii of the circles in each layer.
     circles: BTreeMap<String, Vec<([f64; 2], f64)>>,
 }
 
@@ -292,8 +291,8 @@ fn sheets_that_do_not_fit_are_named() {
         (Layout::published(), alike(0.0), "bad-setting"),
         (Layout::published(), alike(f64::NAN), "bad-setting"),
         (Layout::published(), alike(f64::INFINITY), "bad-setting"),
-        // In a row of seven markers, the distance between neighbours is 3.87 mm. In the first row of three markers, the
-        // distance of the outer markers from the edge is 1.71 mm.
+        // In the last row of the published layout, which has seven markers, the distance between neighbours is 3.87 mm.
+        // In the first row of three markers, the outer markers are 1.71 mm from the edge of the gore.
         (Layout::published(), alike(4.2), "discs-overlap"),
         (Layout::published(), alike(1e300), "discs-overlap"),
         (Layout::published(), alike(3.43), "disc-across-edge"),

@@ -25,7 +25,6 @@ fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]
     optics.render(&[], Some(&mut stream)).unwrap()
 }
 
-/// Indices of the pixels in a row whose centres are in the image circle.
 fn inside(size_px: u32, row: u32) -> impl Iterator<Item = u32> {
     let middle = 0.5 * (f64::from(size_px) - 1.0);
     let reach = 0.5 * f64::from(size_px);
@@ -161,7 +160,7 @@ fn errors_of_pixels_are_independent() {
     for key in [[1, 1], [1, 2], [1, 1 << 40], [2, 0], [3, 1]] {
         scores.extend((0..6).map(|on| common(&own, &noise(key), 0, on)));
     }
-    // If the errors are independent, the largest of 220 scores is below 4.6 with a probability of 0.999.
+    // If the errors are independent, the largest of the 220 scores is below 4.6 with a probability of 0.999.
     let independent = |scores: &[f64; 2]| scores.iter().all(|score| score.abs() < 4.6);
     assert!(scores.iter().all(independent), "{scores:?}");
     assert!(common(&own, &own, 0, 0).iter().all(|score| *score > 100.0));

@@ -31,7 +31,6 @@ fn seen(optics: &Optics) -> Vec<SeenMarker> {
 
 const PLACES: [[f64; 2]; 4] = [[0.0, 0.0], [8.0, 0.0], [-5.0, 9.0], [2.0, -12.0]];
 
-/// Position of a marker relative to the centre of the sensor.
 fn place([x, y]: [f64; 2]) -> Vector3<f64> {
     let angle = libm::hypot(x, y) / RADIUS;
     let (sine, cosine) = libm::sincos(angle);

@@ -103,8 +103,8 @@ impl Scene {
         pairs.map(slope).collect()
     }
 
-    /// Compares columns of the derivatives with central differences, for all markers that are visible before and after
-    /// the step.
+    /// Compares computed derivatives with central differences, for all markers that are visible before and after the
+    /// step.
     fn compare(
         &mut self,
         what: &str,

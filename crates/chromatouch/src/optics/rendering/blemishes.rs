@@ -67,21 +67,19 @@ impl Blemishes {
     }
 }
 
-/// A Gaussian blur. It stores the weights of the neighbouring pixels, and the last rows that it has read. These rows
-/// are already blurred along the row.
+/// A Gaussian blur of a frame, computed row by row. It stores the rows that it has read last, already blurred along the
+/// row.
 pub(super) struct Blur {
     /// Weights of a pixel and of its neighbours on one side, up to a distance of 3.5 standard deviations. The
     /// neighbours on the other side have the same weights. All these weights together sum to 1.
     weights: Vec<f32>,
     rows: Vec<Row>,
-    /// Number of rows that were read so far.
     rows_read: usize,
     size: usize,
     source: Row,
 }
 
 impl Blur {
-    /// A blur with a standard deviation of `std_px`; `None` if `std_px` is 0.
     pub(super) fn new(std_px: f64, size: usize) -> Option<Self> {
         if std_px <= 0.0 {
             return None;
@@ -126,9 +124,7 @@ impl Blur {
     }
 }
 
-/// The seams in the image: straight lines from the centre of the image outward.
 pub(super) struct SeamLines {
-    /// Unit vectors along the seams in the image. The y axis points up.
     lines: Vec<[f64; 2]>,
     /// Sine of half the angle that the width of a seam covers at the sensor's centre.
     half_width: f64,
@@ -136,12 +132,10 @@ pub(super) struct SeamLines {
     widest: f64,
     /// Shares of red, green and blue light that a seam absorbs.
     absorbed: [f64; 3],
-    /// For each pixel of the current row, the share of its area that a seam covers.
     covers: Vec<f64>,
 }
 
 impl SeamLines {
-    /// The seams of a sensor; `None` if it has none.
     pub(super) fn new(optics: &Optics) -> Option<Self> {
         let seams = optics.blemishes.seams.filter(|seams| seams.width > 0.0)?;
         let camera = &optics.camera;
@@ -180,7 +174,7 @@ impl SeamLines {
                 } else {
                     libm::hypot(x, y)
                 };
-                // Half the width of the seam in pixels. It is the half-width as an angle at the sensor's centre,
+                // Half the width of the seam in pixels. This is the half-width as an angle at the sensor's centre,
                 // divided by `lateral_rad`, the angle that one pixel covers across the seam.
                 let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);
                 // A seam that is narrower than a pixel covers only a share of the pixel.

@@ -12,7 +12,6 @@ const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Number of neighbouring pixels in a row that are computed at the same time.
 const RUN: usize = 8;
 
-/// A marker and the rectangle of pixels that it may cover.
 pub(super) struct MarkerRaster {
     pub(super) rows: Range<usize>,
     pub(super) columns: Range<usize>,
@@ -20,21 +19,20 @@ pub(super) struct MarkerRaster {
     yellow: DiscRaster,
 }
 
-/// A disc with the direction n of its middle and the angular radius α. It covers all directions v with v·n > cos α.
 struct DiscRaster {
     direction: [f64; 3],
     cosine: f64,
     per_sine: f64,
-    /// Upper bound of |v·n − cos α| for the direction v of a pixel that the edge of the disc crosses.
+    /// Upper bound of |v·n − cos α| for the direction v of a pixel that the edge of the disc crosses. Here n is the
+    /// direction of the disc's middle, and α its angular radius.
     band: f64,
-    /// Factor by which the share of light that the disc absorbs is multiplied. A factor below 1 draws a disc fainter.
-    /// It is used for discs that are smaller than a pixel.
+    /// Factor by which the share of light that the disc absorbs is multiplied. A disc that is smaller than a pixel has
+    /// a factor below 1, so that it is drawn fainter.
     opacity: f64,
     /// Whether the disc is so small that its edge cannot be approximated by a straight line within a pixel.
     is_small: bool,
 }
 
-/// Shares of a pixel that are covered by the discs of a marker.
 pub(super) struct Cover {
     pub(super) magenta: f64,
     pub(super) yellow: f64,
@@ -49,7 +47,7 @@ struct DiscCover {
     toward: Option<[f64; 2]>,
 }
 
-/// Columns and rows of a rectangle around the image of a disc.
+/// Columns and rows of a rectangle of pixels that contains the image of a disc.
 fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     let direction = &disc.direction;
     let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
@@ -112,7 +110,7 @@ impl DiscRaster {
         (n_x * x + n_y * y) * ray.lateral_rad + (n_z * ray.cosine - self.cosine)
     }
 
-    /// Share of a pixel that the disc covers. The pixel is at (x, y) from the centre of the image. `inside` is the
+    /// Share of a pixel that the disc covers. The pixel is (x, y) px from the centre of the image. `inside` is the
     /// position v·n − cos α of the pixel's direction v relative to the disc's edge. Here n is the direction of the
     /// disc's middle, and α is the disc's angular radius. The share minus 1/2 is an odd function of `inside`. The solid
     /// angle depends linearly on v·n, so the shares of all pixels add up to the area of the disc.
@@ -157,7 +155,6 @@ impl DiscRaster {
 }
 
 impl MarkerRaster {
-    /// The raster of the marker; `None` if the marker is outside of the image circle.
     pub(super) fn new(camera: &Camera, sight: &MarkerSight) -> Option<Self> {
         let boxes = [&sight.magenta, &sight.yellow].map(|disc| pixels(camera, disc));
         let union = |axis: usize| {
@@ -256,7 +253,7 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     if inside < 0.0 { 1.0 - more } else { more }
 }
 
-/// Length of a vector; its square must be in the range of doubles.
+/// Length of a vector whose squared length neither overflows nor underflows.
 #[inline]
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()

@@ -27,7 +27,6 @@ impl Row {
         }
     }
 
-    /// The red, green and blue levels of the pixel in a column.
     fn pixel(&mut self, column: usize) -> &mut [f32] {
         &mut self.levels[3 * column..3 * column + 3]
     }
@@ -39,14 +38,12 @@ impl Row {
         }
     }
 
-    /// Replaces this row by the row `other` multiplied by `weight`.
     pub(super) fn set(&mut self, other: &Self, weight: f32) {
         for (level, other) in self.levels.iter_mut().zip(&other.levels) {
             *level = weight * other;
         }
     }
 
-    /// Adds the row `other`, multiplied by `weight`, to this row.
     pub(super) fn add(&mut self, other: &Self, weight: f32) {
         for (level, other) in self.levels.iter_mut().zip(&other.levels) {
             *level += weight * other;
@@ -77,7 +74,6 @@ impl Row {
         }
     }
 
-    /// Adds Gaussian noise with the standard deviation `std` to the pixels in a range of columns.
     pub(super) fn add_noise(&mut self, columns: Range<usize>, std: f32, stream: &mut Stream) {
         let levels = &mut self.levels[3 * columns.start..3 * columns.end];
         let (whole, rest) = levels.as_chunks_mut::<{ Stream::NORMALS }>();
@@ -105,11 +101,9 @@ impl Row {
 /// Renders the rows of a frame in order, from the first row to the last.
 pub(super) struct Rows<'a> {
     camera: &'a Camera,
-    /// Markers, sorted by the first row that they cover.
     markers: &'a [MarkerRaster],
-    /// Indices of the markers that cover the current row.
     active: Vec<usize>,
-    /// Number of markers that start at the current row or at an earlier row.
+    /// Number of markers whose first row is the current row or an earlier row.
     started: usize,
     ground: [f32; 3],
     outside: [f32; 3],
@@ -168,7 +162,6 @@ impl<'a> Rows<'a> {
         self.columns(self.half_chord(self.camera.rim_px(), number))
     }
 
-    /// Paints the row `number` of the frame into `row`.
     pub(super) fn paint(&mut self, number: usize, row: &mut Row) {
         let rim = self.camera.rim_px();
         let touched = self.columns(self.half_chord(rim + 0.5, number));
@@ -230,7 +223,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Paints the pixels of a row that are outside of the image circle.
+    /// Paints the part of a row that is outside of the image circle. Pixels on the rim mix the light from both sides.
     fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
         let rim = self.camera.rim_px();
         let [middle, middle_row] = self.camera.centre_px();
