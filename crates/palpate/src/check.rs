@@ -59,20 +59,20 @@ pub struct Check {
 pub struct CellGroup {
     /// Number of cells in the group.
     pub cells: usize,
-    /// One line of text per needed model, with the reason, and one line per warning. The lines apply to every cell of
-    /// the group.
+    /// One line of text per model that the group needs, with the reason for this model, and one line per warning. The
+    /// lines apply to every cell of the group.
     pub needs: Vec<String>,
     /// Parts of the simulation that the cells of this group do not need, although other scenes of the same kind (rolls,
     /// glides or presses) need them; for example "integrator".
     pub needless: Vec<&'static str>,
-    /// Models that can compute the true values of the group's first cell.
+    /// Models that can compute the true contacts or displacements of the first cell in this group of cells.
     pub rungs: Rungs,
 }
 
-/// Models that can compute the true values of a cell, from the cheapest to the most exact.
+/// Models that can compute the true contacts or displacements of a cell, from the cheapest to the most exact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rungs {
-    /// At most one model can compute the true values, so there is nothing to choose.
+    /// At most one model can compute the true contacts or displacements, so there is nothing to choose.
     None,
     /// The errors and computing times of the models were not measured, to save time.
     NotMeasured,
@@ -163,7 +163,6 @@ fn sum(counts: impl Iterator<Item = u64>) -> u64 {
     counts.fold(0, u64::saturating_add)
 }
 
-/// A cell whose scene is set up.
 struct CellScene {
     number: usize,
     config: StudyConfig,

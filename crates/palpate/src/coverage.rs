@@ -48,7 +48,7 @@ pub struct Family {
     ranges: BTreeMap<String, [f64; 2]>,
 }
 
-/// What is known about the coverage of a scene's 95 % intervals.
+/// Measured coverage of a scene's 95 % intervals, or the reason why it was not measured.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coverage {
     /// The scene belongs to this family, whose coverage was measured.
@@ -151,7 +151,6 @@ pub fn family_scene<'a>(
     with_fields("family", "", &fields)
 }
 
-/// Parses a range `low..high` in a cell of the table.
 fn range(cell: &str) -> Option<[f64; 2]> {
     let (low, high) = cell.split_once("..")?;
     Some([low.parse().ok()?, high.parse().ok()?])
@@ -167,7 +166,6 @@ impl Family {
     /// Smallest and largest measured coverage at which the intervals count as valid 95 % intervals.
     pub const HOLDS: [f64; 2] = [0.92, 0.98];
 
-    /// Whether the measured coverage is close to 95 %.
     pub(crate) fn holds(&self) -> bool {
         (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
     }
@@ -249,7 +247,6 @@ impl Family {
     }
 }
 
-/// The number of a field; 0 if the scene does not have the field.
 fn number(scene: &Fields, field: &str) -> f64 {
     scene.get(field).and_then(Json::as_f64).unwrap_or(0.0)
 }

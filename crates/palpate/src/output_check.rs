@@ -50,7 +50,6 @@ pub fn check_outputs(study: &Study) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Rejects a stop rule for a quantity that one or more cells do not have.
 fn check_stop_rule(study: &Study) -> Result<(), ConfigError> {
     let stop = study.config.stop.as_ref();
     let Some(name) = stop.and_then(|stop| stop.quantity.as_ref()) else {

@@ -65,7 +65,7 @@ pub fn plan(
 /// The cells of a study for which a number of trials and a model are chosen.
 struct Chosen {
     study: Study,
-    /// Numbers of these cells in the study.
+    /// Numbers of the chosen cells in the study.
     numbers: Vec<usize>,
     /// Whether all cells have the model `auto` with the same tolerance.
     is_auto: bool,

@@ -35,12 +35,9 @@ const MAX_PILOT: u64 = 1024;
 
 /// Cells for which the number of trials and the model's tolerance can be chosen.
 pub(crate) trait Plannable: Sized {
-    /// Type of the experiment that a cell runs.
     type Trial: Trial;
-    /// Type of the error if an experiment cannot be set up.
     type Error;
 
-    /// Number of cells.
     fn cells(&self) -> usize;
 
     /// Sets up the experiment of a cell.
@@ -219,7 +216,7 @@ pub(crate) fn plan<C: Plannable>(
     Ok((planned, plan))
 }
 
-/// Makes a plan for a goal. Contains the goal, and the runner and the clock with which the planner measures times.
+/// Makes a plan for a goal. Measures times with the runner and the clock.
 struct Planner<'a> {
     goal: &'a Goal,
     runner: &'a Runner,
@@ -308,7 +305,6 @@ impl Planner<'_> {
         )
     }
 
-    /// Computes the number of trials that the target error requires, and stores it in the plan.
     fn set_by_target<C: Plannable>(
         &self,
         plan: &mut Plan,

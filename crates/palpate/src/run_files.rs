@@ -13,7 +13,6 @@ use palpate_sweep::{CellStatistics, Summary, TrialObservations};
 use crate::columns::swept_column;
 use crate::simulation::CellTruth;
 
-/// Columns of `failures.csv`.
 pub(crate) fn failure_columns() -> Vec<Column> {
     let counts = ["count", "first_trial"].map(Column::count);
     let first = [Column::count("cell"), Column::text("kind")];
@@ -34,7 +33,6 @@ pub fn result_columns(study: &Study) -> Vec<Column> {
     .concat()
 }
 
-/// Results of a cell: its number in the study, its true values and its statistics.
 pub(crate) struct Row<'a> {
     pub(crate) cell: usize,
     pub(crate) truth: &'a CellTruth,
@@ -62,7 +60,6 @@ fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
     (0..study.paths.len()).filter(|&place| Statistic::named(&study.paths[place]).is_none())
 }
 
-/// Columns of `cells.csv`.
 pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<Column> {
     let statistic = |name| match name {
         Statistic::Trials | Statistic::Failures => Column::count(name.name()),
@@ -202,7 +199,6 @@ fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     }
 }
 
-/// Columns of a table of trials.
 pub(crate) fn trial_columns() -> Vec<Column> {
     let counts = ["cell", "trial"].map(Column::count);
     (counts.into_iter())
@@ -263,7 +259,6 @@ fn decimal_place(number: f64) -> Option<i32> {
     place.parse().ok().filter(|_| number != 0.0)
 }
 
-/// Table with one row per cell and kind of failure.
 pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
     let mut table = Table::new(failure_columns());
     for Row {

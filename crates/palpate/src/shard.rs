@@ -20,7 +20,6 @@ impl Default for Shard {
     }
 }
 
-/// Tasks of one shard. Each task is one cell.
 #[derive(Debug)]
 pub(crate) struct ShardTasks {
     /// Numbers of the cells of all shards together.
@@ -33,14 +32,12 @@ impl ShardTasks {
         Self { cells, shard }
     }
 
-    /// Number of tasks of this shard.
     pub(crate) fn tasks(&self) -> u64 {
         let before = self.shard.number - 1;
         let all = self.cells.len() as u64;
         all.saturating_sub(before).div_ceil(self.shard.of)
     }
 
-    /// Number of the cell that this task of the shard runs.
     pub(crate) fn cell(&self, number: u64) -> usize {
         let place = number * self.shard.of + self.shard.number - 1;
         self.cells[place as usize]

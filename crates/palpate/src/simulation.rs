@@ -438,7 +438,6 @@ impl Simulation<'_> {
     }
 }
 
-/// Warnings that a scene has before its trials.
 fn warnings_of(scene: &Scene) -> Vec<Warning> {
     let needs = scene.needs().into_iter();
     let warning = |need| match need {

@@ -11,14 +11,12 @@ pub struct Warnings {
     by_code: BTreeMap<String, Group>,
 }
 
-/// All warnings with the same code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Group {
     /// The warning with this code from the first cell that has one.
     warning: Warning,
     /// Number of the cell with this warning, and index of the warning among the warnings of the cell.
     first: (usize, usize),
-    /// Number of cells with a warning of this code.
     cells: usize,
 }
 

@@ -76,7 +76,6 @@ fn insert(fields: &mut Fields, path: String, value: Json) {
     }
 }
 
-/// The number at a key; 0 if the key is missing.
 fn number(table: &Json, key: &str) -> f64 {
     table[key].as_f64().unwrap_or(0.0)
 }

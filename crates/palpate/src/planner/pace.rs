@@ -5,16 +5,14 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Upper limit of the argument `long_enough` of [`seconds_per_trial`]: the shortest accepted duration of a measurement.
+/// Largest value of the argument `long_enough` of [`seconds_per_trial`].
 const LONGEST: Duration = Duration::from_millis(10);
-/// Lower limit of the argument `long_enough` of [`seconds_per_trial`]: the shortest accepted duration of a measurement.
+/// Smallest value of the argument `long_enough` of [`seconds_per_trial`].
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement longer than this time is not repeated. The delay of waking the threads is negligible in such a long
 /// time.
 const SLOW: Duration = Duration::from_millis(100);
-/// Number of repetitions of a short measurement.
 const REPEATS: usize = 3;
-/// Largest number of trials that are timed together in one measurement.
 const MAX_TIMED: u64 = 1 << 20;
 
 /// Time per trial of each cell, s. It is the time on one thread, while all other threads are busy too.
@@ -48,7 +46,6 @@ impl Pace {
         }
     }
 
-    /// Seconds per trial of a cell, on one thread.
     pub(crate) fn seconds_per_trial(&self, cell: usize) -> f64 {
         self.seconds[cell]
     }

@@ -17,23 +17,20 @@ const MARGIN: f64 = 2.0;
 const MAX_RELATIVE_ERROR: f64 = 0.5;
 /// Number of pilot trials of a cell, as a share of the number of trials that the run needs.
 const PILOT_SHARE: f64 = 1.0 / 16.0;
-/// Smallest number of trials per cell in the first step of a pilot.
+/// Smallest number of trials of a cell in the first step of a pilot.
 const MIN_FIRST: u64 = 64;
-/// Largest number of trials per cell in the first step of a pilot.
+/// Largest number of trials of a cell in the first step of a pilot.
 const MAX_FIRST: u64 = 1024;
 
-/// Results of a pilot for each cell.
 #[derive(Debug)]
 pub(super) struct Pilot {
     pub(super) cells: Vec<CellPilot>,
 }
 
-/// Results of a pilot for one cell.
 #[derive(Debug)]
 pub(super) struct CellPilot {
     /// Share of the trials of the cell that succeeded.
     pub(super) success: f64,
-    /// Number of trials of this cell that the pilot ran.
     pub(super) trials: u64,
     /// Kind of the first failure, if a trial failed.
     pub(super) kind: Option<&'static str>,
@@ -57,7 +54,6 @@ pub(super) struct Figure {
 /// The rms error that needs the most trials, and the number of these trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Need {
-    /// Index of the cell among the cells of the pilot.
     pub(super) cell: usize,
     pub(super) quantity: usize,
     /// Number of trials that are needed. Trials that will probably fail are included.

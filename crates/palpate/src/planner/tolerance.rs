@@ -7,13 +7,12 @@ const ROUNDING: f64 = 1e-12;
 /// Estimates and true values of a cell, computed without noise and with an ideal sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pass {
-    /// Quantities that the computation estimates.
     pub(crate) quantities: Vec<PassQuantity>,
     /// Estimates with their true values, in a fixed order.
     pub(crate) values: Vec<PassValue>,
 }
 
-/// A quantity that a computation without noise estimates.
+/// A quantity that is estimated by a computation without noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassQuantity {
     /// Typical magnitude of the quantity, in the quantity's unit. Shifts are divided by this magnitude if no rms error
@@ -23,14 +22,11 @@ pub(crate) struct PassQuantity {
     pub(crate) in_cell: Option<usize>,
 }
 
-/// An estimate from a computation without noise, with its true value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassValue {
     /// Index of the quantity in [`Pass::quantities`].
     pub(crate) quantity: usize,
-    /// Estimate, in the quantity's unit.
     pub(crate) estimate: f64,
-    /// True value, in the quantity's unit.
     pub(crate) truth: f64,
 }
 

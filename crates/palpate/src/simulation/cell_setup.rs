@@ -8,7 +8,6 @@ use palpate_study::config::{Cell, StopStatistic, Study};
 use palpate_study::{Quantity, Table, Warning};
 use palpate_sweep::{Record, StoppingRule, StoppingStatistic, Trial};
 
-/// A cell that is ready for its trials.
 #[derive(Debug)]
 pub(super) struct CellSetup {
     pub(super) cell: usize,

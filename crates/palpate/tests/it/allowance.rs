@@ -49,7 +49,6 @@ noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_di
 estimator = { kind = "bonded-layer", thickness = 15.0, indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// Returns the number in the config line `key = number`.
 #[track_caller]
 fn setting(toml: &str, key: &str) -> f64 {
     let line = toml
@@ -94,7 +93,6 @@ fn target_error_sets_the_number_of_trials() {
     assert_eq!(desk.table("o/cells.csv").number(0, "trials"), trials);
 }
 
-/// For runs with different seeds, the relative scatter of the rms errors is at most the target error.
 #[test]
 fn rms_errors_scatter_by_at_most_the_target() {
     const SEEDS: usize = 30;
@@ -294,7 +292,6 @@ fn heavy_tails_cause_a_warning() {
     assert!(ended.stderr.contains("have heavy tails"), "{ended:?}");
 }
 
-/// Starts a run that ends only when it is killed.
 fn start_endless_run(desk: &Desk, out: &str) -> Child {
     let path = |name: &str| desk.path(name);
     let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
@@ -311,7 +308,6 @@ fn start_endless_run(desk: &Desk, out: &str) -> Child {
         .unwrap()
 }
 
-/// Kills a run as soon as `file` exists.
 fn kill_when_file_exists(desk: &Desk, mut run: Child, file: &str) {
     let start = Instant::now();
     while !desk.path(file).exists() && start.elapsed() < Duration::from_secs(60) {

@@ -241,7 +241,6 @@ fn claims_exactness(json: &Value) -> bool {
     }
 }
 
-/// A load curve with noise.
 const LOAD: &str = "indentation_mm,force_N\n1,1.1\n2,2.7\n3,5.2\n4,8.1\n";
 
 /// Every flag rejects NaN, infinity and negative numbers; only the radius of a sensor may be infinite. With the value

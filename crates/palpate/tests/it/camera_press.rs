@@ -4,7 +4,6 @@ use serde_json::Value;
 
 use super::desk::{Desk, edited};
 
-/// A press on a ball, with a camera in the centre of the sensor.
 pub(crate) const PRESS: &str = r#"name = "pressed"
 length_unit = "mm"
 seed = 3
@@ -42,7 +41,6 @@ fn interval_contains(estimate: &Value, truth: f64) -> bool {
     number(&interval[0]) < truth && truth < number(&interval[1])
 }
 
-/// Keys of a JSON object, in their order.
 fn keys(estimate: &Value) -> Vec<String> {
     estimate.as_object().unwrap().keys().cloned().collect()
 }

@@ -150,7 +150,6 @@ fn the_chosen_rung_is_marked_for_projected_cameras_too() {
     }
 }
 
-/// A study that sweeps two fields over many values.
 fn study_with_two_sweeps(counts: [usize; 2]) -> String {
     let axis = |path: &str, from: f64, to: f64, count: usize| {
         format!("[[sweep]]\npath = \"{path}\"\nfrom = {from}\nto = {to}\ncount = {count}\n")

@@ -47,7 +47,6 @@ const PLOTS: &str = r#"
 [[sweep]]\npath = "seed"\nvalues = [1, 2]\n[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length" | plot.0 | seed (1 or 2)
 "#;
 
-/// The error with which a run of this study ends.
 fn error(config: &str) -> ConfigError {
     let checked = parse("c.toml", config).and_then(|study| {
         check_outputs(&study)?;
@@ -117,8 +116,6 @@ fn plots_that_trials_may_draw_are_not_refused() {
     }
 }
 
-/// The commands print the library's message with an excerpt of the config. They write nothing and keep earlier
-/// results.
 #[test]
 fn commands_print_the_error_and_write_nothing() {
     let bad = edited(SCENE, "50.0", "-50.0");

@@ -2,7 +2,6 @@
 
 use palpate::{Coverage, Family, coverage};
 
-/// The family of random scenes to which a scene belongs, or the reason why it belongs to none.
 #[track_caller]
 fn family(text: &str) -> Result<&'static Family, String> {
     let study = palpate::parse("a-scene.toml", text).expect("a study");

@@ -5,7 +5,6 @@ use super::desk::{Desk, STUDY, Table, edited, noiseless, number_at as number};
 const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
 const NOISE: &str = "--vary scene.noise.angular_velocity.fraction=0.001..0.2";
 
-/// The largest value of a statistic of one quantity, over all cells of a table.
 fn worst(table: &Table, quantity: &str, statistic: &str) -> f64 {
     let rows = (0..table.rows.len()).filter(|&row| table.text(row, "quantity") == quantity);
     rows.map(|row| table.number(row, statistic))
@@ -127,8 +126,6 @@ fn values_may_be_listed_and_fields_set() {
     );
 }
 
-/// A field may be named by the end of its path, and a value may have a unit. The answer is the same as with the full
-/// path and a number in the config's unit.
 #[test]
 fn fields_have_short_names_and_values_have_units() {
     let desk = Desk::with(STUDY);

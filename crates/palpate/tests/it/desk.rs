@@ -37,19 +37,16 @@ object = { kind = "sphere", radius = 50.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
 "#;
 
-/// The study [`STUDY`] without its noise.
 pub(crate) fn noiseless() -> String {
     let noise = "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }\n";
     edited(STUDY, noise, "")
 }
 
-/// Replaces one part of a text.
 pub(crate) fn edited(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "{from:?} is not in the text");
     text.replacen(from, to, 1)
 }
 
-/// A temporary directory in which the program runs.
 pub(crate) struct Desk(TempDir);
 
 impl Desk {
@@ -57,7 +54,6 @@ impl Desk {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// A directory with the config `c.toml`.
     pub(crate) fn with(config: &str) -> Self {
         let desk = Self::new();
         desk.write("c.toml", config);
@@ -93,7 +89,6 @@ impl Desk {
         names
     }
 
-    /// Runs `palpate` with arguments that are separated by spaces.
     pub(crate) fn palpate(&self, arguments: &str) -> Ended {
         let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
         command.args(arguments.split_whitespace());
@@ -128,7 +123,6 @@ impl Desk {
         assert_eq!(self.names(""), before);
     }
 
-    /// The JSON that a command prints.
     #[track_caller]
     pub(crate) fn json(&self, arguments: &str) -> serde_json::Value {
         let printed = self.palpate(&format!("{arguments} --json")).printed();
@@ -172,7 +166,6 @@ impl Desk {
     }
 }
 
-/// Result of a command that has ended.
 #[derive(Debug)]
 pub(crate) struct Ended {
     pub(crate) status: Option<i32>,
@@ -183,7 +176,6 @@ pub(crate) struct Ended {
     pub(crate) swept: String,
 }
 
-/// Replaces the names of settings in a message of the library by the names of the command-line flags.
 pub(crate) fn with_flags(text: &str) -> String {
     rename_settings(text, |key| format!("--{}", key.replace('_', "-")))
 }
@@ -224,14 +216,12 @@ impl Ended {
         self.stderr
     }
 
-    /// Checks that a command succeeded, and that its output contains these words.
     #[track_caller]
     pub(crate) fn prints(self, words: &str) {
         let printed = self.printed();
         assert!(printed.contains(words), "{words:?} is not in {printed}");
     }
 
-    /// Checks that a command failed with `status`, and that its message contains these words.
     #[track_caller]
     pub(crate) fn fails(self, status: i32, words: &str) {
         let said = self.said(status);
@@ -239,7 +229,6 @@ impl Ended {
     }
 }
 
-/// A table that the program wrote.
 pub(crate) struct Table {
     pub(crate) header: Vec<String>,
     pub(crate) rows: Vec<Vec<String>>,
@@ -269,7 +258,6 @@ impl Table {
             .unwrap_or_else(|_| panic!("{column} of row {row} is {text:?}"))
     }
 
-    /// Index of the row with a given cell and quantity in `cells.csv`.
     pub(crate) fn row_of(&self, cell: usize, quantity: &str) -> usize {
         (0..self.rows.len())
             .find(|&row| {
@@ -286,7 +274,6 @@ pub(crate) fn number_at(json: &serde_json::Value, place: &str) -> f64 {
     number.unwrap_or_else(|| panic!("{place}: {json}"))
 }
 
-/// Checks that two numbers agree within a relative tolerance.
 #[track_caller]
 pub(crate) fn assert_close(found: f64, expected: f64, relative: f64) {
     let off = (found - expected).abs();
@@ -296,10 +283,8 @@ pub(crate) fn assert_close(found: f64, expected: f64, relative: f64) {
     );
 }
 
-/// Names of the files of a finished run.
 pub(crate) const RUN_FILES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
 
-/// Checks that `c.toml` is the only file in the directory.
 #[track_caller]
 pub(crate) fn assert_untouched(dir: &Path) {
     let names: Vec<_> = std::fs::read_dir(dir)

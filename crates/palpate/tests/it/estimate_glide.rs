@@ -18,12 +18,10 @@ fn grid(header: &str, side: usize, row: impl Fn(f64, f64) -> String) -> String {
     text
 }
 
-/// Contacts on the bowl z = 0.2 (x² + y²).
 fn bowl() -> String {
     grid(BARE, 6, |x, y| format!("{x},{y},{}", 0.2 * (x * x + y * y)))
 }
 
-/// A directory with the contacts in `r.csv`.
 fn desk(contacts: &str) -> Desk {
     let desk = Desk::new();
     desk.write("r.csv", contacts);
@@ -176,7 +174,6 @@ fn a_map_at_the_contacts_has_their_positions_in_their_order() {
     }
 }
 
-/// A map is rejected if its directory does not exist.
 #[test]
 fn a_map_needs_a_directory() {
     let desk = desk(&bowl());

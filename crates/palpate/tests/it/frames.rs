@@ -69,12 +69,10 @@ fn disc(image: &mut RgbImage, [x, y]: [f64; 2], radius: f64, channel: usize) {
     }
 }
 
-/// Writes an image to a PNG file.
 pub(crate) fn write(desk: &Desk, name: &str, image: impl Into<DynamicImage>) {
     desk.write(name, png(image));
 }
 
-/// Encodes an image as PNG.
 pub(crate) fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     image.into().write_to(&mut bytes, ImageFormat::Png).unwrap();

@@ -20,7 +20,6 @@ const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny
                     \"normal_curvature_u\"\n";
 const SHELL: &str = "palpate() { \"$palpate\" \"$@\"; }; E={examples}; F={shared}; ";
 
-/// One command line of the table, with its expected result.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Call {
     before: String,

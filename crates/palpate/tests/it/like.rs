@@ -50,7 +50,6 @@ fn json(desk: &Desk, arguments: &str) -> Value {
     serde_json::from_str(&desk.palpate(&format!("estimate {arguments}")).printed()).unwrap()
 }
 
-/// `--like` with a study gives the same estimate as the settings of this study given as flags.
 #[test]
 fn settings_of_a_study_equal_the_same_settings_as_flags() {
     for (study, kind, flags) in [
@@ -93,7 +92,6 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
     }
 }
 
-/// The readings are in millimetres. Studies in other length units give the same estimate.
 #[test]
 fn lengths_are_converted_to_the_readings_unit() {
     let press = PRESS
@@ -182,7 +180,6 @@ fn a_flag_overrides_the_study() {
         .fails(2, "--window is of use only to --method gaussian");
 }
 
-/// The true indentation of a simulated press is not used as a setting for recorded readings.
 #[test]
 fn the_indentation_of_a_study_is_not_used() {
     let desk = traced(&edited(
@@ -199,7 +196,6 @@ fn the_indentation_of_a_study_is_not_used() {
     assert!(estimate["indentation"]["std"].as_f64().unwrap() <= 0.01);
 }
 
-/// Every key of an estimator in the config schema is also a flag of `palpate estimate`.
 #[test]
 fn every_setting_is_a_flag() {
     let schema: Value = serde_json::from_str(&Desk::new().palpate("schema").printed()).unwrap();

@@ -50,7 +50,6 @@ to = 0.2
 count = 2
 "#;
 
-/// Contents of a Parquet file: its columns with type and unit, its rows, and its metadata.
 struct Read {
     columns: Vec<(String, &'static str, Option<String>)>,
     rows: Vec<Vec<Field>>,

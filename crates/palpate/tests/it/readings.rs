@@ -153,7 +153,6 @@ pub(crate) fn warnings(estimate: &Value) -> Vec<&str> {
         .collect()
 }
 
-/// A table in which these columns are multiplied by `factor`.
 pub(crate) fn scaled(csv: &str, columns: &[usize], factor: f64) -> String {
     changed(csv, |fields| {
         for &column in columns {
@@ -163,7 +162,6 @@ pub(crate) fn scaled(csv: &str, columns: &[usize], factor: f64) -> String {
     })
 }
 
-/// A table in which `change` was applied to the fields of each row.
 pub(crate) fn changed(csv: &str, change: impl Fn(&mut Vec<String>)) -> String {
     let (header, rows) = csv.split_once('\n').unwrap();
     let row = |line: &str| {

@@ -132,7 +132,8 @@ fn the_best_of_listed_values_and_of_a_single_field() {
     let largest = if met[1] { "20" } else { "5" };
     assert!(met[0], "{answer}");
     assert_eq!(answer["best_that_meets"]["scene.object.radius"], largest);
-    // If only the noise varies, the largest noise is the upper end of the range of values that meet the target.
+    // If only the noise varies, the largest allowed noise that the search reports is the upper end of the range of
+    // values that meet the target.
     let alone = format!("--vary {FRACTION}=0.001..0.2 --gap 0.3");
     let [line, best] = ["".to_owned(), format!("--maximise {FRACTION}")]
         .map(|sought| desk.json(&format!("design c.toml {TARGET} {alone} {sought}")));

@@ -53,7 +53,6 @@ fn desk() -> Desk {
     desk
 }
 
-/// From the published tables, the command prints the published calibration, each number with its unit.
 #[test]
 fn the_published_calibration() {
     let examples = concat!(
@@ -214,7 +213,6 @@ fn swapped_frames_cause_a_warning_and_other_sensors_an_error() {
     );
 }
 
-/// Frames in different pixel formats contain the same markers.
 #[test]
 fn all_kinds_of_pixels_are_read() {
     let desk = Desk::new();
@@ -377,7 +375,7 @@ fn invalid_calibration_files_are_refused() {
         );
         assert!(desk.names("o").is_empty());
     }
-    // The calibration contains no px per length; therefore, --px-per-rad is required.
+    // The calibration contains no scale in px per length; therefore, --px-per-rad is required.
     desk.palpate("sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --out o").fails(1, "--px-per-rad");
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }

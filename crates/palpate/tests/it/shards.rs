@@ -36,7 +36,6 @@ path = "scene.motion.indentation"
 values = [0.5, 1.0, 3.0, 7.0, 9.0]
 "#;
 
-/// Runs all shards of `c.toml`, each in its own directory.
 fn shards(desk: &Desk, of: usize) {
     for number in (1..=of).rev() {
         let line = format!("run c.toml --shard {number}/{of} --out s/{number}");

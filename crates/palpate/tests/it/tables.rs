@@ -16,7 +16,6 @@ fn rolls(contents: impl AsRef<[u8]>) -> Value {
     roll(contents, Form::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A table of rolls as JSON, one object per line.
 fn as_json(table: &str) -> String {
     let mut lines = table.lines().map(|line| line.split(','));
     let names: Vec<&str> = lines.next().unwrap().collect();
@@ -354,7 +353,6 @@ fn the_second_command_prints_the_curvature() {
     );
 }
 
-/// Command-line flags set the format of a table. With `--like`, the study supplies its column names.
 #[test]
 fn flags_and_studies_set_the_form_of_a_table() {
     let desk = Desk::new();
@@ -404,7 +402,7 @@ fn additional_columns_are_kept_as_labels() {
         columns,
         serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
     );
-    // Except for these additional columns, the output is the same.
+    // Except for the columns `Force [N]` and `note`, the output is the same.
     assert_eq!(found, rolls(&rolled));
     // The message about an outlier contains the label of its row.
     let rows = super::readings::PRESS.lines().enumerate();

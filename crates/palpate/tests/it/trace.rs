@@ -226,7 +226,6 @@ fn estimates_from_a_trace_have_the_true_values() {
     assert_eq!(json["normal_curvature_u"]["unit"], "1/mm");
 }
 
-/// With every kind of noise, the readings of a traced trial give the same estimates as this trial gives in the run.
 #[test]
 fn a_traced_trial_has_the_estimates_of_the_run() {
     let motions = [

@@ -61,8 +61,6 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     print(&args.answer, lines, || found.to_json(&study))
 }
 
-/// Converts the arguments of `palpate design` to a question: the target, the varied fields, the value to find, and the
-/// limits of the search.
 fn question(args: &DesignArgs, study: &Study) -> Result<Question, AnswerError> {
     let sought = match (&args.maximise, &args.minimise) {
         (Some(name), _) => Some((name, Extreme::Largest)),
@@ -166,7 +164,6 @@ pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
     print(&args.answer, found.lines(), || found.to_json(&study))
 }
 
-/// Converts the error of an unanswerable question to a failure with exit status 2 (bad usage).
 fn failure(error: AnswerError) -> Failure {
     match error {
         AnswerError::Config(error) => Failure::usage(error),

@@ -59,7 +59,6 @@ pub(crate) fn runner(asked: Option<NonZeroUsize>) -> Result<Runner, Failure> {
     .map_err(Failure::work)
 }
 
-/// Converts an error of the planning to a failure that names the argument or the field of the config.
 fn refused(
     study: &Study,
     numbers: &[usize],

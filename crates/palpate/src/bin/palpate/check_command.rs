@@ -106,8 +106,8 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// Groups the results of cells into those of tested cells, of cells outside the tested ranges, and of other cells. Each
-/// group has its number of cells, and the result with the lowest coverage and the number of its other results.
+/// One entry for each kind of [`Coverage`] in `all`: the number of cells of this kind, the number of its other results,
+/// and the result with the lowest coverage.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,

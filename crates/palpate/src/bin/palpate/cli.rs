@@ -354,8 +354,8 @@ pub(crate) struct CheckArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SchemaArgs {
-    /// Print the quantities and statistics with their units and meanings instead of the schema. The keys `quantity`,
-    /// `x` and `y` of a plot may name them; `x` and `y` may also name swept fields.
+    /// Print the quantities and statistics with their units and meanings instead of the schema. In a plot, the keys
+    /// `quantity`, `x` and `y` name one of these quantities or statistics; `x` and `y` may also name a swept field.
     #[arg(long)]
     pub(crate) quantities: bool,
 }
@@ -441,7 +441,6 @@ fn shards(text: &str) -> Result<NonZeroU64, String> {
     within(text, MAX_SHARDS)
 }
 
-/// Largest number of processors that a shard may request.
 const MAX_PROCESSORS: u64 = 255;
 
 fn processors(text: &str) -> Result<NonZeroU64, String> {
@@ -492,7 +491,6 @@ fn slurm_time(text: &str) -> Result<SlurmTime, String> {
     }
 }
 
-/// Checks a size of memory in Slurm's format.
 fn slurm_size(text: &str) -> Result<String, String> {
     let digits = text.trim_end_matches(['K', 'M', 'G', 'T']);
     let is_size =

@@ -6,7 +6,6 @@ use std::time::Duration;
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
 /// Longest accepted duration, s. It is far below the limit of [`Duration`].
 const LONGEST_S: f64 = 1e10;
-/// Shortest accepted duration, s.
 const SHORTEST_S: f64 = 1e-9;
 /// Range of numbers that are printed without an exponent.
 const PLAIN: std::ops::Range<f64> = 1e-4..1e6;
@@ -52,7 +51,6 @@ pub(crate) fn short(seconds: f64) -> String {
     format!("{} {unit}", two_digits(number))
 }
 
-/// A number rounded to two significant digits.
 pub(crate) fn two_digits(number: f64) -> String {
     exact(format!("{number:.1e}").parse().unwrap_or(number))
 }

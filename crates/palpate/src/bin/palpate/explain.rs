@@ -20,7 +20,6 @@ const PARTS: [&str; 6] = ["probe", "object", "model", "sensor", "noise", "estima
 /// The word for which `palpate explain` prints the table of kinds of scenes.
 const SCENES: &str = "scenes";
 
-/// Prints the meaning of a word; without a word, lists all words.
 pub(crate) fn explain(word: &str) -> Result<(), Failure> {
     if spelt(word) == SCENES {
         let scene = |(kind, parts): (String, Vec<(&str, String)>)| {
@@ -69,7 +68,6 @@ pub(crate) fn explain(word: &str) -> Result<(), Failure> {
     output::print(&entries.join("\n"))
 }
 
-/// Prints all words as Markdown.
 pub(crate) fn glossary() -> Result<(), Failure> {
     let mut text = "# Glossary\n\n`palpate explain WORD` prints one entry. `cargo xtask book` writes this page from \
                     `palpate explain --markdown`.\n"
@@ -138,7 +136,6 @@ fn scenes() -> Vec<(String, Vec<(&'static str, String)>)> {
     scenes.into_iter().flatten().filter_map(scene).collect()
 }
 
-/// A section of the glossary, as a heading with a Markdown table.
 fn section(
     title: &str,
     [first, second]: [&str; 2],
@@ -195,7 +192,6 @@ fn collect_keys(schema: &Value, path: &str, keys: &mut Vec<(String, String)>) {
     }
 }
 
-/// Prints the quantities and statistics that plots may name.
 pub(crate) fn quantities() -> Result<(), Failure> {
     let mut text =
         "Quantities (`quantity`), with their unit and the kinds of scenes that have them:\n"

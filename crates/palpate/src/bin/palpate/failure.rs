@@ -27,7 +27,6 @@ impl Failure {
         Self::Work(error.into())
     }
 
-    /// Failure if the study has no cell with the number that `--cell` states.
     pub(crate) fn no_cell(cell: usize, study: &Study) -> Self {
         let last = study.cell_count() - 1;
         Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
@@ -84,7 +83,6 @@ pub(crate) fn with_flags(message: &str) -> String {
     rename_settings(message, |key| format!("--{}", flag(key)))
 }
 
-/// Name of the flag for a key of the config.
 pub(crate) fn flag(key: &str) -> String {
     match key {
         "kind" => "method".to_owned(),

@@ -31,7 +31,6 @@ const MAX_RECORD: u32 = 1 << 30;
 /// Header of a journal. It states which run the journal belongs to.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Header {
-    /// Version of palpate that wrote the journal.
     pub(crate) version: String,
     /// Config of the run, as text of `run.toml`.
     pub(crate) config: String,
@@ -40,7 +39,6 @@ pub(crate) struct Header {
     pub(crate) warnings: Warnings,
     /// Number of tasks of this run; if the run is a shard, number of tasks of this shard.
     pub(crate) tasks: u64,
-    /// Number of tasks of all shards together.
     pub(crate) all_tasks: u64,
 }
 
@@ -54,11 +52,9 @@ pub(crate) struct RunRequest {
     pub(crate) every_nth_cell: u64,
     /// Number of the shard, and number of all shards; `None` for a run of the whole study.
     pub(crate) shard: Option<(u64, u64)>,
-    /// Whether the journal contains rows for the table of trials.
     pub(crate) trials_out: bool,
 }
 
-/// A record of a journal.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 enum Record {
     Header(Box<Header>),
@@ -69,7 +65,6 @@ enum Record {
     End,
 }
 
-/// Results of a finished cell: its rows in the tables, its failures and its warnings.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct CellRecord {
     pub(crate) cell: u64,
@@ -83,7 +78,6 @@ pub(crate) struct CellRecord {
     pub(crate) warnings: Vec<Warning>,
 }
 
-/// Rows of the table of trials for one cell.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct TrialRows {
     pub(crate) cell: u64,
@@ -96,27 +90,22 @@ pub(crate) enum JournalItem {
     Cell(CellRecord),
 }
 
-/// Numbers of cells, trials and failures of the finished cells.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Totals {
     pub(crate) cells: u64,
     pub(crate) trials: u64,
-    /// Number of failed trials for each kind of failure.
     pub(crate) kinds: BTreeMap<String, u64>,
-    /// Whether at least one trial succeeded.
     pub(crate) has_success: bool,
 }
 
 /// Contents of a journal, without the rows of tables.
 pub(crate) struct JournalState {
     pub(crate) header: Header,
-    /// Number of finished tasks (cells).
     pub(crate) tasks: u64,
     pub(crate) is_ended: bool,
     pub(crate) totals: Totals,
     /// Warnings of the finished cells and of the header.
     pub(crate) warnings: Warnings,
-    /// Computing time of the finished cells.
     pub(crate) time: Duration,
     /// Length of the valid part at the beginning of the file, bytes.
     valid_bytes: u64,
@@ -186,7 +175,6 @@ impl CellRecord {
     }
 }
 
-/// Writes a journal.
 pub(crate) struct Journal {
     file: File,
     path: PathBuf,
@@ -194,7 +182,6 @@ pub(crate) struct Journal {
     pending_bytes: usize,
     /// Buffer for the next frame. All frames use the same buffer, so that no memory is allocated for each frame.
     frame: Vec<u8>,
-    /// Time at which the last record was written.
     written: Instant,
     /// Start of the last synchronisation with the disk.
     synced: Instant,
@@ -203,7 +190,6 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Creates a journal with this header in a directory.
     pub(crate) fn new(dir: &Path, header: &Header) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
         let mut journal = Self::with_file(File::create(&path)?, path);
@@ -261,7 +247,6 @@ impl Journal {
         self.frame(&Record::Trials(trials))
     }
 
-    /// Writes the pending cells to the journal.
     pub(crate) fn flush(&mut self) -> io::Result<()> {
         if self.pending.is_empty() {
             return Ok(());
@@ -308,7 +293,6 @@ impl Journal {
     }
 }
 
-/// Waits until a synchronisation with the disk ends.
 fn wait_for_sync(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> {
     let ended = syncing.map(JoinHandle::join);
     let lost = |_| {
@@ -331,10 +315,8 @@ fn framed(record: &Record, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads a journal record by record.
 pub(crate) struct Reader {
     file: BufReader<File>,
-    /// Length of the valid part that was read so far, bytes.
     valid_bytes: u64,
     length: u64,
     waiting: std::vec::IntoIter<CellRecord>,
@@ -397,7 +379,6 @@ impl Reader {
         }
     }
 
-    /// Reads the next valid record; `None` at the end of the valid part.
     fn record(&mut self) -> Option<Record> {
         let mut number = [0; 4];
         let mut next = || -> io::Result<u32> {
@@ -418,7 +399,6 @@ impl Reader {
         Some(record)
     }
 
-    /// Reads the next finished cell, or the next rows of the table of trials.
     pub(crate) fn item(&mut self) -> Option<JournalItem> {
         loop {
             if let Some(cell) = self.waiting.next() {

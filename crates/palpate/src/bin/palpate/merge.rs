@@ -116,7 +116,6 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     }
 }
 
-/// Shards that were found in the given directories, or one or two levels below them.
 #[derive(Default)]
 pub(crate) struct Shards {
     /// Directory and journal of each shard, by the number of the shard.
@@ -158,7 +157,6 @@ impl Shards {
     }
 }
 
-/// Finds the shards in directories, or one or two levels below them.
 pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<Shards, Failure> {
     let mut shards = Shards::default();
     for dir in dirs {
@@ -223,7 +221,6 @@ pub(crate) fn mismatch(found: &JournalState, first: &Path, of: &JournalState) ->
     })
 }
 
-/// Rejects a shard whose journal is unfinished or damaged.
 fn refuse_damaged(dir: &Path, found: &JournalState) -> Result<(), Failure> {
     let (number, of) = found.header.request.shard.unwrap_or((1, 1));
     let all = found.header.tasks;
@@ -250,7 +247,6 @@ pub(crate) fn listed(numbers: &[u64]) -> String {
     }
 }
 
-/// Sums of the cells, trials and failures of several shards.
 pub(crate) fn totals_of<'f>(all: impl Iterator<Item = &'f JournalState>) -> Totals {
     let mut totals = Totals::default();
     for found in all {

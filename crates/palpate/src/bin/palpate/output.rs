@@ -29,7 +29,6 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write_stdout(format!("{text}\n").as_bytes())
 }
 
-/// Writes bytes to standard output. A closed pipe is not an error.
 fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
@@ -58,7 +57,6 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
     Ok(lines.collect::<Vec<_>>().join("\n"))
 }
 
-/// Encodes a picture as a PNG file.
 pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture

@@ -13,10 +13,8 @@ use crate::journal::Totals;
 /// Time between two progress lines, if standard error is not a terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(60);
 
-/// Progress of a run.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// Number of trials of the whole run.
     all: u64,
     /// Number of trials that an earlier, interrupted run had already done.
     before: u64,
@@ -30,7 +28,6 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Progress of a run of `all` trials. An earlier, interrupted run had done `before` of them.
     pub(crate) fn new(all: u64, before: u64) -> Self {
         let bar = bar_of("trials");
         bar.set_length(all);
@@ -48,7 +45,6 @@ impl Progress {
         }
     }
 
-    /// Adds a number of finished trials. Any thread may call this function.
     pub(crate) fn add(&self, trials: u64) {
         let done = trials + self.done.fetch_add(trials, Ordering::Relaxed);
         if self.is_terminal {
@@ -61,7 +57,6 @@ impl Progress {
         }
     }
 
-    /// Shows the numbers of failed trials next to the progress.
     pub(crate) fn show_failures(&self, totals: &Totals) {
         if totals.kinds.is_empty() {
             return;
@@ -74,7 +69,6 @@ impl Progress {
         }
     }
 
-    /// Removes the progress bar from the terminal.
     pub(crate) fn end(&self) {
         self.bar.finish_and_clear();
     }
@@ -101,7 +95,6 @@ pub(crate) fn bar_of(things: &str) -> ProgressBar {
     bar_with(&format!("{{wide_bar}} {counts}{{msg}}"))
 }
 
-/// Progress line for work whose total number is unknown; see [`bar_of`].
 pub(crate) fn counter_of(things: &str) -> ProgressBar {
     bar_with(&format!("{{human_pos}} {things}, {{per_sec}}{{msg}}"))
 }

@@ -40,7 +40,6 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     names.try_for_each(|path| output::print(&path.display().to_string()))
 }
 
-/// Loads the results in a directory.
 fn load_results(dir: &Path) -> Result<Study, Failure> {
     refuse_no_directory(dir)?;
     if Format::found_in(dir) == Some(Format::Parquet) {
@@ -54,7 +53,6 @@ fn load_results(dir: &Path) -> Result<Study, Failure> {
     Study::load(dir).map_err(Failure::work)
 }
 
-/// Identity of a study, including the SHA-256 of its `cells.csv`, for the manifest.
 fn id_of(study: &Study) -> Result<StudyId, Failure> {
     let path = study.dir().join(CONFIG);
     let config = text_of(&path)

@@ -25,7 +25,6 @@ use journal_run::{JournalRun, journal_to_resume};
 pub(crate) use journal_run::difference;
 pub(crate) use run_tables::{Drafts, TrialsOut, output_names, requested_trace, write_results};
 
-/// Largest number of threads that a run starts.
 const MAX_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {

@@ -146,7 +146,6 @@ fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) ->
     text
 }
 
-/// Line with the numbers of trials and failures.
 fn trials(totals: &Totals) -> String {
     let (all, failed) = (totals.trials, totals.kinds.values().sum());
     let kinds = match totals.failures() {
@@ -187,7 +186,6 @@ fn count(field: &str) -> Result<u64, anyhow::Error> {
     number.with_context(|| format!("`{field}` is not a number of trials"))
 }
 
-/// Name of the study in the text of its config.
 fn study_name(config: &str) -> String {
     let study = parse("run.toml", config);
     study.map_or_else(|_| "?".to_owned(), |study| study.config.name)

@@ -141,7 +141,6 @@ fn ranges(numbers: &[u64]) -> String {
     runs.join(",")
 }
 
-/// `#SBATCH` lines that request resources from Slurm.
 fn directives(args: &SlurmArgs) -> String {
     let mut lines = String::new();
     let given = [("partition", &args.partition), ("account", &args.account)];

@@ -145,7 +145,6 @@ fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
     }
 }
 
-/// Parses `PATH=VALUE`, a field with one value.
 fn set(text: &str) -> Result<(String, toml::Value), String> {
     let Vary { path, values } = text
         .parse()

@@ -44,7 +44,6 @@ impl FormArgs {
         }
     }
 
-    /// The table format that the flags state.
     pub(crate) fn form(&self) -> Form {
         Form {
             columns: self.columns.clone().unwrap_or_default(),

@@ -25,7 +25,6 @@ use crate::failure::{flag, with_flags};
 pub(crate) trait Flagged:
     Default + Serialize + DeserializeOwned + JsonSchema + 'static
 {
-    /// Name of the group of flags in clap.
     const GROUP: &'static str;
     /// Keys that have no flag of their own, because the command already has another flag with this name.
     const NO_FLAGS: &'static [&'static str] = &[];
@@ -76,7 +75,6 @@ impl<T> Settings<T> {
         Some(format!("--{}", flag(key)))
     }
 
-    /// Returns a map with these settings and the settings `others`.
     pub(crate) fn and<U>(&self, others: &Settings<U>) -> Map<String, Json> {
         let mut all = self.given.clone();
         all.extend(others.given.clone());

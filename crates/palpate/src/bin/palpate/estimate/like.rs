@@ -10,12 +10,10 @@ use crate::failure::Failure;
 pub(crate) struct Like {
     study: Study,
     cell: usize,
-    /// Config of the study's cell with the number `cell`.
     pub(crate) config: StudyConfig,
 }
 
 impl Like {
-    /// The study that `--like` names; `None` without this argument.
     pub(crate) fn of(args: &LikeArgs) -> Result<Option<Self>, Failure> {
         let Some(file) = &args.like else {
             return Ok(None);

@@ -14,7 +14,6 @@ use crate::cli::FormArgs;
 use crate::failure::{Failure, with_flags};
 use crate::output;
 
-/// Reads a table of readings; `-` is standard input. `form` states the table's format.
 pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
     let file = match path == Path::new("-") {
         true => RecordedFile::read_stream("standard input", std::io::stdin().lock()),

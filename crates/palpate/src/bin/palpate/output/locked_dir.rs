@@ -26,7 +26,6 @@ pub(crate) struct LockedDir {
     _lock: Lock,
 }
 
-/// Rejects a path that is not a directory.
 pub(crate) fn refuse_no_directory(dir: &Path) -> Result<(), Failure> {
     match dir.is_dir() {
         true => Ok(()),
@@ -72,7 +71,6 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
 }
 
 impl LockedDir {
-    /// Creates a directory if it is missing, and locks it. Removes temporary files that ended processes left there.
     pub(crate) fn open(dir: &Path, guard: Guard) -> Result<Self, Failure> {
         make_directory(dir)?;
         let lock = Lock::new(dir)?;
@@ -84,7 +82,6 @@ impl LockedDir {
         })
     }
 
-    /// The directory with the manifest of its files.
     pub(crate) fn output(&self) -> &OutputDir {
         &self.output
     }
@@ -108,7 +105,6 @@ impl LockedDir {
         self.write(&[(name, config)], Some(study))
     }
 
-    /// Removes [`NEXT_CONFIG`] at the end of a run.
     pub(crate) fn end(&mut self) -> Result<(), Failure> {
         match fs::remove_file(self.output.dir.join(NEXT_CONFIG)) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
@@ -266,7 +262,6 @@ pub(crate) struct Lock {
 }
 
 impl Lock {
-    /// Whether a process has locked the directory.
     pub(crate) fn is_held(dir: &Path) -> bool {
         let file = File::open(dir.join(LOCK_NAME));
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))

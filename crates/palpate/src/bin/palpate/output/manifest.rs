@@ -13,22 +13,17 @@ use sha2::{Digest, Sha256};
 use super::names::{CELLS, MAX_MIB};
 use crate::failure::Failure;
 
-/// File name of the manifest.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Version of the manifest's format.
 const VERSION: u32 = 1;
 
-/// The files that palpate wrote into one directory.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Manifest {
     version: u32,
-    /// Entries of the files, by file name.
     #[serde(default)]
     pub(crate) files: BTreeMap<String, Entry>,
 }
 
-/// Manifest entry of one file.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Entry {
     /// SHA-256 of the file's contents. While the file is being replaced, the list has two values: old and new.
@@ -38,10 +33,8 @@ pub(crate) struct Entry {
     pub(crate) study: Option<StudyId>,
 }
 
-/// Identifies the study to which a file belongs.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct StudyId {
-    /// Name of the study.
     study: String,
     /// SHA-256 of the study's config, as text of `run.toml`.
     config: String,
@@ -88,7 +81,6 @@ impl Manifest {
         Self { version, files }
     }
 
-    /// Reads the manifest of a directory; `None` if the directory has no manifest.
     pub(crate) fn read(dir: &Path) -> Result<Option<Self>, Failure> {
         let path = dir.join(MANIFEST);
         let fault = |what: String| {
@@ -153,19 +145,16 @@ impl Entry {
     }
 }
 
-/// SHA-256 of bytes.
 pub(crate) fn digest(bytes: &[u8]) -> String {
     hexadecimal(Sha256::digest(bytes).as_slice())
 }
 
-/// SHA-256 of a file.
 pub(crate) fn digest_of(path: &Path) -> io::Result<String> {
     let mut hash = Sha256::new();
     io::copy(&mut File::open(path)?, &mut hash)?;
     Ok(hexadecimal(hash.finalize().as_slice()))
 }
 
-/// Bytes as text of hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -128,10 +128,8 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    /// All formats.
     pub(crate) const ALL: [Self; 2] = [Self::Csv, Self::Parquet];
 
-    /// File names of the tables of cells, failures and maps in this format.
     pub(crate) const fn tables(self) -> [&'static str; 3] {
         match self {
             Self::Csv => [CELLS, FAILURES, MAP],
@@ -154,7 +152,6 @@ impl Format {
         Self::ALL.into_iter().find(is_there)
     }
 
-    /// Rejects Parquet if this program was compiled without support for it.
     pub(crate) fn supported(self) -> Result<(), Failure> {
         if self == Self::Csv || cfg!(feature = "parquet") {
             return Ok(());

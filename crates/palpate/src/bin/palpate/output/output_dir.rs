@@ -22,7 +22,6 @@ pub(crate) struct OutputDir {
     guard: Guard,
 }
 
-/// States which files a command must not overwrite.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guard {
     inputs: Vec<PathBuf>,
@@ -37,12 +36,10 @@ impl Guard {
         Self { inputs, force }
     }
 
-    /// Whether every file may be overwritten (`--force`).
     pub(crate) fn is_forced(&self) -> bool {
         self.force
     }
 
-    /// Whether the file at `path` is an input file of the command.
     pub(crate) fn reads(&self, path: &Path) -> bool {
         // Compare only existing regular files. Opening a pipe would wait for its writer.
         let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
@@ -66,7 +63,6 @@ impl Guard {
     }
 }
 
-/// Failure for a file that must not be overwritten.
 pub(crate) fn protected(path: &Path, why: &str) -> Failure {
     let path = path.display();
     Failure::usage(anyhow!(
@@ -75,7 +71,6 @@ pub(crate) fn protected(path: &Path, why: &str) -> Failure {
 }
 
 impl OutputDir {
-    /// Reads the manifest of a directory. The manifest may be missing.
     pub(crate) fn read(dir: &Path, guard: Guard) -> Result<Self, Failure> {
         let manifest = match Manifest::read(dir) {
             Err(_) if guard.force => None,
@@ -128,7 +123,6 @@ impl OutputDir {
         }
     }
 
-    /// Manifest entry of a file; `None` if the manifest does not list the file.
     fn entry(&self, name: &str) -> Option<&Entry> {
         self.manifest.as_ref()?.files.get(name)
     }

@@ -40,7 +40,6 @@ impl OutputFile {
         Ok(Self { path, guard })
     }
 
-    /// Prints a message to stdout. If the output file is stdout, prints the message to stderr.
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         if self.path.is_some() {
             return super::print(text);
@@ -112,7 +111,6 @@ fn cannot(path: &Path) -> String {
     format!("cannot write {}", path.display())
 }
 
-/// Writes an output file piece by piece.
 pub(crate) struct OutputWriter<'s> {
     file: &'s OutputFile,
     place: Place,

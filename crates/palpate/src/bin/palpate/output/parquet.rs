@@ -23,10 +23,8 @@ use polars_arrow_format::ipc::{self, planus};
 
 /// Number of rows in one row group of the file. Rows are collected in memory until a group is complete.
 const GROUP: usize = 1 << 16;
-/// Metadata key for the version of palpate that wrote a file.
 const VERSION_KEY: &str = "palpate_version";
 
-/// Writes one table in Parquet format.
 pub(super) struct Writer<W: Write + Send> {
     file: SerializedFileWriter<W>,
     columns: Vec<(Column, Values)>,
@@ -70,7 +68,6 @@ impl<W: Write + Send> Writer<W> {
         })
     }
 
-    /// Adds the rows of a CSV text to the table.
     pub(super) fn write(&mut self, rows: &str) -> io::Result<()> {
         let mut rows = Rows::without_header(rows.as_bytes());
         while let Some((_, row)) = rows.next_row().map_err(io::Error::other)? {
@@ -94,7 +91,6 @@ impl<W: Write + Send> Writer<W> {
         Ok(())
     }
 
-    /// Writes the collected rows as one row group.
     fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.file.next_row_group()?;
         let mut columns = self.columns.iter_mut();
@@ -137,7 +133,6 @@ impl<W: Write + Send> Writer<W> {
     }
 }
 
-/// A column with empty lists for its values.
 fn empty_column(column: Column) -> (Column, Values) {
     let present = match column.values {
         ColumnType::Number => Present::Numbers(Vec::new()),
@@ -212,7 +207,6 @@ fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
     schema.build().map(Arc::new)
 }
 
-/// Metadata key for the unit of a column.
 const UNIT_KEY: &str = "unit";
 
 /// Metadata entry with the columns' schema in Arrow's format (the schema message of Arrow's stream format, as base64).
@@ -287,7 +281,6 @@ fn plain(error: ParquetError) -> io::Error {
     }
 }
 
-/// Whether the file at `path` is a table with these columns, written by palpate.
 pub(super) fn is_table(path: &Path, columns: &[Column]) -> bool {
     let reader = File::open(path).map(SerializedFileReader::new);
     let Ok(Ok(reader)) = reader else {
@@ -300,7 +293,6 @@ pub(super) fn is_table(path: &Path, columns: &[Column]) -> bool {
         && fields.eq(columns.iter().map(|column| column.name.as_str()))
 }
 
-/// Reads a table row by row, and passes the fields of the requested columns to `take`.
 pub(super) fn read<const N: usize>(
     path: &Path,
     columns: [&str; N],

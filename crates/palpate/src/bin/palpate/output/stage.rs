@@ -14,14 +14,11 @@ use super::manifest::{digest, digest_of, hexadecimal};
 /// Prefix of temporary file names; six random letters or digits follow.
 const PREFIX: &str = ".palpate-";
 const RANDOM: usize = 6;
-/// Largest number of symbolic links that are followed from one path.
 const MAX_LINKS: usize = 40;
 
 /// New contents of a file.
 pub(crate) enum Contents<'a> {
-    /// Bytes in memory.
     Bytes(&'a [u8]),
-    /// Bytes in a temporary file.
     Draft(Draft),
 }
 
@@ -69,7 +66,6 @@ impl Write for Draft {
 }
 
 impl Contents<'_> {
-    /// First bytes of the new contents. These bytes show the kind of the file.
     pub(crate) fn head(&self) -> &[u8] {
         match self {
             Self::Bytes(bytes) => bytes,
@@ -77,7 +73,6 @@ impl Contents<'_> {
         }
     }
 
-    /// SHA-256 of the contents.
     pub(crate) fn digest(&self) -> String {
         match self {
             Self::Bytes(bytes) => digest(bytes),
@@ -99,16 +94,13 @@ impl Contents<'_> {
     }
 }
 
-/// Whether the file at `path` may be replaced without loss: it has exactly these contents, is empty, or is missing.
 pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
     let length = fs::metadata(path).map_or(0, |found| found.len());
     length == 0
         || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
 }
 
-/// File that is complete but still has a temporary name.
 pub(crate) struct StagedFile<'a> {
-    /// Path of the final file, for messages.
     shown: PathBuf,
     place: Place<'a>,
 }
@@ -210,7 +202,6 @@ fn is_disk(_: &fs::Metadata) -> bool {
     false
 }
 
-/// Directory that contains a file.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,

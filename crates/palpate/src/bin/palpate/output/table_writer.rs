@@ -14,9 +14,7 @@ use super::output_dir::begins_as;
 use super::parquet;
 use crate::failure::Failure;
 
-/// Writes a table row by row, as CSV or Parquet.
 pub(crate) struct TableWriter<W: Write + Send> {
-    /// Name of the table, for messages.
     name: String,
     sink: Sink<W>,
 }
@@ -60,7 +58,6 @@ impl<W: Write + Send> TableWriter<W> {
         }
     }
 
-    /// Adds the rows of a CSV text to the table.
     pub(crate) fn write(&mut self, rows: &str) -> Result<(), Failure> {
         let written = match &mut self.sink {
             Sink::Csv(sink) => sink.write_all(rows.as_bytes()),
@@ -85,7 +82,6 @@ fn cannot(error: io::Error, name: &str) -> Failure {
     Failure::work(error.context(format!("cannot write {name}; the same command tries again")))
 }
 
-/// Whether the file at `path` is a table with these columns, written by palpate.
 pub(crate) fn is_table(path: &Path, format: Format, columns: &[Column]) -> bool {
     match format {
         Format::Csv => begins_as(path, header(columns).as_bytes()),

@@ -19,13 +19,11 @@ use crate::output::Lock;
 use crate::output::names::JOURNAL;
 use crate::progress::Progress;
 
-/// A run, and the journal that it writes.
 pub(super) struct JournalRun<'s, 'a> {
     simulation: &'s Simulation<'a>,
     journal: Journal,
     totals: Totals,
     warnings: Warnings,
-    /// Number of finished tasks.
     tasks: u64,
     /// Rows of the unfinished cell in the table of trials, as CSV text. These rows are not in the journal yet.
     rows: String,
@@ -95,7 +93,6 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         })
     }
 
-    /// Records a finished cell.
     fn record_cell(&mut self, record: CellRecord) -> std::io::Result<()> {
         self.totals.add(&record);
         self.warnings.add(record.cell as usize, &record.warnings);
@@ -290,7 +287,6 @@ struct Signals {
 }
 
 impl Signals {
-    /// Installs the signal handlers.
     fn new() -> Result<Self, Failure> {
         let stop = Arc::new(AtomicBool::new(false));
         let signal = Arc::new(AtomicUsize::new(0));
@@ -315,7 +311,6 @@ impl Signals {
         })
     }
 
-    /// Flag that becomes true when the first signal arrives.
     fn stop(&self) -> &AtomicBool {
         &self.stop
     }

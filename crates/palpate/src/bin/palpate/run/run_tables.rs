@@ -32,7 +32,6 @@ pub(crate) fn output_names(study: &Study, format: Format) -> Vec<&'static str> {
     names
 }
 
-/// The file that `--trials-out` names, for the table of trials.
 pub(crate) struct TrialsOut {
     file: OutputFile,
     format: Format,
@@ -82,7 +81,6 @@ impl TrialsOut {
     }
 }
 
-/// Writes the table of trials.
 struct TrialsTable<'s> {
     output: &'s TrialsOut,
     table: TableWriter<OutputWriter<'s>>,
@@ -131,14 +129,12 @@ pub(crate) fn requested_trace(
     trace_files(&trace)
 }
 
-/// Tables of a run that are not complete yet.
 pub(crate) struct Drafts<'s> {
     /// Name and writer of each table: cells, failures and map. A journal record contains rows in the same order.
     tables: [(&'static str, Option<TableWriter<Draft>>); 3],
     trials: Option<TrialsTable<'s>>,
 }
 
-/// Complete tables with their names.
 type Tables = Vec<(&'static str, Draft)>;
 
 impl<'s> Drafts<'s> {

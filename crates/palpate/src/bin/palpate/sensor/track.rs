@@ -105,7 +105,6 @@ fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     }
 }
 
-/// Name of the first given flag that has an effect only with a calibration; `None` if no such flag was given.
 fn of_calibration(args: &TrackArgs) -> Option<String> {
     let given = [
         ("--like", args.sensor.like.like.is_some()),
