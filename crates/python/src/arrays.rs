@@ -107,7 +107,6 @@ fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, [usize; 2])> {
     (columns > 0).then_some((numbers, [rows.len(), columns]))
 }
 
-/// Converts a value to an array of doubles with NumPy.
 fn converted<'py>(
     name: &'static str,
     value: &Bound<'py, PyAny>,
@@ -142,7 +141,6 @@ pub(crate) fn whole(numbers: &Numbers<'_>) -> PyResult<Vec<u64>> {
     numbers.flat().iter().enumerate().map(whole).collect()
 }
 
-/// A NumPy array with the numbers `numbers` and the shape `shape`.
 pub(crate) fn array<'py>(
     py: Python<'py>,
     numbers: Vec<f64>,

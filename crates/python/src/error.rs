@@ -89,8 +89,8 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     argument(name, &[], None, message)
 }
 
-/// Settings whose argument in Python has a different name than their key in the config. Each entry contains the key and
-/// the name of the argument.
+/// Settings whose argument in Python has a different name than their key in the config: the key, and the name of the
+/// argument.
 const RENAMED: [(&str, &str); 3] = [
     ("kind", "method"),
     ("from", "source"),
@@ -103,7 +103,6 @@ pub(crate) fn key(argument: &str) -> &str {
     renamed.map_or(argument, |(key, _)| key)
 }
 
-/// Name of the argument that states the setting `key`.
 pub(crate) fn name(key: &str) -> &str {
     let renamed = RENAMED.iter().find(|(renamed, _)| *renamed == key);
     renamed.map_or(key, |(_, name)| name)
@@ -114,7 +113,6 @@ pub(crate) fn text(error: &impl Display) -> String {
     rename_settings(&error.to_string(), |key| name(key).to_owned())
 }
 
-/// Converts an error in readings to an exception.
 pub(crate) fn recorded(error: RecordedError) -> PyErr {
     let message = text(&error);
     match error {
@@ -128,17 +126,14 @@ pub(crate) fn recorded(error: RecordedError) -> PyErr {
     }
 }
 
-/// Converts an error that occurs while a study runs to an exception.
 pub(crate) fn run(error: impl Display) -> PyErr {
     RunError::new_err(error.to_string())
 }
 
-/// Converts an error in a setting to an exception.
 pub(crate) fn setting(error: SettingError) -> PyErr {
     argument(name(&error.key), &[], error.value, text(&error))
 }
 
-/// Converts an error in a config to an exception.
 pub(crate) fn config(error: BadConfig) -> PyErr {
     let path = error.path().to_owned();
     let error = ConfigError::new_err(error.to_string());

@@ -8,7 +8,6 @@ use serde_json::Value as Json;
 
 use crate::error;
 
-/// Converts JSON to TOML. `path` is the path of the field, which messages name.
 pub(crate) fn to_toml(path: &str, json: &Json) -> PyResult<toml::Value> {
     toml::Value::try_from(json).map_err(|error| {
         let message = format!("{path}: a config cannot contain the value {json}: {error}");

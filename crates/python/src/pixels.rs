@@ -31,7 +31,6 @@ pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>, srgb: bool) -> PyResul
     linear.ok_or_else(|| error::shape(name, "(h, w, 3)", array.shape()))
 }
 
-/// Pixels of an image as an array of uint8 with the shape (height, width, 3).
 pub(crate) fn pixels(py: Python<'_>, picture: RgbImage) -> PyResult<Bound<'_, PyAny>> {
     let (width, height) = picture.dimensions();
     let bytes = PyArray1::from_vec(py, picture.into_raw());

@@ -131,7 +131,6 @@ impl Record {
         arrays.bind(py)
     }
 
-    /// The array, table or figure with this name; `None` if there is none.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         if let Some(arrays) = self.arrays.get(py)
             && let Some(value) = arrays.bind(py).get_item(name)?
@@ -148,7 +147,6 @@ impl Record {
         }
     }
 
-    /// All arrays, tables and figures of the result.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
         for name in self.made.iter().flat_map(|made| made.others()) {
             self.array(py, name)?;
@@ -266,7 +264,6 @@ fn no_field(record: &Bound<'_, Record>, name: &str) -> PyResult<String> {
     Ok(format!("{kind} has no field {name:?}"))
 }
 
-/// Converts warnings to a list of records.
 pub(crate) fn records(py: Python<'_>, warnings: &[Warning]) -> PyResult<Py<PyAny>> {
     Ok(field(to_python(py, &warnings)?)?.unbind())
 }
@@ -298,7 +295,6 @@ fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     Ok(PyList::new(py, items)?.into_any())
 }
 
-/// Declares a Python class for one kind of result.
 macro_rules! record {
     ($name:ident, $doc:literal) => {
         #[doc = $doc]

@@ -14,7 +14,6 @@ use crate::error;
 /// Time between two checks for signals, and between two calls of `progress`.
 const CHECK_INTERVAL: Duration = Duration::from_millis(40);
 
-/// State of running work: whether it must stop, and how much of it is done.
 #[derive(Default)]
 pub(crate) struct Watch {
     pub(crate) cancelled: AtomicBool,
@@ -23,7 +22,6 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Increases the amount of completed work by `done`.
     pub(crate) fn add(&self, done: u64) {
         self.done.fetch_add(done, Ordering::Relaxed);
     }
@@ -99,7 +97,6 @@ pub(crate) fn watched<T: Send + 'static>(
     }
 }
 
-/// Largest number of threads that one call uses.
 const MAX_THREADS: usize = 256;
 
 /// Converts the argument `threads` to a number of threads. The number 0 is an error.

@@ -19,7 +19,6 @@ record!(
     "Values of one or several fields with which a study meets a target. The answer as a whole is right with a probability of 95 %.\n\nFields: those that `palpate design --json` prints: `answer`, a sentence; `columns`, one per combination of the grid, each with\n`at` (values by their paths: `column.at[\"scene.object.radius\"]`), `meets` and `misses`, lists of runs of the searched\nfield with `from` and `to`, `best` and `failing_end` with `value`, `statistic`, `std_error`, `failing` and `main_failure`,\n`narrowed` (ends of runs that new trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). If a single field is\nvaried, the fields of its only column are also fields of the answer. `best_that_meets` has values by their paths, or is\nNone; `grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought` repeat the question. `lines` are details\nin words, `table` is a Table of all trials, `runs` a Table of the runs that meet or miss the target, `figure` a Figure of\nthem."
 );
 
-/// Answer of `design`, and the study for which it was computed.
 struct Found {
     region: Region,
     study: palpate::Study,

@@ -16,7 +16,6 @@ record!(
     "Probabilities that one trial of each of two objects puts their estimates in the right order, and the number of\ntrials that suffices.\n\nFields: those that `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs`\nof `first`, `second`, `told_apart` (a probability, None if they are equal), `low95`, `high95` and `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
 );
 
-/// Answer of `distinguish`, and the study for which it was computed.
 struct Found {
     discrimination: palpate::Discrimination,
     study: palpate::Study,

@@ -26,7 +26,6 @@ pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     error::argument(argument, &[], value, message)
 }
 
-/// Exception for a wrong value of the argument `vary`.
 pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {
     error::argument("vary", &[], None, format!("vary: {message}"))
 }
@@ -92,7 +91,6 @@ pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<V
     values.collect::<PyResult<_>>().map(Some)
 }
 
-/// Converts the argument `set` to fields with one value each.
 pub(super) fn set(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, toml::Value)>> {
     let fields = set.into_iter().flat_map(|fields| fields.iter());
     let field = |(path, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {

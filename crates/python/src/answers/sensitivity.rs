@@ -16,7 +16,6 @@ record!(
     "Effects of the numeric fields of a scene on the rms error of a quantity, the largest first.\n\nFields: those that `palpate sensitivity --json` prints: `effects`, each with `field`, `value`, the two compared `values`,\ntheir `rms_errors`, `effect` (relative change of the error per relative change of the field), `effect_std` and `failures`;\n`skipped` fields with the reason `why`; `quantity`, `unit`, `trials` and `rms_error`. `table` is a Table of all effects, `figure` a Figure of the largest."
 );
 
-/// Answer of `sensitivity`, and the study for which it was computed.
 struct Found {
     sensitivity: palpate::Sensitivity,
     study: palpate::Study,

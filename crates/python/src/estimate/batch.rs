@@ -30,7 +30,6 @@ pub(crate) struct Batch {
 /// Function that converts a record to the Python object of an estimate.
 type Class = fn(Python<'_>, Record) -> PyResult<Bound<'_, PyAny>>;
 
-/// One estimate of a batch.
 enum Member {
     /// Three parts: the estimate of the library, the function that converts the estimate to a Python object, and this
     /// object. The object is made when Python reads it for the first time.

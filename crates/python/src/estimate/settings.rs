@@ -57,7 +57,6 @@ fn json(name: &str, value: &Bound<'_, PyAny>, accepts: &Accepts) -> PyResult<Jso
     }
 }
 
-/// Converts the number of a setting to JSON. A number that is not finite is an error.
 fn number(name: &str, number: f64) -> PyResult<Json> {
     let json = serde_json::Number::from_f64(number).map(Json::Number);
     json.ok_or_else(|| {
@@ -66,7 +65,6 @@ fn number(name: &str, number: f64) -> PyResult<Json> {
     })
 }
 
-/// Parses the argument `length_unit`.
 pub(crate) fn length_unit(name: Option<&str>) -> PyResult<Option<LengthUnit>> {
     let unit = |name: &str| {
         let unit = serde_json::from_value(Json::String(name.to_owned()));

@@ -14,7 +14,6 @@ record!(
     "Flat pattern for cutting a skin.\n\nFields: `gores`, `markers`, `greatest_fold_strain` and `rms_fold_strain`; `svg`, the drawing in millimetres; `dxf`,\nthe drawing with the layers CUT, FOLD, MAGENTA and YELLOW; `strain`, a Table of the strain of folding over the half of\na gore, from its middle meridian; `strain_by_gores`, a Table of the largest strain and the rms strain for 3 to 12\ngores."
 );
 
-/// A flat pattern for cutting a skin, and the length unit of its tables.
 struct Cut(CutPattern, palpate::config::LengthUnit);
 
 impl Made for Cut {
@@ -44,7 +43,6 @@ impl Made for Cut {
     }
 }
 
-/// Flat pattern for the skin of the sensor in the first cell of a study.
 pub(crate) fn pattern_of<'py>(
     py: Python<'py>,
     study: &palpate::Study,

@@ -79,7 +79,6 @@ impl Results {
         Self::of_files(py, files, ran.trials)
     }
 
-    /// Makes the results of a study from the contents of its files.
     fn of_files(
         py: Python<'_>,
         files: BTreeMap<String, String>,
@@ -111,7 +110,6 @@ impl Results {
         &self.study.get().study().config
     }
 
-    /// The files that the command line would write, in memory.
     pub(crate) fn in_memory(&self) -> Files {
         Files::in_memory(self.files.clone())
     }

@@ -22,7 +22,6 @@ pub(crate) fn runner(threads: Option<usize>) -> PyResult<Runner> {
     runner.map_err(error::run)
 }
 
-/// Converts an error of a run to an exception.
 fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     match error {
         SweepError::SetUp(error) => error::config(error),
@@ -58,7 +57,6 @@ pub(super) fn run(
     Ok((ran, trace.transpose().map_err(of_trace)?))
 }
 
-/// Converts an error of a trace to an exception.
 pub(super) fn of_trace(error: TraceError) -> PyErr {
     match error {
         TraceError::Config(error) => error::config(error),

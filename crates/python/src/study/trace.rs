@@ -22,7 +22,6 @@ record!(
     "Data of one trial of a cell.\n\nFields: `what`, the trial in words; `contacts`, a Table of the true contacts, or of the true displacements of the\nmarkers; `readings`, a Table of the sensor's readings, as `palpate estimate` accepts them. For a press with a camera\nalso `markers`, a Table of the images of the markers, `rest` and `pressed`, the frames, (h, w, 3) of uint8, and\n`figures`, a list of Figures of the displacements along the skin and of their profile; None, or an empty list,\notherwise."
 );
 
-/// A trace of one trial, and the length unit of its tables.
 struct Pass(palpate::Trace, LengthUnit);
 
 impl Made for Pass {
