@@ -95,7 +95,7 @@ pub fn split_unit(header: &str) -> (&str, &str) {
     let leaf = header.rfind('.').map_or(0, |dot| dot + 1);
     let tokens: Vec<&str> = header[leaf..].split('_').collect();
     let is_unit = |token: &str| UNITS.contains(&token.strip_suffix(['2', '3']).unwrap_or(token));
-    // Use the longest unit that matches, but keep at least one token as the name.
+    // Use the longest unit that matches, but keep at least one word of the header as the name.
     for length in (1..=3.min(tokens.len() - 1)).rev() {
         let found = match tokens[tokens.len() - length..] {
             [a, "per", b] => is_unit(a) && is_unit(b),

@@ -183,7 +183,6 @@ impl FromStr for Target {
     }
 }
 
-/// Statistics that can be targets.
 fn statistics() -> impl Iterator<Item = Statistic> {
     let all = Statistic::ALL.into_iter().chain([Statistic::StdBound]);
     all.filter(|statistic| refusal(*statistic).is_none())

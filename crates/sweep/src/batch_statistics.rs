@@ -46,7 +46,7 @@ pub struct Batches {
     batches: Vec<Partial>,
     first: u64,
     next: u64,
-    /// The quantities whose statistics are stored. With `None`, the statistics and histograms of all quantities are
+    /// The quantities whose statistics are stored; `None` if the statistics and histograms of all quantities are
     /// stored.
     stored: Option<Stored>,
 }
@@ -75,7 +75,8 @@ pub struct Growth<'a, T: ?Sized> {
 pub struct Estimate {
     /// Value over all trials.
     pub value: f64,
-    /// For each batch, the value over all trials outside of this batch; empty if the experiment is not random.
+    /// For each batch, the value of the statistic over all trials outside of this batch; empty if the experiment is not
+    /// random.
     without: Vec<f64>,
     /// Standard deviation of an additional error of the statistic. This error has the same value in all batches.
     resolution: f64,

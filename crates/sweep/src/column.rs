@@ -30,7 +30,6 @@ pub(crate) struct Column {
     /// For each trial that made several observations: the number of observations that are stored before this trial, and
     /// the sums of the trial's observations.
     several: Vec<(usize, Sums)>,
-    /// Histogram of the errors of the trials that made several observations.
     histogram: Histogram,
     errors: Vec<f64>,
 }

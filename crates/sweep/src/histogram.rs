@@ -134,7 +134,6 @@ impl Histogram {
     }
 }
 
-/// The numbers that a histogram contains, in ascending order.
 struct Ranked<'a> {
     few: Vec<f64>,
     /// Halves of pages, in ascending order of the numbers that they count. A half contains the counts of one sign.
@@ -179,7 +178,8 @@ impl<'a> Ranked<'a> {
         self.few.len() as u64 + in_pages
     }
 
-    /// Representative of the number with this rank. The smallest number has the rank 0, the largest `count` − 1.
+    /// Representative (middle of the bin) of the number with this rank. The smallest number has the rank 0, the largest
+    /// `count` − 1.
     fn value(&self, rank: u64) -> f64 {
         if let Some(&value) = self.few.get(rank as usize) {
             return value;

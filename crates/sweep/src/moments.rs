@@ -74,7 +74,6 @@ impl Moments {
         }
     }
 
-    /// Adds the numbers of `other`, which follow the numbers that are already included.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;

@@ -49,7 +49,7 @@ const GROUPS: usize = 256;
 /// If `uncertain` in [`interval`] has this value, the interval is computed for a number of independent trials midway
 /// between two numbers: the smallest possible number, and the number that follows from the estimated variance.
 const HALF_WEIGHT: f64 = 20.0;
-/// Largest number of trials that is returned. A larger number is reported as unknown.
+/// Largest number of trials to average that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
 
 impl Runner {

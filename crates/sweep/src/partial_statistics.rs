@@ -40,7 +40,6 @@ impl Accumulator {
         self.fold();
     }
 
-    /// Sums of all blocks. [`Self::fold`] must have been called before.
     pub(crate) fn sums(&self) -> Sums {
         self.blocks.first().copied().unwrap_or_default()
     }
@@ -120,7 +119,7 @@ impl Partial {
 }
 
 /// Observations of some consecutive trials within a block. Their sums are computed when all trials of the block are
-/// there, so that the result does not depend on the division into slices.
+/// complete, so that the result does not depend on the division into slices.
 #[derive(Debug, Default)]
 pub(crate) struct Slice {
     trials: u64,

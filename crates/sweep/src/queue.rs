@@ -21,7 +21,7 @@ const AHEAD_WITH_RULE: u64 = 128;
 /// it up. The memory is freed when no thread needs it any more.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
-/// Work for a thread: one or several pieces of tasks.
+/// Work for a thread: consecutive trials of one or several tasks.
 pub(crate) struct Job<T, E> {
     pub(crate) number: u64,
     pub(crate) pieces: Vec<Piece<T, E>>,

@@ -195,7 +195,6 @@ struct Open {
     block: Slice,
 }
 
-/// The results of some consecutive trials of a task.
 struct Ran<S: Sweep> {
     number: u64,
     task: Task,
@@ -249,7 +248,6 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Runs the trials of a job. Returns `None` if the run was cancelled before all trials were complete.
     fn run(&self, job: Job<S::Trial, S::Error>, record: &mut Record) -> Option<Vec<Ran<S>>> {
         let mut all = Vec::with_capacity(job.pieces.len());
         let mut trials = 0;
@@ -300,8 +298,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece. If the sweep writes rows, they are appended to `text`. If a rule ends the task,
-    /// `ran` is set to the number of trials that the task has then.
+    /// Runs the trials of a piece of a task. If the sweep writes rows, they are appended to `text`. If a rule ends the
+    /// task, `ran` is set to the number of trials that the task has then.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,

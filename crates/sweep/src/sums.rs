@@ -19,10 +19,8 @@ pub(crate) struct Sums {
     pub(crate) squares: TrialSquares,
     /// Moments over the trials: first of each trial's mean estimate, then of each trial's mean absolute error.
     pub(crate) by_trial: [Moments; 2],
-    /// Number of reported standard deviations. Their mean is `std`.
     reported: u64,
     std: f64,
-    /// Number of observations that have intervals.
     intervals: u64,
     /// Number of observations whose 50, 80 and 95 % intervals contain the true value.
     covered: [u64; 3],

@@ -118,7 +118,7 @@ pub struct Record {
 #[derive(Debug)]
 pub struct TrialObservations<'a> {
     columns: &'a [Column],
-    /// For each column, the indices of the observations that the trial recorded.
+    /// For each quantity, the indices of the observations that the trial recorded.
     places: Vec<Range<usize>>,
 }
 
@@ -233,8 +233,8 @@ impl Record {
         self.columns.iter().map(Column::len).collect()
     }
 
-    /// Passes the observations of each of `trials` to `read`. `before` contains the length of each column before the
-    /// first of these trials. All of these trials must have made the same number of observations.
+    /// Passes the observations of each of `trials` to `read`. `before` contains the number of observations of each
+    /// quantity before the first of these trials. All of these trials must have made the same number of observations.
     pub(crate) fn pass_on(
         &self,
         trials: Range<u64>,
@@ -302,7 +302,6 @@ mod tests {
         result
     }
 
-    /// Empties the record, and returns the number of observations of each quantity.
     fn counts(record: &mut Record) -> Vec<u64> {
         let sums = |column: &mut Column| column.sum_up(&mut Histogram::default());
         let counts = record.columns().iter_mut().map(sums);

@@ -9,7 +9,7 @@ use toml::Value;
 /// The config as TOML text, including all defaults. Parsing the text returns the same config.
 ///
 /// The default of `directions_deg` is omitted if the config states `rolls` instead. If a sweep varies the `kind` of a
-/// table, its keys with default values are omitted, because other kinds may not have these keys.
+/// table, the table's keys with default values are omitted, because other kinds may not have these keys.
 ///
 /// ```
 /// use palpate_study::config::{parse, to_toml};

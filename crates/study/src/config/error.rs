@@ -57,7 +57,7 @@ impl ConfigError {
         }
     }
 
-    /// Adds the number of a cell and the swept values of this cell to the error message.
+    /// Adds the number of a cell of the study, and the swept values of this cell, to the error message.
     pub(super) fn in_cell(mut self, cell: usize, coordinates: &str) -> Self {
         let indent = " ".repeat(
             self.details
@@ -81,7 +81,7 @@ impl ConfigError {
     }
 }
 
-/// A problem in a field. Its position in the text is determined later.
+/// A problem in a field of the config. The position of the field in the config's text is determined later.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
     pub(super) path: String,
@@ -142,7 +142,7 @@ impl Fault {
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
-    /// Whether the text is the content of the file. If the text was generated, line numbers would be meaningless.
+    /// Whether the text is the content of a file. If the text was generated, line numbers would be meaningless.
     is_written: bool,
 }
 
@@ -167,7 +167,7 @@ impl Source {
         }
     }
 
-    /// Line number of a value in the file, counted from 1; `None` for a generated text.
+    /// Line number, counted from 1, of the value at `location` in the config file; `None` for a generated text.
     pub(super) fn line(&self, location: &str, is_key: bool) -> Option<usize> {
         let start = self.locate(location, is_key)?.start;
         let lines = self.text[..start].matches('\n').count();

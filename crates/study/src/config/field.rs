@@ -134,8 +134,8 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
 /// Units with which keys of configs may end.
 const IN_KEYS: [&str; 6] = ["rad_per_s", "rad", "deg", "s", "hz", "px"];
 
-/// Whether the schema defines the name of a field. The result is `false` if the author of the config chose the name
-/// (parameters of a formula), and `None` if there is no such field.
+/// Whether the schema defines the name of the field with these `keys`. `false` if the config's author chose the name (a
+/// parameter of a formula); `None` if no such field exists.
 fn known(keys: &[&str]) -> Option<bool> {
     if !fields_at(&SCHEMA, keys).is_empty() {
         return Some(true);

@@ -68,8 +68,9 @@ impl Study {
     }
 }
 
-/// Paths of all fields that the scene can have with the kinds in `tree`, or with any kinds if `in_any_kind` is true. If
-/// a table is missing in `tree`, the fields of all kinds of this table are listed.
+/// Paths of all fields that a scene can have. The tables of the scene have the kinds that the config tree `tree`
+/// states, or any kinds if `in_any_kind` is true. If a table is missing in `tree`, the fields of all kinds of this
+/// table are listed.
 fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     fn visit(schema: &Json, node: Option<&Value>, path: &str, any: bool, found: &mut Vec<String>) {
         let kind = node.and_then(|node| node.get("kind")?.as_str());

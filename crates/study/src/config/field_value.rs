@@ -81,7 +81,7 @@ impl FieldUnit {
 }
 
 impl Study {
-    /// Finds the field that the name in an argument refers to, and converts the values to the unit of the field.
+    /// Finds the field to which the name in `vary` refers, and converts the values in `vary` to the unit of this field.
     ///
     /// ```
     /// use palpate_study::config::{Varied, parse};

@@ -16,8 +16,8 @@ pub struct GlideConfig {
     pub probe: FingertipConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
-    /// Position of the middle of the patch: x and y in the object's frame. The default is x = y = 0; on a torus, it is
-    /// a point at the top of the tube.
+    /// Position of the middle of the patch: x and y in the object's frame. The default is x = y = 0; on a torus, the
+    /// default is a point at the top of the tube.
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
     /// Paths of the fingers, and the contacts along these paths.

@@ -11,7 +11,7 @@ use super::validate::{self, kinds_with};
 use serde_json::json;
 use toml::Value;
 
-/// The tree of the config without its `sweep` and `plot` sections, together with the sweep axes.
+/// The config as a tree of values, without its sections `sweep` and `plot`, and the sweep axes.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
     pub(super) base: Value,
@@ -29,8 +29,8 @@ pub(super) struct Replaced {
 }
 
 impl Grid {
-    /// Creates the grid from the config `base` and its sweep axes. If a field is swept, the fields that state the same
-    /// quantity in another way are removed from `base`, unless they are swept too.
+    /// Creates the grid of cells from the config tree `base` and the sweep axes. If a field is swept, the fields that
+    /// state the same quantity in another way are removed from `base`, unless they are swept too.
     pub(super) fn new(mut base: Value, axes: Vec<Axis>) -> Self {
         let mut replaced = Vec::new();
         let targets = || axes.iter().flat_map(|axis| &axis.targets);
@@ -61,7 +61,6 @@ impl Grid {
         self.axes.iter().flat_map(|axis| &axis.targets)
     }
 
-    /// The swept fields with their values in a cell, in the order of [`Grid::targets`].
     pub(super) fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, SweptValue)> {
         let rows = self.axes.iter().zip(self.rows_of(cell));
         rows.flat_map(|(axis, row)| axis.targets.iter().zip(axis.row(row).into_owned()))
@@ -76,7 +75,8 @@ impl Grid {
         self.axes.iter().map(row).collect()
     }
 
-    /// Number of the cell that combines these rows of the axes. `rows` contains the index of one row for each axis.
+    /// Number of the study's cell that combines these rows of the sweep axes. `rows` contains the index of one row for
+    /// each axis.
     pub(super) fn cell_of(&self, rows: &[usize]) -> usize {
         let axes = self.axes.iter().zip(rows);
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)
@@ -88,7 +88,6 @@ impl Grid {
             .collect()
     }
 
-    /// The swept values of a cell as text for a message; empty if the study has no sweep.
     pub(super) fn describe(&self, cell: usize) -> String {
         let pairs = self
             .settings(cell)
@@ -96,7 +95,7 @@ impl Grid {
         pairs.collect::<Vec<_>>().join(", ")
     }
 
-    /// The axis that sets a field, and the index of this field among the fields of the axis.
+    /// The sweep axis that sets a field, and the index of this field among the fields of the axis.
     pub(super) fn axis(&self, path: &str) -> Option<(&Axis, usize)> {
         self.axes.iter().find_map(|axis| {
             let place = axis.targets.iter().position(|target| target.path == path);
@@ -104,7 +103,8 @@ impl Grid {
         })
     }
 
-    /// The tree of a cell. If a swept path does not exist, the tree is incomplete, and the returned fault states why.
+    /// The config tree of a cell of the study. If a swept path does not exist, the tree is incomplete, and the returned
+    /// fault states why.
     pub(super) fn tree(&self, cell: usize) -> (Value, Option<Fault>) {
         let mut tree = self.base.clone();
         // Set the kinds first, because the kind of a table decides which other fields the table has.
@@ -161,9 +161,9 @@ impl Grid {
     }
 }
 
-/// Adds the tables and lists that would contain a swept field but are missing in the config. An added table or list has
-/// its default value, if there is one. Otherwise, it is empty. If only one kind of an added table has the swept field,
-/// the table contains this kind. The error names the value in the config that prevents adding the table.
+/// Adds the tables and lists on `path` that are missing in the config, because a sweep sets a field in them. An added
+/// table or list has its default value or, without a default, is empty. If only one kind of an added table has the
+/// swept field, the table gets this kind. The error names the value in the config that prevents adding the table.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];

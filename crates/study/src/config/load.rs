@@ -232,8 +232,8 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Validates the rows of all sweep axes, one axis after the other. For each row, the values of the axis's fields are
-/// validated. If one is invalid, the error refers to the cell with this row and the first rows of all other axes.
+/// Validates the values of all sweep axes, row by row. If a value is invalid, the error refers to the study's cell that
+/// combines this row with the first rows of all other axes.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {
@@ -316,7 +316,7 @@ fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, Con
     })
 }
 
-/// Validates the tree of a cell, which has no sweeps and no plots, and converts it to a config.
+/// Validates the config tree of a cell, which has no sweeps and no plots, and converts it to a config.
 fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     validate::validate(&SCHEMA, tree)?;
     let config: StudyConfig = deserialise(tree)?;
@@ -325,8 +325,8 @@ fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     Ok(config)
 }
 
-/// Config of a cell. If all swept values are plain, they were validated before, so only the rules that involve several
-/// fields are checked.
+/// Config of a cell of the study. If all swept values are plain, they were validated before, so only the rules that
+/// involve several fields are checked.
 fn cell_config(
     source: &Source,
     grid: &Grid,
@@ -365,7 +365,7 @@ impl Study {
         &self.source.file
     }
 
-    /// Tree of the first cell. Swept fields whose path does not exist are missing in the tree.
+    /// Config tree of the first cell. Swept fields whose path does not exist are missing in the tree.
     pub(super) fn first_tree(&self) -> Value {
         self.grid.tree(0).0
     }

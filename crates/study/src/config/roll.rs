@@ -14,8 +14,8 @@ pub struct RollConfig {
     pub probe: ProbeConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
-    /// Position of the first contact: x and y in the object's frame. The default is x = y = 0; on a torus, it is a
-    /// point at the top of the tube.
+    /// Position of the first contact: x and y in the object's frame. The default is x = y = 0; on a torus, the default
+    /// is a point at the top of the tube.
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
     /// The commanded rotation of the probe.
@@ -214,8 +214,9 @@ pub enum RollModelConfig {
     },
     /// The closed form of the contact's path, if one exists for the two shapes.
     ClosedForm {},
-    /// The relation between angle and path along a meridian, for rolls through the apex of a surface of revolution. If
-    /// the motion has no noise, also for rolls along the axes of ellipsoids and saddles.
+    /// The relation between the angle of a roll and the path of the contact along a meridian, for rolls through the
+    /// apex of a surface of revolution. If the motion has no noise, also for rolls along the axes of ellipsoids and
+    /// saddles.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {

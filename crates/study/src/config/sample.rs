@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 const MOST_WHOLE: usize = 10_000;
 /// If an axis has at most this number of rows, all its rows are in the sample.
 const MOST_ROWS: usize = 1000;
-/// Number of cells of a sample that are spread evenly over the study.
+/// Number of cells in a sample that are spread evenly over all cells of the study.
 const SPREAD: usize = 2000;
 
 /// Numbers of the cells that are checked, in ascending order. They depend only on the axes. A small study is checked

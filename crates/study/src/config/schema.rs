@@ -32,7 +32,6 @@ pub fn schema() -> Json {
 
 pub(super) static SCHEMA: LazyLock<Json> = LazyLock::new(schema);
 
-/// The JSON Schema of a part of a config, without references.
 pub(super) fn schema_of<T: JsonSchema>() -> Json {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings
@@ -51,7 +50,7 @@ pub(super) fn variants(schema: &Json) -> &[Json] {
         .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
-/// Removes null from the allowed types, because TOML has no null, and adds the limits of 32-bit numbers.
+/// Removes null from the allowed types of a schema, because TOML has no null, and adds the limits of 32-bit numbers.
 fn tidy(schema: &mut Json) {
     match schema {
         Json::Object(object) => {
@@ -119,7 +118,7 @@ pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     format!("{path}{unit}")
 }
 
-/// Schemas of the field at a path: one schema for each kind that has this field.
+/// Schemas of the field with these `keys`: one schema for each kind of its table that has this field.
 pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
     let Some((key, rest)) = keys.split_first() else {
         return vec![schema];
@@ -143,7 +142,7 @@ pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     fields.find_map(unit)
 }
 
-/// Paths of the alternatives of a field in all kinds. An alternative states the same quantity in another way, so a
+/// Paths of the fields that state the same quantity as the field at `path` in another way, for all kinds of tables. A
 /// config must not state both.
 pub(super) fn alternatives(path: &str) -> Vec<String> {
     let keys: Vec<&str> = path.split('.').collect();

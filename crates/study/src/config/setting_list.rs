@@ -58,8 +58,8 @@ pub enum Accepts {
 }
 
 impl Accepts {
-    /// Checks that a number is in its range, and that a word is one of the choices. Whether the value is a number or a
-    /// word at all is checked later, when the table is read.
+    /// Checks the value of a setting: a number must be in its range, and a word must be one of the choices. The type of
+    /// the value is checked later, when the table is read.
     fn check(&self, key: &str, value: &Json) -> Result<(), SettingError> {
         match (self, value) {
             (Self::Number(range), Json::Number(number)) => match number.as_f64() {
@@ -293,7 +293,6 @@ impl Setting {
     }
 }
 
-/// A default value in the form in which a user would write it.
 fn default_text(json: &Json) -> Option<String> {
     match json {
         Json::Null => None,

@@ -134,8 +134,8 @@ impl SceneConfig {
         }
     }
 
-    /// Checks the rules that involve several fields. The error consists of the path of the field and a description of
-    /// the problem.
+    /// Checks the rules of the scene that involve several fields. The error consists of the path of the field and a
+    /// description of the problem.
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         match self {
             Self::Roll(roll) => roll.check(),
@@ -145,7 +145,7 @@ impl SceneConfig {
         }
     }
 
-    /// The model; `None` for a scene without contact.
+    /// The contact model of the scene; `None` for a scene without contact.
     pub fn model(&self) -> Option<ModelConfig> {
         match self {
             Self::Roll(roll) => Some(ModelConfig::Roll(roll.model.clone())),

@@ -97,14 +97,14 @@ impl Spacing {
 
 const MAX_CELLS: u64 = 1_000_000;
 
-/// One axis, converted so that its values can be inserted into the tree of a config.
+/// One sweep axis, converted so that its values can be inserted into the tree of a config.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub(super) targets: Vec<Target>,
     rows: Rows,
-    /// Path of the axis in the config, such as `sweep.0`.
+    /// Path of the sweep axis in the config, such as `sweep.0`.
     path: String,
-    /// Whether the config writes each row of the axis as a list with one value per field.
+    /// Whether the config writes each row of the sweep axis as a list with one value per field.
     is_joint: bool,
 }
 
@@ -130,7 +130,6 @@ impl Axis {
         self.rows.len()
     }
 
-    /// Whether the values of the axis are numbers that are computed from ranges.
     pub(super) fn is_range(&self) -> bool {
         matches!(self.rows, Rows::Spaced(_) | Rows::Sampled(_))
     }
@@ -155,7 +154,8 @@ impl Axis {
         }
     }
 
-    /// Indices of the first and the last row, and of the rows with the smallest and the largest number.
+    /// Indices of the first and the last row of the sweep axis, and of the rows with the smallest and the largest
+    /// number.
     pub(super) fn extremes(&self) -> Vec<usize> {
         let last = self.len() - 1;
         let mut extremes = vec![0, last];
@@ -204,8 +204,8 @@ impl Axis {
     }
 }
 
-/// A field that an axis sets, and the place where the config names this field: a value (in `path` or `paths`), or a key
-/// (in `ranges`).
+/// A field that a sweep axis sets, and the place where the config names this field: a value (in `path` or `paths`), or
+/// a key (in `ranges`).
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,
@@ -329,7 +329,7 @@ impl SweepConfig {
         keys.iter().copied().find(|key| has(key) == is_given)
     }
 
-    /// Rows of the axis. For ranges and sampled points, each row is computed when it is needed.
+    /// Rows of the sweep axis. For ranges and sampled points, each row is computed when it is needed.
     fn rows(&self) -> Result<Rows, Fault> {
         let both = |form: &str, others: &[&'static str]| match self.first(others, true) {
             Some(key) => Err(Fault::new(format!(
@@ -430,7 +430,7 @@ struct Points {
     ranges: Vec<RangeConfig>,
 }
 
-/// Largest number of points and largest number of fields for which Sobol's sequence is implemented.
+/// Largest number of points for which Sobol's sequence is implemented. `MOST_FIELDS` is the largest number of fields.
 const MOST_POINTS: u32 = 65_536;
 const MOST_FIELDS: usize = 256;
 

@@ -67,8 +67,7 @@ pub(super) fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()
 }
 
-/// Alternatives of a field in the same table. They state the same quantity in another way, so only one of them may be
-/// stated.
+/// Keys of the same table that state the same quantity as `field` in another way. A config may state only one of them.
 pub(super) fn instead_of(field: &Json) -> impl Iterator<Item = &str> {
     let names = field["x-instead-of"].as_array();
     names.into_iter().flatten().filter_map(Json::as_str)
@@ -200,7 +199,8 @@ pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     found
 }
 
-/// An alternative of this key that the table states before the key; `None` if there is none.
+/// A key that states the same quantity as `key` in another way and is before `key` in the table; `None` if there is
+/// none.
 fn other_of<'a>(property: &'a Json, table: &toml::Table, key: &str) -> Option<&'a str> {
     let before: Vec<&String> = table.keys().take_while(|other| *other != key).collect();
     instead_of(property).find(|other| before.iter().any(|earlier| earlier == other))

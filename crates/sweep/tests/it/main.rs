@@ -35,7 +35,6 @@ where
     }
 }
 
-/// A trial of one quantity that never fails.
 fn observing(observe: impl Fn(u64) -> Observation + Sync) -> impl Trial {
     Function {
         quantities: 1,

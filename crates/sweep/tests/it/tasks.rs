@@ -148,7 +148,6 @@ impl Trial for Places {
     }
 }
 
-/// Number of trials after which a stopping rule ends a cell of [`Places`].
 fn trials(
     statistic: StoppingStatistic,
     places: u64,

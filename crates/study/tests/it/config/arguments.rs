@@ -123,7 +123,7 @@ fn tables_that_the_config_leaves_out_are_made() {
             r#"{ rotation = { kind = "gaussian", std_rad = 0.1 }, encoder = { step_deg = 0.1 } }"#,
         ),
         (
-            // The kind of a table may come after the fields of this kind.
+            // The kind of a table may be set after the fields of this kind.
             &[
                 "angular_velocity.fraction=0.1",
                 "angular_velocity.kind=uniform",

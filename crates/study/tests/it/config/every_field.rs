@@ -45,7 +45,6 @@ fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()
 }
 
-/// Calls `visit` with every number of a schema.
 fn numbers(schema: &Json, at: &Field, visit: &mut impl FnMut(Field)) {
     let under = |key: &str| {
         let mut field = at.clone();
@@ -107,7 +106,7 @@ fn instance(schema: &Json, kind: Option<&str>) -> Json {
     }
 }
 
-/// Two values within the limits of a number. They are integers if the number must be whole.
+/// Two values within the limits of a number in the schema. They are integers if the number must be whole.
 fn values(schema: &Json) -> Vec<Json> {
     let is_whole = schema["type"] == "integer";
     let limit = |key: &str| schema[key].as_f64();
@@ -193,7 +192,6 @@ fn root(base: &Json) -> Json {
     variants.iter().find(of_kind).unwrap().clone()
 }
 
-/// Every number of every kind of scene, each with a scene of this kind.
 fn fields() -> Vec<(Json, Field)> {
     let mut all = Vec::new();
     for base in SCENES {

@@ -50,7 +50,6 @@ const DIMENSIONLESS: [&str; 40] = [
 
 const UNIT_SUFFIXES: [&str; 7] = ["_rad", "_deg", "_s", "_hz", "_rad_per_s", "_px", "_kpa"];
 
-/// Calls `visit` with each property of each kind: its key and its schema.
 fn properties(schema: &Value, visit: &mut impl FnMut(&str, &Value)) {
     for variant in schema["oneOf"].as_array().into_iter().flatten() {
         properties(variant, visit);
