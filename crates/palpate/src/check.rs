@@ -158,7 +158,6 @@ pub fn check(
     })
 }
 
-/// Sum of counts, limited to the largest `u64`.
 fn sum(counts: impl Iterator<Item = u64>) -> u64 {
     counts.fold(0, u64::saturating_add)
 }

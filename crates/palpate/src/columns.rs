@@ -46,7 +46,6 @@ pub fn stem(name: &str, length_unit: LengthUnit) -> &str {
     (endings.iter().find_map(|end| name.strip_suffix(end))).unwrap_or(name)
 }
 
-/// Unit of a swept field, as the header of its column states it.
 fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
     let (_, tail) = config::field(header);
     let of_tail = unit_of(&format!("_{tail}"), length_unit);

@@ -7,9 +7,9 @@ use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
 use palpate_study::config::{LengthUnit, SceneConfig};
 use palpate_sweep::Clock;
 
-/// Time for repeated measurements of one model.
+/// Total time of the repeated measurements of one model's computing time.
 const TIMING: Duration = Duration::from_millis(12);
-/// Largest number of measurements of one model.
+/// Largest number of measurements of one model's computing time.
 const MAX_MEASUREMENTS: usize = 100_000;
 /// Largest number of trials that are timed together. With many trials, the time for reading the clock is negligible.
 const MAX_TRIALS_PER_READING: u64 = 64;

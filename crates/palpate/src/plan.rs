@@ -114,8 +114,8 @@ impl Plannable for Chosen {
         pass(&cell.config, trial.scene.quantities(), tolerance)
     }
 
-    /// Copy of these cells in which the model `auto` has this `tolerance`. If these are all cells of the study, and
-    /// `auto` chooses the same model in each of them, the chosen model replaces `auto`.
+    /// Copy of the chosen cells in which the model `auto` has this `tolerance`. If these are all cells of the study,
+    /// and `auto` chooses the same model in each of them, the chosen model replaces `auto`.
     fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, ConfigError> {
         let parsed = |config: &StudyConfig| config::parse("run.toml", &config::to_toml(config));
         let mut config = self.study.config.clone();

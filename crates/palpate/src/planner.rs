@@ -241,9 +241,9 @@ impl Planner<'_> {
         Ok(trials)
     }
 
-    /// Runs a pilot with the random cells. With a target error, the pilot estimates how many trials are needed;
-    /// otherwise it predicts the errors of the run. Returns `None` if no cell is random, or if the budget is too
-    /// small.
+    /// Runs a pilot with the cells in `random`, which use random numbers. With a target error, the pilot estimates how
+    /// many trials are needed; otherwise it predicts the errors of the run. Returns `None` if no cell is random, or if
+    /// the budget is too small.
     fn pilot<T: Trial>(&self, trials: &[T], random: &[usize]) -> Option<Pilot> {
         if random.is_empty() {
             return None;

@@ -91,7 +91,6 @@ pub(crate) fn cells(study: &Study, ran: &[Row<'_>], states_bounds: bool) -> Tabl
     table
 }
 
-/// Rows of one cell in [`cells`], as CSV text.
 pub(crate) fn cells_csv(study: &Study, ran: &Row<'_>, states_bounds: bool) -> String {
     let mut text = String::new();
     cell_rows(study, ran, states_bounds, &mut |fields| {

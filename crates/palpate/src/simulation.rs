@@ -350,7 +350,6 @@ impl<'a> Simulation<'a> {
 const UNLIKE_MAPS: &str =
     "maps of glides and presses cannot be in one table; only \"cells\" and \"trace\" are possible";
 
-/// Table for the maps of a scene, with columns but without rows.
 fn map_table(study: &Study, scene: &Scene) -> Result<MapTable, ConfigError> {
     let table = scene.map_table(study.config.length_unit);
     table.map_err(|message| study.error_at(0, "outputs", message))
@@ -360,7 +359,6 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The tasks of a simulation from number `first` on.
 struct Tasks<'s, 'a, F> {
     simulation: &'s Simulation<'a>,
     first: u64,

@@ -13,7 +13,6 @@ pub struct Warnings {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Group {
-    /// The warning with this code from the first cell that has one.
     warning: Warning,
     /// Number of the cell with this warning, and index of the warning among the warnings of the cell.
     first: (usize, usize),

@@ -128,7 +128,6 @@ fn converted<'py>(
     Ok(array.map_err(refused)?.cast_into()?)
 }
 
-/// Converts numbers to whole numbers. A negative or fractional number is an error.
 pub(crate) fn whole(numbers: &Numbers<'_>) -> PyResult<Vec<u64>> {
     let whole = |(place, &number): (usize, &f64)| {
         let is_whole = number >= 0.0 && number.fract() == 0.0 && number < 1e15;

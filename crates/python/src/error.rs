@@ -44,7 +44,6 @@ create_exception!(
     "The work on a study failed; the message states the reason."
 );
 
-/// Adds the exceptions to the Python module, and sets the default values of their attributes.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     let base = py.get_type::<PalpateError>();
@@ -97,7 +96,6 @@ const RENAMED: [(&str, &str); 3] = [
     ("normals", "tangent_normals"),
 ];
 
-/// Key of the setting that the argument `argument` states.
 pub(crate) fn key(argument: &str) -> &str {
     let renamed = RENAMED.iter().find(|(_, name)| *name == argument);
     renamed.map_or(argument, |(key, _)| key)

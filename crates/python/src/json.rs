@@ -15,7 +15,6 @@ pub(crate) fn to_toml(path: &str, json: &Json) -> PyResult<toml::Value> {
     })
 }
 
-/// Converts a serialisable value to dictionaries, lists, numbers and texts.
 pub(crate) fn to_python<'py>(
     py: Python<'py>,
     value: &impl Serialize,

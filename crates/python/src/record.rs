@@ -97,7 +97,6 @@ impl Record {
         }
     }
 
-    /// Converts a serialisable value to a record.
     pub(crate) fn of<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
         field(to_python(py, value)?)
     }
@@ -125,7 +124,6 @@ impl Record {
         value.map(field).transpose()
     }
 
-    /// Arrays, tables and figures that were already computed.
     fn made_arrays<'py>(&self, py: Python<'py>) -> &Bound<'py, PyDict> {
         let arrays = self.arrays.get_or_init(py, || PyDict::new(py).unbind());
         arrays.bind(py)

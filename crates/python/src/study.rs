@@ -56,7 +56,6 @@ pub(crate) struct Study {
 }
 
 impl Study {
-    /// Parses the text of a config. `file` is the name of the config in messages.
     pub(crate) fn of(file: String, text: String) -> PyResult<Self> {
         let study = config::parse(&file, &text).map_err(error::config)?;
         let study = Arc::new(study);

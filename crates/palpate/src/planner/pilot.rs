@@ -42,7 +42,6 @@ pub(super) struct CellPilot {
 /// many trials are needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Figure {
-    /// Root mean square of the errors, in the quantity's unit.
     pub(super) rms_error: f64,
     /// Relative variance v of a trial's squared error, plus [`MARGIN`] standard errors of v as a safety margin.
     variance: f64,
@@ -147,7 +146,7 @@ impl CellPilot {
         }
     }
 
-    /// Index of the quantity that needs the most trials, and the number of these trials.
+    /// Index of the cell's quantity that needs the most trials, and the number of these trials.
     fn need(&self, target: f64) -> Option<(usize, f64)> {
         let needs = self
             .figures

@@ -65,7 +65,6 @@ impl Trial for CellSetup {
 /// trials.
 #[derive(Clone, Debug)]
 pub(crate) struct CellTruth {
-    /// Swept values of the cell, one per column.
     pub(crate) coordinates: Vec<String>,
     pub(crate) quantities: &'static [Quantity],
     /// True value of each quantity; `None` if the true value differs from point to point of a patch.

@@ -10,7 +10,7 @@ const EXACT: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 1,0.5,0,0,4
 ";
 
-/// Readings of four rolls on the same sphere, with noise.
+/// Noisy readings of four rolls of a probe of radius 10 mm on a sphere of radius 40 mm.
 const SCATTERED: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 0,0,-0.5,4.1,0
 1,0.5,0,0,4.1
@@ -194,7 +194,8 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
     // Even on a plane the contact would have moved by only 1.1 mm, so a pitch of 6 mm gives no bound.
     assert_eq!(bound("--pitch 6"), Value::Null);
     assert_eq!(bound(""), Value::Null);
-    // If the contact does not move along u in any roll, the command fails, and its message states the bound.
+    // If the contact does not move along u in any roll, the command fails, and its message states the bound on the
+    // object's radius.
     let desk = Desk::new();
     desk.write(
         "r.csv",

@@ -379,7 +379,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
     assert!(cells.text(0, "std_bound").is_empty());
     let map = desk.table("o/map.csv");
     assert!(map.text(5, "estimated_radial_displacement_mm").is_empty());
-    // `palpate estimate press` computes the same calibration.
+    // `palpate estimate press` calibrates the constant c of the method `gaussian` in the same way as the study.
     desk.palpate("trace c.toml --out t --cell 1").printed();
     let estimate = json(
         &desk,

@@ -138,7 +138,7 @@ fn frames_calibrate_and_are_tracked() {
         .printed();
     let again: serde_json::Value = serde_json::from_str(&again).unwrap();
     assert_eq!(again["effective_radius"], json["effective_radius"]);
-    // Both commands also print the same estimate for a soft layer on a rigid core.
+    // `sensor track` and `estimate press` also print the same estimate for a soft layer on a rigid core.
     let layer = "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 12 --indentation 1";
     let [tracked, estimated] = [
         format!("sensor track rest.png pressed.png --calibration c.toml --px-per-rad {PX_PER_RAD} --out o {layer}"),

@@ -142,7 +142,6 @@ fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<
     Ok(PyList::new(py, all)?.into_any())
 }
 
-/// Converts a Python list of numbers to a vector; the result is `None` for any other object.
 fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     let list = value.cast::<PyList>().ok()?;
     list.iter().map(|item| number(&item)).collect()
@@ -192,7 +191,6 @@ fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny
 }
 
 impl Batch {
-    /// Names of the fields of an estimate.
     fn names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         match self.estimates.iter().flatten().next() {
             Some(first) => Ok(first.fields(py)?.keys()),

@@ -178,7 +178,6 @@ impl Made for Map {
 }
 
 impl Map {
-    /// Makes an array with `D` numbers for each point of the map.
     fn stacked<'py, const D: usize>(
         &self,
         py: Python<'py>,

@@ -187,7 +187,6 @@ pub(crate) fn estimate_roll<'py>(
     batch(py, all, threads, estimate, RollEstimate::of)
 }
 
-/// Keyword arguments, length unit and options of one call of `estimate_roll`.
 type Call = (Py<PyDict>, Option<LengthUnit>, RollOptions);
 
 /// The last call without the argument `like`. A loop over readings repeats the same settings, and parsing these

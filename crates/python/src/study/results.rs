@@ -22,7 +22,6 @@ const CELLS: &str = "cells.csv";
 const FAILURES: &str = "failures.csv";
 const MAP: &str = "map.csv";
 const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// Names of the files with the trace of one trial.
 const PASS: [&str; 3] = ["trace.csv", "readings.csv", "markers.csv"];
 
 /// Results of a run of a study.

@@ -10,7 +10,6 @@ const SHORTEST_S: f64 = 1e-9;
 /// Range of numbers that are printed without an exponent.
 const PLAIN: std::ops::Range<f64> = 1e-4..1e6;
 
-/// Parses `30s`, `5m`, `1.5h`, or plain seconds.
 pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     let (number, unit) = UNITS
         .iter()

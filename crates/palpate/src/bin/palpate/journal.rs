@@ -72,7 +72,7 @@ pub(crate) struct CellRecord {
     /// earlier `Trials` record contains are not repeated here.
     pub(crate) rows: [String; 4],
     pub(crate) trials: u64,
-    /// Each kind of failure with its number of trials.
+    /// Each kind of failure of the cell, with the number of trials that failed in this way.
     pub(crate) kinds: Vec<(String, u64)>,
     /// Warnings of the cell that are not in the header.
     pub(crate) warnings: Vec<Warning>,

@@ -237,7 +237,7 @@ fn refuse_damaged(dir: &Path, found: &JournalState) -> Result<(), Failure> {
     }
 }
 
-/// The numbers as text. If there are more than [`MAX_LISTED`] numbers, the text lists only the first of them.
+/// The shard numbers as text. If there are more than [`MAX_LISTED`] numbers, the text lists only the first of them.
 pub(crate) fn listed(numbers: &[u64]) -> String {
     let few = numbers.iter().take(MAX_LISTED).map(u64::to_string);
     let few: Vec<String> = few.collect();

@@ -22,7 +22,6 @@ pub(crate) struct Progress {
     start: Instant,
     /// Time of the last progress line, in full minutes since the start.
     lines: AtomicU64,
-    /// Text with the kinds of failure so far.
     failing: Mutex<String>,
     is_terminal: bool,
 }

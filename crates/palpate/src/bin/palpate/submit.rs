@@ -278,7 +278,6 @@ fn refuse_queued(out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Submits a script, and returns the number of its job.
 fn sbatch(arguments: &[&str]) -> Result<String, Failure> {
     let output = Command::new("sbatch")
         .arg("--parsable")

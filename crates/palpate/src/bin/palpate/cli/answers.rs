@@ -129,7 +129,6 @@ pub(crate) struct SensitivityArgs {
     pub(crate) trials: NonZeroU64,
 }
 
-/// Parses `PATH=VALUE,VALUE,…`, a field with a list of values.
 fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
     match text
         .parse()

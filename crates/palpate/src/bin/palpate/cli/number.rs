@@ -6,7 +6,6 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     Range::POSITIVE.parse(text)
 }
 
-/// Parses a radius, which may be infinite (`inf`).
 pub(super) fn radius(text: &str) -> Result<f64, String> {
     let range = Range {
         may_be_infinite: true,

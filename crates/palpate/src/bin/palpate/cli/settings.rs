@@ -32,7 +32,7 @@ pub(crate) trait Flagged:
 
 impl Flagged for RollEstimatorConfig {
     const GROUP: &'static str = "roll estimator";
-    // No flag is generated for the key `start`, because `RollSettings` already has a flag `--start`. It states the
+    // No flag is generated for the key `start`, because `RollSettings` already has a flag `--start`, which states the
     // place where rolls start.
     const NO_FLAGS: &'static [&'static str] = &["start"];
 }
@@ -69,7 +69,6 @@ pub(crate) struct Settings<T> {
 }
 
 impl<T> Settings<T> {
-    /// Name of the first given flag; `None` if no flag was given.
     pub(crate) fn flag(&self) -> Option<String> {
         let key = self.given.keys().next()?;
         Some(format!("--{}", flag(key)))

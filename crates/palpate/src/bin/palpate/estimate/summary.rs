@@ -23,7 +23,8 @@ const MAX_SHOWN: usize = 5;
 /// Largest number of rejected rows that a summary lists by number.
 const LISTED_ROWS: usize = 8;
 
-/// Lines of text: the first quantity with the shape of the object, the other quantities, and the number of readings.
+/// Lines of text about an estimate: the first quantity with the shape of the object, the other quantities, and the
+/// number of readings.
 pub(super) fn summary(estimate: &Value) -> String {
     let along = quantity(
         "curvature along the stroke",

@@ -25,7 +25,6 @@ pub(crate) struct OutputDir {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guard {
     inputs: Vec<PathBuf>,
-    /// Whether every file may be overwritten (`--force`).
     force: bool,
 }
 

@@ -15,7 +15,6 @@ use crate::failure::Failure;
 
 /// A single output file of a command, which may also be a pipe, a device or standard output.
 pub(crate) struct OutputFile {
-    /// Path of the file; `None` for standard output.
     path: Option<PathBuf>,
     guard: Guard,
 }

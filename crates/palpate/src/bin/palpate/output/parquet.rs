@@ -124,7 +124,6 @@ impl<W: Write + Send> Writer<W> {
         Ok(())
     }
 
-    /// Writes the end of the table. Returns the sink into which the table was written.
     pub(super) fn end(mut self) -> io::Result<W> {
         if self.rows > 0 {
             self.write_group().map_err(plain)?;

@@ -16,7 +16,6 @@ const PREFIX: &str = ".palpate-";
 const RANDOM: usize = 6;
 const MAX_LINKS: usize = 40;
 
-/// New contents of a file.
 pub(crate) enum Contents<'a> {
     Bytes(&'a [u8]),
     Draft(Draft),

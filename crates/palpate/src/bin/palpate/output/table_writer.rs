@@ -67,7 +67,6 @@ impl<W: Write + Send> TableWriter<W> {
         written.map_err(|error| cannot(error, &self.name))
     }
 
-    /// Writes the end of the table. Returns the sink into which the table was written.
     pub(crate) fn end(self) -> Result<W, Failure> {
         match self.sink {
             Sink::Csv(sink) => Ok(sink),

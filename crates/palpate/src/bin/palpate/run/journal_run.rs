@@ -99,7 +99,6 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         self.journal.cell(record)
     }
 
-    /// Runs the tasks that are not finished yet.
     pub(super) fn run(mut self) -> Result<(Totals, Warnings), Failure> {
         let simulation = self.simulation;
         let all = simulation.trials();

@@ -119,7 +119,6 @@ fn of_calibration(args: &TrackArgs) -> Option<String> {
         .or_else(|| args.sensor.estimator.flag())
 }
 
-/// Options of the fit of a press to the camera frames (`--method image`).
 fn pictures(args: &TrackArgs, like: Option<&Like>) -> Result<PictureOptions, Failure> {
     if args.px_per_rad.is_some() {
         return Err(Failure::Usage(anyhow!(
