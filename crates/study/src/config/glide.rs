@@ -145,7 +145,7 @@ impl Default for GlideModelConfig {
 pub enum GlideSensorConfig {
     /// An ideal sensor, whose readings have no error.
     Ideal {
-        /// Whether the sensor also reports the normals.
+        /// Whether the sensor also reports the normals at the contacts.
         #[serde(default = "yes")]
         normals: bool,
         /// The point of the fingertip that the sensor reports.
@@ -166,7 +166,7 @@ pub enum GlideSensorConfig {
         #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
-        /// Whether the sensor also reports the normals.
+        /// Whether the sensor also reports the normals at the contacts.
         #[serde(default = "yes")]
         normals: bool,
     },

@@ -126,8 +126,8 @@ pub enum ProbeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollMotionConfig {
-    /// Rate of rotation. It is required with `duration_s`, and for rolls with a spin. In other cases, only the times in
-    /// a trace depend on it, and the default is 1 rad/s.
+    /// Rate at which the probe rotates. It is required with `duration_s`, and for rolls with a spin. In other cases,
+    /// only the times in a trace depend on it, and the default is 1 rad/s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_rad_per_s: Option<f64>,
     /// Duration of each roll. State one of `duration_s`, `arc_length` and `angle_deg`.
@@ -145,7 +145,7 @@ pub struct RollMotionConfig {
     /// Otherwise, a roll has one reading: the rotation, and the distance that the contact has moved at the end.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e6))]
     pub sampling_hz: Option<f64>,
-    /// Rate of rotation about the contact normal.
+    /// Rate at which the probe rotates about the contact normal.
     #[serde(default)]
     pub spin_rad_per_s: f64,
     /// Number of rolls. Their directions are spread evenly over a full turn, starting at +x; the directions of two
@@ -208,7 +208,8 @@ pub enum RollModelConfig {
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates of the numerical integration. They are used if `auto` chooses a model that integrates.
+        /// Coordinates in which the path of the contact is integrated. They are used if `auto` chooses a model that
+        /// integrates.
         #[serde(default)]
         chart: Chart,
     },
@@ -220,20 +221,20 @@ pub enum RollModelConfig {
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
-        /// Number of steps per roll.
+        /// Number of integration steps per roll.
         #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
         steps: u32,
-        /// Coordinates of the numerical integration.
+        /// Coordinates in which the path of the contact is integrated.
         #[serde(default)]
         chart: Chart,
     },
     /// The Runge–Kutta method of Dormand and Prince of order 8 with step control.
     Dop853 {
-        /// Tolerance for the error of each step.
+        /// Tolerance for the error of each integration step.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates of the numerical integration.
+        /// Coordinates in which the path of the contact is integrated.
         #[serde(default)]
         chart: Chart,
     },
@@ -253,7 +254,7 @@ impl Default for RollModelConfig {
 }
 
 impl RollModelConfig {
-    /// Coordinates of the numerical integration; `None` for a model without integration.
+    /// Coordinates in which the path of the contact is integrated; `None` for a model without integration.
     pub fn chart(&self) -> Option<Chart> {
         match *self {
             Self::Auto { chart, .. } | Self::Rk4 { chart, .. } | Self::Dop853 { chart, .. } => {
@@ -337,7 +338,7 @@ pub struct AngularVelocityDraws {
     /// Gaussian noise.
     #[schemars(extend("minimum" = 0))]
     pub fraction: f64,
-    /// How often the error is drawn.
+    /// How often the error of the angular velocity is drawn.
     #[serde(default)]
     pub when: When,
     /// Which rotation has the error: the true motion or the measurement.
@@ -349,7 +350,7 @@ pub struct AngularVelocityDraws {
     pub instants: u32,
 }
 
-/// How often an error is drawn.
+/// How often the error of the angular velocity is drawn.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum When {
