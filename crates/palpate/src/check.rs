@@ -39,7 +39,7 @@ pub struct Check {
     /// Number of cells that were set up completely. Presses that were set up without their camera, to save time, are
     /// not counted.
     pub set_up: usize,
-    /// Number of the cells set up that run only one trial, because they use no random numbers.
+    /// Number of the cells that were set up and run only one trial, because they use no random numbers.
     pub single: usize,
     /// Number of trials of all cells. If not all cells were set up, this is an upper limit.
     pub trials: u64,

@@ -20,7 +20,7 @@ use comparable_scene::{Fields, comparable_fields, unit_length};
 /// curvature, which is negative for a dish.
 const CURVATURE: &str = "scene.object.curvature";
 
-/// File names and contents of the tables of families.
+/// File names and contents of the tables of families of random scenes.
 pub const FAMILY_TABLES: [(&str, &str); 4] = [
     ("roll", include_str!("coverage/roll.csv")),
     ("glide", include_str!("coverage/glide.csv")),
@@ -33,7 +33,7 @@ pub const FAMILY_TABLES: [(&str, &str); 4] = [
 pub struct Family {
     /// Kind of the scenes: `roll`, `glide` or `press`.
     pub scene: &'static str,
-    /// Name of the family, as in the table.
+    /// Name of the family, as in the table of families.
     pub name: String,
     /// Number of random scenes of the family.
     pub scenes: usize,

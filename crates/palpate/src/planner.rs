@@ -79,12 +79,12 @@ pub struct Goal {
 pub struct Plan {
     /// Whether the plan also chose the model's tolerance; false if the config states the model.
     pub chooses_model: bool,
-    /// Whether at least one cell is random. A cell that is not random needs only one trial.
+    /// Whether at least one cell uses random numbers. A cell without random numbers needs only one trial.
     pub is_random: bool,
-    /// Number of trials of each random cell that the target error requires; `None` without a target error, or if there
-    /// was no time for a pilot.
+    /// Number of trials of each cell with random numbers that the target error requires; `None` without a target error,
+    /// or if there was no time for a pilot.
     pub by_target: Option<NonZeroU64>,
-    /// Number of trials of each random cell that the budget allows; `None` without a budget.
+    /// Number of trials of each cell with random numbers that the budget allows; `None` without a budget.
     pub by_budget: Option<NonZeroU64>,
     /// Largest relative standard error that the run is expected to have for any rms error; `None` if it could not be
     /// estimated.
@@ -92,7 +92,7 @@ pub struct Plan {
     /// Index of the cell and name of the quantity that require the most trials; `None` unless the errors of this
     /// quantity have heavy tails. With heavy tails, a few trials with very large errors determine the rms error.
     pub heavy_tails: Option<(usize, &'static str)>,
-    /// Cells in which every trial of the pilot failed, so that their errors are unknown.
+    /// Cells whose errors are unknown, because every trial of the pilot (the small run before the actual run) failed.
     pub failing: Vec<FailingCell>,
 }
 
@@ -125,7 +125,7 @@ pub enum PlanError<E> {
         /// Number of threads that `least_s` assumes.
         threads: NonZeroUsize,
     },
-    /// All trials of all random cells failed in a pilot.
+    /// In the pilot (the small run before the actual run), all trials of all cells with random numbers failed.
     #[error("all {} trials of a pilot fail ({}), so no error can be estimated", .0.trials, .0.kind)]
     AllFail(FailingCell),
     /// The target error requires more trials than the allowed maximum.
@@ -148,8 +148,8 @@ pub enum PlanError<E> {
 }
 
 impl Plan {
-    /// Number of trials of each random cell. If both a target error and a budget state a number, this is the smaller
-    /// number. `None` if no cell is random.
+    /// Number of trials of each cell with random numbers. If both a target error and a budget state a number, this is
+    /// the smaller number. `None` if no cell uses random numbers.
     pub fn trials(&self) -> Option<NonZeroU64> {
         let fewer = match (self.by_target, self.by_budget) {
             (Some(error), Some(time)) => Some(error.min(time)),

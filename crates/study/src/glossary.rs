@@ -327,8 +327,8 @@ pub fn meaning(word: &str) -> Option<Term> {
     all().find(|term| spelt(term.name) == word)
 }
 
-/// Term for a column or a key that is no term itself: the term of its name without unit, component or `std`, or a term
-/// whose meaning contains the key between backticks.
+/// Term that explains a column or a key. It is the term of the name without its unit, component or `std`, or a term
+/// whose meaning contains this name between backticks.
 ///
 /// ```
 /// use palpate_study::glossary::related;
@@ -353,7 +353,7 @@ pub fn related(word: &str) -> Option<Term> {
 /// Smallest length of a word that is similar to every longer word that contains it.
 const MIN_PART: usize = 3;
 
-/// Up to five names that are similar to a word, the most similar first.
+/// Up to five names of terms, quantities or statistics that are similar to `word`, the most similar first.
 pub fn similar(word: &str) -> Vec<&'static str> {
     let word = spelt(word);
     let likeness = |term: Term| {

@@ -3,7 +3,7 @@
 use crate::number;
 use crate::quantity::Quantity;
 
-/// Label of a column: its words, its unit in the usual notation, and a factor. Numbers of the table are multiplied by
+/// Label of a column: its words, its unit in the usual notation, and a factor. Numbers of the column are multiplied by
 /// the factor before they are displayed, because shares are displayed in percent.
 ///
 /// ```
@@ -19,7 +19,7 @@ pub struct Label {
     pub words: String,
     /// The unit in the usual notation; empty for a pure number.
     pub unit: String,
-    /// Factor by which numbers of the table are multiplied before they are displayed.
+    /// Factor by which numbers of the column are multiplied before they are displayed.
     pub factor: f64,
 }
 

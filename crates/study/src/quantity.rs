@@ -187,9 +187,9 @@ impl Quantity {
         Self::OBJECT_RADIUS,
     ];
 
-    /// If this quantity is a radius, the index in `quantities` of the curvature of which it is the inverse; otherwise
-    /// `None`. If the trials do not determine the sign of the curvature, the radius has quantiles, but no mean and no
-    /// standard deviation.
+    /// Index in `quantities` of the curvature whose inverse this quantity is; `None` unless this quantity is a radius.
+    /// If the trials do not determine the sign of the curvature, the radius has quantiles, but no mean and no standard
+    /// deviation.
     pub fn inverse_of(self, quantities: &[Self]) -> Option<usize> {
         let is_inverse = |one: &Self| [Self::OBJECT_CURVATURE, Self::MEAN_CURVATURE].contains(one);
         let mut places = quantities.iter();

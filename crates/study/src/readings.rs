@@ -399,7 +399,7 @@ pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), Column
     Ok(())
 }
 
-/// The column to which `key` refers, with or without a unit at its end.
+/// The column to which `key` refers. The key may end with a unit.
 pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
     let key = spelt(key);
     columns

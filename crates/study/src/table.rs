@@ -174,7 +174,7 @@ impl<R: Read> Rows<R> {
         }
     }
 
-    /// Names of the columns.
+    /// Names of the columns, from the header line.
     ///
     /// # Errors
     /// [`csv::Error`] if the text cannot be read.

@@ -35,8 +35,8 @@ pub struct Order {
 pub enum Repeats {
     /// The number of trials, estimated from the means of groups of trials.
     Found(u64),
-    /// An approximate number of trials. There are too few trials to form groups of this size, so the number is computed
-    /// as if the means were normally distributed.
+    /// An approximate number of trials. Too few trials were run to form groups of this number of trials, so the number
+    /// is computed as if the means were normally distributed.
     About(u64),
     /// No number of trials is enough, because the means are in the wrong order, or because all estimates are equal.
     Never,

@@ -15,8 +15,8 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Function that returns the time since a computation began. This time must increase with each call, because a
-/// measurement ends only after a certain time.
+/// Function that returns the time since a computation began. The time must increase, because a measurement is repeated
+/// until enough time has passed.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. These settings do not change the results of the run.

@@ -22,7 +22,7 @@ pub trait Sweep: Sync {
     /// Type of error if an experiment cannot be set up.
     type Error: Send;
 
-    /// Number of tasks.
+    /// Number of tasks of the sweep.
     fn tasks(&self) -> u64;
 
     /// The task with this index.

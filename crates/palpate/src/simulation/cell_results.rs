@@ -32,7 +32,7 @@ pub struct CellRows {
     pub map: String,
     /// Number of trials of the cell.
     pub trials: u64,
-    /// Each kind of failure with its number of trials.
+    /// Each kind of failure of the cell, with the number of trials that failed in this way.
     pub kinds: Vec<Failure>,
     /// Warnings of the cell that the check before the run did not report.
     pub warnings: Vec<Warning>,

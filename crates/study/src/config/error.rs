@@ -69,8 +69,8 @@ impl ConfigError {
         self
     }
 
-    /// Path of the field: keys and array indices joined by dots. The path is empty if the error applies to the whole
-    /// file.
+    /// Path of the field that has the problem: keys and array indices joined by dots. The path is empty if the error
+    /// applies to the whole file.
     pub fn path(&self) -> &str {
         &self.path
     }
@@ -269,10 +269,10 @@ impl Source {
     }
 }
 
-/// A problem in a field of a config. The position of the field in the text is not known here.
+/// A problem in a field of a config. The position of the field in the config's text is not known here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldError {
-    /// Path of the field, such as `scene.object.radius`.
+    /// Path of the field that has the problem, such as `scene.object.radius`.
     pub path: String,
     /// Description of the problem.
     pub message: String,

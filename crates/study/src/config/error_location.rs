@@ -7,8 +7,8 @@ use std::ops::Range;
 
 impl Study {
     /// Error in a field of a cell that is found only when the config is used, for example a pitch that is larger than
-    /// the probe. The error states the position of the field. If a sweep sets the field, it states the position of the
-    /// swept value. If the field is missing in the text, it states the position of the table that would contain the
+    /// the probe. The error states the position of the field or, if a sweep sets the field, the position of the swept
+    /// value. If the field is missing in the text, the error states the position of the table that would contain the
     /// field.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
         self.error_within(cell, path, None, message.into())

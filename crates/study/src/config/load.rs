@@ -43,10 +43,10 @@ pub struct Study {
 /// A grid point of the study: one combination of the swept values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// The swept values as the result tables show them, one text per column. A table is shown as its label, a number in
-    /// its shortest form.
+    /// The swept values as the result tables show them, one text per column. A TOML table is shown as its label, a
+    /// number in its shortest form.
     pub coordinates: Vec<String>,
-    /// The config with the swept values inserted, without sweeps and plots.
+    /// The config of the cell: the swept values are inserted, and the sweeps and plots are removed.
     pub config: StudyConfig,
 }
 

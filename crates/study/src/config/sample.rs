@@ -1,4 +1,4 @@
-//! Chooses which cells of a large study are checked.
+//! Chooses which cells of a large study are checked before the run.
 
 use super::grid::Grid;
 use super::sweep::Axis;

@@ -94,9 +94,9 @@ impl Accepts {
 pub struct Range {
     /// Lower limit of the range. The number must be greater than this limit.
     pub above: Option<f64>,
-    /// Smallest allowed value.
+    /// Smallest allowed value of the setting.
     pub least: Option<f64>,
-    /// Largest allowed value.
+    /// Largest allowed value of the setting.
     pub most: Option<f64>,
     /// Whether the number must be a whole number.
     pub is_whole: bool,

@@ -155,8 +155,8 @@ impl SceneConfig {
         }
     }
 
-    /// The scene with another model; `None` if `model` belongs to another kind of scene. Some settings of the estimator
-    /// have the value of the scene's model as default. These settings keep the value of the previous model.
+    /// The scene with another model; `None` if `model` belongs to another kind of scene. Settings of the estimator
+    /// whose default is a value of the scene's model keep the value of the previous model.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();

@@ -1,4 +1,4 @@
-//! Statistics of trials with extreme values.
+//! Tests statistics of trials with extreme values.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use palpate_sweep::{Observation, Record, Summary};
