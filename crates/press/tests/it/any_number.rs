@@ -93,7 +93,6 @@ fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }
 
-/// A power of ten whose exponent is in the range `exponents`.
 fn power(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|exponent| libm::pow(10f64, exponent))
 }
@@ -102,7 +101,7 @@ fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
     range.contains(&value)
 }
 
-/// Returns the value if `is_good` is true. Otherwise checks that `result` is an error with the name `bad-setting`.
+/// Returns the value if `is_good` is true. Otherwise checks that `result` is the error `bad-setting`.
 fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>) -> Option<T> {
     if is_good {
         return Some(result.unwrap());
@@ -113,7 +112,6 @@ fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>)
 
 const POSITIVE: std::ops::RangeInclusive<f64> = 5e-324..=f64::MAX;
 
-/// A grid of 5 × 5 markers with a spacing of 3, centred on the apex of a sensor of radius 20.
 fn square_of_markers() -> Markers {
     let at = |index: u32| 3.0 * (f64::from(index) - 2.0);
     let places: Vec<[f64; 2]> = (0..25)
@@ -225,7 +223,6 @@ proptest! {
         prop_assert!(moved.iter().flatten().flat_map(parts).all(|part| part.is_finite()));
     }
 
-    /// If a ball or a plane is pressed between the markers, the fit returns an estimate.
     #[test]
     fn presses_among_the_markers_are_estimated(
         (object, indentation) in (0.0..0.5, 0.5..2.0),
@@ -293,8 +290,6 @@ proptest! {
         prop_assert!(found.is_err() || is_finite(found.as_ref().unwrap()), "{found:?}");
     }
 
-    /// If all lengths are multiplied by a power of two, displacements are multiplied by this factor, and curvatures are
-    /// divided by it.
     #[test]
     fn scaled_lengths_scale_the_press(power in -60..60, object in -0.9..20.0, share in 1e-6..0.05, x in -10.0..10.0) {
         let scale = 2f64.powi(power);
@@ -310,7 +305,6 @@ proptest! {
         }
     }
 
-    /// If the contact and the markers are rotated together, the magnitudes of the displacements do not change.
     #[test]
     fn displacements_rotate_with_the_markers(angle in 0.0..6.3, r in 0.0..40.0, at in 0.0..40.0, bearing in 0.0..6.3) {
         let skin = Skin::new(20.0).unwrap();

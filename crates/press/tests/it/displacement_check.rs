@@ -12,9 +12,8 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// Codes of the misfits that are reported in each trial. The presses are simulated with the body `pressed`, their
-/// readings are altered by `change`, and they are fitted with the body `body`. If a fit fails, its entry is the code of
-/// the error.
+/// Codes of the misfits (or of the fit's error) in each trial. The presses are simulated with the body `pressed`, their
+/// readings are altered by `change`, and they are fitted with the body `body`.
 fn codes(
     [body, pressed]: [&Body; 2],
     stated: Measured,
@@ -103,7 +102,6 @@ fn smaller_noise_than_stated_is_found() {
     );
 }
 
-/// The stated indentation is smaller than the true indentation of the press by 5 standard deviations.
 #[test]
 fn a_smaller_stated_indentation_is_found() {
     // This test uses only a stated indentation that is too small. If the stated indentation is too large, the misfit is
@@ -122,7 +120,6 @@ fn a_smaller_stated_indentation_is_found() {
     assert!(share >= 0.9, "{share} {codes:?}");
 }
 
-/// The reading of one marker has an error of 8 standard deviations.
 #[test]
 fn an_outlier_is_found() {
     let codes = codes([&half_space(); 2], STATED, |readings, trial| {
@@ -149,8 +146,6 @@ fn an_elongated_press_is_not_round() {
     assert!(misfit_share(&codes, Some("not-round")) > 0.9, "{codes:?}");
 }
 
-/// A fit of normal and tangential displacements. The standard deviations of their noise are `std` for normal and 0.4
-/// `std` for tangential displacements.
 fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),
@@ -192,7 +187,6 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     assert!((0..20).filter(is_held).count() >= 15);
 }
 
-/// Indices of the `count` markers nearest to the contact, sorted by increasing distance.
 fn nearest(count: usize) -> Vec<usize> {
     let distances = published().distances(at(6.0, 20.0));
     let mut order: Vec<usize> = (0..distances.len()).collect();
@@ -280,8 +274,6 @@ fn undetected_presses_are_bounded_and_reported() {
     );
 }
 
-/// If the values of an estimate are changed to values that no press can have, the test for misfits returns an error or
-/// valid p-values.
 #[test]
 fn estimates_of_no_press_are_refused() {
     let markers = published();

@@ -35,7 +35,6 @@ fn elliptic(normal_std: Option<f64>) -> ForwardFit {
     }
 }
 
-/// Presses on cylinders, ellipsoids and a saddle.
 fn presses() -> Vec<Press> {
     let objects = [
         [0.1, 0.0],

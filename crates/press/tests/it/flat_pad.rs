@@ -5,7 +5,6 @@ use palpate_press::{Body, ForwardFit, Markers, PressError, PressEstimate, Skin};
 
 use crate::sensor::{Readings, exactly};
 
-/// Markers in rows and columns; neighbouring markers are 1 apart.
 fn grid(radius: f64) -> Markers {
     let places: Vec<[f64; 2]> = (0..13 * 11)
         .map(|marker| [f64::from(marker % 13 - 6), f64::from(marker / 13 - 5)])

@@ -49,7 +49,6 @@ fn exact_readings_determine_the_curvature() {
     }
 }
 
-/// The markers form a grid of 7 × 7. The grid extends from the apex by half of the skin's radius along ±x and ±y.
 #[test]
 fn exact_readings_on_sensors_of_any_size_determine_the_curvature() {
     type OfRadius = fn(f64) -> Body;
@@ -104,7 +103,6 @@ fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() 
             bounds.unwrap().relative_curvature
         };
         assert!(bound(true) < 0.8 * bound(false));
-        // The standard error of an estimate must be equal to the Cramér–Rao bound, within 10 %.
         let readings = Readings::of(&markers, &contact, [0.0; 2]);
         let reading = Reading {
             tangential: Some(&readings.tangential),
@@ -207,8 +205,8 @@ fn curvatures_are_without_bias() {
     assert!(bias(sum_of_best) > 0.015, "bias {}", bias(sum_of_best));
 }
 
-/// The displacements of a press are not exactly Gaussian, and the difference exceeds the small noise. This difference
-/// must not make a marker an outlier.
+/// The displacements of a press differ from a Gaussian by more than the small noise. This difference must not make a
+/// marker an outlier.
 #[test]
 fn a_gaussian_model_reports_no_outliers() {
     let (markers, body) = (published(), half_space());
@@ -226,7 +224,6 @@ fn a_gaussian_model_reports_no_outliers() {
     assert!(libm::hypot(found.contact[0], found.contact[1]) < 0.3);
 }
 
-/// A needle is pressed with an unknown indentation. It must not be estimated as a dish.
 #[test]
 fn a_needle_is_not_estimated_as_a_dish() {
     let (markers, body) = (published(), half_space());
@@ -273,7 +270,6 @@ fn wrong_markers_are_named() {
     }
 }
 
-/// Markers outside of the fit's `window` do not shift the estimated contact.
 #[test]
 fn a_window_stays_on_the_contact() {
     let (markers, body) = (published(), half_space());

@@ -32,7 +32,6 @@ fn estimated_noise_has_no_goodness_of_fit() {
     assert_eq!(found.unwrap().goodness, None);
 }
 
-/// If the stated noise is far too small, the estimate hardly changes, and a misfit of the noise is reported.
 #[test]
 fn a_far_too_small_stated_noise_is_reported() {
     let (markers, body) = (published(), half_space());

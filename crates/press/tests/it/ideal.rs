@@ -18,7 +18,6 @@ const DEPTHS: [f64; 2] = [3.0, 1.0];
 pub(crate) struct Ideal {
     /// Unit of length of the sensor. All constants of this module that are lengths are multiplied by it.
     pub(crate) unit: f64,
-    /// Positions of the markers, length.
     pub(crate) places: Vec<[f64; 2]>,
 }
 
@@ -52,8 +51,6 @@ impl Ideal {
         })
     }
 
-    /// A fit in which the sensor parameters have the standard deviations `common_stds`. Lengths are in multiples of
-    /// `unit`.
     pub(crate) fn fit(&self, layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Self> {
         let [magenta, yellow, rest @ ..] = common_stds;
         let [magenta, yellow] = [magenta, yellow].map(|std| std * self.unit);

@@ -32,7 +32,6 @@ fn fit(layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Ideal> {
     ideal().fit(layer, common_stds)
 }
 
-/// True parameters of a sensor.
 #[derive(Clone)]
 struct Truth {
     common: [f64; 5],
@@ -79,7 +78,6 @@ impl Truth {
         pictures.into_iter().map(erring).collect()
     }
 
-    /// Displacements of both discs of each marker, at their true depths.
     fn moved(&self, layer: Option<f64>, at: [f64; 2], depth: f64) -> Vec<[MarkerDisplacement; 2]> {
         let skin = Skin::new(RADIUS).unwrap();
         let markers = Markers::new(skin, &places()).unwrap();
@@ -97,8 +95,8 @@ impl Truth {
     }
 }
 
-/// Estimate of trial `number`. The fit assumes that the sensor parameters have the standard deviations `known`. The
-/// second result is chi-squared of the fit at rest, divided by its degrees of freedom.
+/// The estimate of trial `number`, and chi-squared of the fit at rest divided by its degrees of freedom. The fit
+/// assumes that the sensor parameters have the standard deviations `known`.
 fn trial(number: u64, known: [f64; 5]) -> Result<(PressEstimate, f64), PressError> {
     let truth = Truth::drawn(number, ROUGHLY);
     let mut noise = Stream::new(2, number, Channel::Centroid);
@@ -173,7 +171,6 @@ fn noiseless_pictures_determine_the_displacements() {
     assert!(matches!(few, Err(PressError::BadSetting(_))), "{few:?}");
 }
 
-/// The sensor parameters differ from trial to trial. They are drawn from the covariance that the fit assumes.
 #[test]
 fn intervals_contain_the_truth_for_uncertain_sensors() {
     let (mut held, mut squared, mut stated, mut at_rest) = (0.0, 0.0, 0.0, 0.0);
@@ -187,8 +184,8 @@ fn intervals_contain_the_truth_for_uncertain_sensors() {
         at_rest += share;
     }
     let count = trials as f64;
-    // If 95 % of the intervals contain the true value, their share in 150 trials has a standard error of 0.018. The
-    // limit is three standard errors below 0.95.
+    // The share of intervals that contain the true value is 0.95 ± 0.018 (standard error) in 150 trials. The limit is
+    // three standard errors below 0.95.
     assert!(held / count > 0.89, "{}", held / count);
     let ratio = (stated / squared).sqrt();
     assert!((0.83..1.2).contains(&ratio), "{ratio}");
@@ -221,7 +218,6 @@ fn a_known_indentation_narrows_the_interval() {
     assert_eq!(exactly.indentation.value, 1.2);
 }
 
-/// The standard deviation of the estimated curvatures is equal to the Cramér–Rao bound for the true press.
 #[test]
 fn estimates_scatter_by_the_bound() {
     let trials = 150;
@@ -349,7 +345,6 @@ impl View for Partial {
     }
 }
 
-/// The same fit with another camera model. The function `view` makes this model from the original camera model.
 fn through<V>(fit: ImageFit<Ideal>, view: impl FnOnce(Ideal) -> V) -> ImageFit<V> {
     ImageFit {
         view: view(fit.view),
@@ -396,7 +391,6 @@ fn camera_models_with_another_number_of_markers_are_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// For any readings of a tracker, the fit returns finite results or an error.
     #[test]
     fn any_pictures_return_finite_numbers_or_an_error(
         numbers in prop::collection::vec(any::<u64>().prop_map(f64::from_bits), 8),

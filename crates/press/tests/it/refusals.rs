@@ -210,7 +210,6 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(counts.1 >= 7 && counts.2 <= 2, "{counts:?}");
 }
 
-/// Five markers, and their exact readings of a press with an indentation of 1 mm.
 fn five_markers() -> (Markers, Readings) {
     let places = [[0.0, 0.0], [4.0, 0.5], [-4.0, 1.0], [0.5, 4.0], [0.0, -4.0]];
     let skin = Skin::new(RADIUS).unwrap();

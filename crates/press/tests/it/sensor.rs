@@ -27,7 +27,7 @@ pub(crate) fn published() -> Markers {
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
 }
 
-/// Markers on a great circle through the apex. `distances` are their distances from the apex along the skin.
+/// Markers on a great circle through the apex, at the distances `distances` from the apex along the skin.
 pub(crate) fn along(distances: &[f64]) -> Markers {
     let positions: Vec<[f64; 2]> = distances.iter().map(|&distance| [distance, 0.0]).collect();
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
@@ -40,12 +40,10 @@ pub(crate) fn at(polar: f64, azimuth: f64) -> [f64; 2] {
     [distance * cosine, distance * sine]
 }
 
-/// A half-space, with displacements at the markers' depth.
 pub(crate) fn half_space() -> Body {
     Body::half_space(0.5, DEPTH).unwrap()
 }
 
-/// A fit with the model `body`. `std` is the stated standard deviation of the normal displacements.
 pub(crate) fn fit_of(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),
@@ -70,7 +68,6 @@ pub(crate) fn misfit_share(codes: &[Vec<&str>], code: Option<&str>) -> f64 {
     codes.iter().filter(has).count() as f64 / codes.len() as f64
 }
 
-/// Simulated displacements of the markers.
 #[derive(Clone)]
 pub(crate) struct Readings {
     pub(crate) normal: Vec<f64>,
@@ -87,7 +84,6 @@ impl Readings {
         }
     }
 
-    /// These readings with noise added to the normal displacements.
     pub(crate) fn noisy(&self, std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Position);
         let mut readings = self.clone();
@@ -97,7 +93,6 @@ impl Readings {
         readings
     }
 
-    /// These readings with noise added to the normal and the tangential displacements.
     pub(crate) fn noisy_along(&self, std: f64, tangential_std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Normal);
         let mut readings = self.noisy(std, trial);

@@ -9,7 +9,7 @@ use super::*;
 /// radian.
 const CAMERA: [usize; 3] = [2, 3, 4];
 
-/// A camera whose sensor deviations are relative to the values `common` instead of to the nominal parameters.
+/// A camera that measures the deviations of the sensor parameters from `common`, not from their nominal values.
 #[derive(Clone, Debug)]
 struct About {
     ideal: Ideal,
@@ -38,8 +38,8 @@ impl View for About {
     }
 }
 
-/// A fit whose camera is calibrated from the frame `seen`. The prior of the camera is the result of the calibration,
-/// with its covariance.
+/// A fit whose camera is calibrated from the frame `seen`: the camera parameters have the calibration's values and
+/// covariance as prior.
 fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     let mut known = fit(None, ROUGHLY);
     let rest = known.at_rest(seen).unwrap();
@@ -107,8 +107,8 @@ fn intervals_contain_the_truth_with_the_camera_of_another_frame() {
         stated += curvature.std.powi(2);
     }
     let count = trials as f64;
-    // A coverage of 0.95, counted in 150 trials, has a standard error of 0.018. The limit of 0.89 is three standard
-    // errors below 0.95.
+    // The share of intervals that contain the true value is 0.95 ± 0.018 (standard error) in 150 trials. The limit is
+    // three standard errors below 0.95.
     assert!(held / count > 0.89, "{}", held / count);
     let ratio = (stated / squared).sqrt();
     assert!((0.83..1.2).contains(&ratio), "{ratio}");

@@ -13,7 +13,8 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// The frames of one simulated press, and the fit for them. The sensor parameters differ from trial to trial.
+/// The frames of one simulated press, with the fit that is applied to them. The sensor parameters differ from trial to
+/// trial.
 struct Press {
     fit: ImageFit<Ideal>,
     rest: Rest,
@@ -39,7 +40,6 @@ impl Press {
         self.fit.estimate(&self.rest, &self.seen, given)
     }
 
-    /// Codes of the misfits that are reported for the press.
     fn codes(&self, given: Option<Measured>) -> Result<Vec<&'static str>, PressError> {
         let Self { fit, rest, seen } = self;
         let estimate = self.estimate(given)?;
@@ -74,7 +74,6 @@ fn p_values_are_uniform_if_the_model_is_right() {
     }
 }
 
-/// Codes of the misfits in each trial. Trials without an estimate are omitted.
 fn codes(
     trials: u64,
     fit: impl Fn() -> ImageFit<Ideal>,
@@ -109,7 +108,7 @@ fn another_body_is_found() {
     }
 }
 
-/// The markers move outward or in alternating directions, which no press can cause. The returned error is `other-body`.
+/// The markers move outward or in alternating directions, which no press can cause.
 #[test]
 fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
@@ -133,7 +132,7 @@ fn motions_that_no_press_causes_are_another_body() {
     assert_eq!([outward, apart], [["other-body"; 2]; 2]);
 }
 
-/// An elongated contact is simulated: two shallower contacts are added, one on each side of the first contact.
+/// An elongated contact is simulated by adding two shallower contacts, one on each side of the first contact.
 #[test]
 fn an_elongated_press_is_not_round() {
     let bodies = bodies(None, 0.0);
@@ -173,8 +172,7 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// One marker has an additional displacement that is too small for a rejection as an outlier. In some of the presses, a
-/// misfit must name this marker.
+/// One marker has an additional displacement. It is too small for a rejection of the marker as an outlier.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

@@ -11,7 +11,6 @@ const EXACT: [f64; 5] = [0.0; 5];
 /// centre (px), and pixels per radian (relative).
 const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
 
-/// A simulated press of a sensor.
 #[derive(Clone, Copy)]
 struct Press {
     /// Unit of length. The radius of the skin is 20 units.
@@ -20,7 +19,6 @@ struct Press {
     known: [f64; 5],
     /// Stated standard deviations of the noise, relative to [`STDS`].
     stated: f64,
-    /// Curvature of the object, relative to the curvature of the sensor.
     object: f64,
     /// Position of the contact along x, in multiples of `unit`.
     x: f64,
@@ -45,8 +43,6 @@ impl Press {
         }
     }
 
-    /// Images without noise. `common` contains the deviations of the sensor parameters, and `moved` the displacements
-    /// of the discs.
     fn seen(&self, common: &[f64; 5], moved: &[[MarkerDisplacement; 2]]) -> Vec<Option<Seen>> {
         let misalignments = &[[0.0; 2]; MARKERS];
         let sensor = SensorState {
@@ -99,7 +95,6 @@ impl Press {
         (1.0 + self.object) / (RADIUS * self.unit)
     }
 
-    /// Cramér–Rao bound of the curvature, relative to the curvature of the sensor.
     fn bound(&self) -> f64 {
         let at = [self.x * self.unit, 0.0];
         let press = (
@@ -114,7 +109,6 @@ impl Press {
     }
 }
 
-/// Images in which only the first `count` markers are visible.
 fn few(count: usize) -> Vec<Option<Seen>> {
     let seen = PRESS.pressed().into_iter().enumerate();
     seen.map(|(marker, seen)| seen.filter(|_| marker < count))
