@@ -81,7 +81,6 @@ impl CurvatureForm {
         Matrix2::new(self.k_uu, self.k_uv, self.k_uv, self.k_vv)
     }
 
-    /// The curvature form that equals the symmetric part of a matrix.
     pub(crate) fn from_matrix(matrix: &Matrix2<f64>) -> Self {
         Self {
             k_uu: matrix[(0, 0)],
@@ -107,7 +106,7 @@ impl CurvatureForm {
         let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
         let spread = libm::hypot(half_difference, mixed);
         let angle = 0.5 * libm::atan2(mixed, half_difference);
-        // −π/2 and π/2 are the same direction, so replace −π/2 by π/2 to stay in the range (−π/2, π/2].
+        // The angles −π/2 and π/2 are the same direction. Replace −π/2 by π/2 to stay in the range (−π/2, π/2].
         let angle = if angle <= -FRAC_PI_2 {
             FRAC_PI_2
         } else {
@@ -169,7 +168,6 @@ impl CurvatureForm {
         self.along(&Vector2::new(cos, sin))
     }
 
-    /// Normal curvature along a unit tangent vector with components `(u, v)`, 1/length.
     pub(crate) fn along(&self, unit: &Vector2<f64>) -> f64 {
         self.k_uu * unit.x * unit.x
             + 2.0 * self.k_uv * unit.x * unit.y

@@ -44,7 +44,6 @@ pub enum SurfaceError {
     },
 }
 
-/// Text for a message that contains coordinates and their names, such as `x = 1, y = 2`.
 fn place(coordinates: [(&str, &f64); 2]) -> String {
     if coordinates.iter().any(|(_, value)| !value.is_finite()) {
         return "at a place beyond the range of numbers".to_owned();
@@ -75,7 +74,6 @@ pub(crate) fn checked_length(parameter: &'static str, value: f64) -> Result<f64,
     BadSetting::unless(SQUARABLE.contains(&value), parameter, value, expected)
 }
 
-/// Checks that a parameter is finite.
 pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
     BadSetting::unless(value.is_finite(), parameter, value, "finite")
 }
@@ -84,7 +82,7 @@ pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64,
 /// scaled to length 1.
 pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
 
-/// Whether the squares of both coordinates are within the range of doubles. False if a coordinate is NaN.
+/// Whether the squares of both coordinates are within the range of doubles; `false` for NaN.
 pub(crate) fn is_within_reach(x: f64, y: f64) -> bool {
     x.abs() + y.abs() <= *SQUARABLE.end()
 }

@@ -43,7 +43,6 @@ impl Parameters {
         }
     }
 
-    /// Rejects parameters that are not finite or whose magnitude exceeds 1e150.
     pub(crate) fn unless_out_of_reach(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
         if is_within_reach(u, v) {
@@ -109,8 +108,7 @@ impl ChartJet {
         let m11 = self.du.norm();
         let x = self.du / m11;
         let m12 = x.dot(&self.dv);
-        // The cross product stays accurate for nearly parallel tangents. Gram–Schmidt orthogonalisation would lose
-        // digits there.
+        // The cross product is accurate for nearly parallel tangents. Gram–Schmidt orthogonalisation would lose digits.
         let across = x.cross(&self.dv);
         let m22 = across.norm();
         let normal = across / m22;

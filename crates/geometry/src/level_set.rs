@@ -31,9 +31,8 @@ impl LevelSet {
             normal: gradient * inverse,
             second_form: hessian * inverse,
         };
-        // If any component of `normal` or `second_form` is not finite, the sum is not finite, so it is enough to check
-        // the sum. In rare cases a sum of finite components overflows. The result is then `None` although a normal
-        // exists; this is harmless.
+        // If a component is not finite, the sum is not finite, so it is enough to check the sum. In rare cases a sum of
+        // finite components overflows. The result is then `None` although a normal exists; this is harmless.
         let sum = level_set.normal.sum() + level_set.second_form.sum();
         (SQUARABLE.contains(&norm) && sum.is_finite()).then_some(level_set)
     }
@@ -95,7 +94,6 @@ impl TangentForm {
         }
     }
 
-    /// Unit normal, out of the solid.
     pub(crate) fn normal(&self) -> Vector3<f64> {
         self.gradient / self.steepness
     }

@@ -35,7 +35,6 @@ pub enum Shape {
     HeightField(Graph<HeightField>),
 }
 
-/// Calls the method of the surface inside a [`Shape`].
 macro_rules! delegate {
     ($shape:expr, $surface:ident => $call:expr) => {
         match $shape {

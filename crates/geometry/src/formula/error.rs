@@ -135,10 +135,9 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
 
 impl fmt::Display for FormulaError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        /// Largest number of characters of the formula that a message shows.
+        /// Largest number of characters of a formula in a message.
         const SHOWN: usize = 72;
-        /// If the formula is longer than [`SHOWN`], the message shows at most this number of characters before the
-        /// marked part.
+        /// Largest number of characters before the marked part, if a message shows only a part of a long formula.
         const BEFORE: usize = 36;
 
         write!(f, "{}", self.kind)?;

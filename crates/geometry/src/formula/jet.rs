@@ -21,7 +21,6 @@ impl Jet {
             && self.hessian.iter().all(|d| d.is_finite())
     }
 
-    /// The variable x at `value`: its derivative is 1 in x and 0 in y.
     pub(super) fn x(value: f64) -> Self {
         Self {
             value,
@@ -30,7 +29,6 @@ impl Jet {
         }
     }
 
-    /// The variable y at `value`: its derivative is 0 in x and 1 in y.
     pub(super) fn y(value: f64) -> Self {
         Self {
             value,
@@ -58,7 +56,8 @@ impl Jet {
     }
 }
 
-/// Number type with which a formula is evaluated: `f64` for the value alone, [`Jet`] for the value and its derivatives.
+/// Number type with which a formula is evaluated: `f64` for the value of the formula alone, [`Jet`] for the value and
+/// its derivatives.
 pub(super) trait Number:
     Copy
     + Neg<Output = Self>
@@ -70,14 +69,13 @@ pub(super) trait Number:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// A number that does not depend on x or y.
     fn constant(value: f64) -> Self;
 
-    /// The composition `outer(self)`. The function `outer` returns its value and its first two derivatives.
+    /// The composition `outer(self)`. `outer` returns its value and its first two derivatives.
     fn compose(self, outer: impl FnOnce(f64) -> [f64; 3]) -> Self;
 
-    /// The composition `outer(self, other)`. The function `outer` returns its value and its derivatives with respect to
-    /// its two arguments.
+    /// The composition `outer(self, other)`. `outer` returns its value and its derivatives with respect to both
+    /// arguments.
     fn compose2(self, other: Self, outer: impl FnOnce(f64, f64) -> Jet) -> Self;
 }
 
@@ -189,8 +187,8 @@ impl Mul for Jet {
 
 impl Div for Jet {
     type Output = Self;
-    /// Computes the quotient q = a/b. Its derivatives follow from the equation q b = a. The usual formula is not used,
-    /// because it contains b², which may overflow.
+    /// The derivatives of the quotient q = a/b follow from the equation q b = a. The usual formula is not used, because
+    /// it contains b², which may overflow.
     #[inline]
     fn div(self, other: Self) -> Self {
         let b = other.value;

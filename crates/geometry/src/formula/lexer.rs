@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use super::error::FormulaErrorKind;
 
-/// A range of bytes in the text of the formula.
 pub(super) type Span = Range<usize>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +21,7 @@ pub(super) enum Token<'a> {
     End,
 }
 
-/// Returns the tokens of a text one by one, so that the parser reports the first error in the text.
+/// Returns the tokens of a formula one by one, so that the parser reports the first error in the text.
 #[derive(Debug)]
 pub(super) struct Lexer<'a> {
     text: &'a str,
@@ -37,7 +36,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The next token. At the end of the text, and at every later call, it is [`Token::End`].
+    /// The next token, with its place in the text. After the last token of the formula, every call returns
+    /// [`Token::End`].
     pub(super) fn next(&mut self) -> Result<(Token<'a>, Span), (FormulaErrorKind, Span)> {
         let start = self.text.len() - self.text[self.position..].trim_start().len();
         let rest = &self.text[start..];
@@ -76,8 +76,8 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// Length in bytes of the number at the start of `text`, which may be malformed: digits and points, then an exponent.
-/// In `2exp(x)` the `e` starts a function; in `2e` and `2e+x` it starts an incomplete exponent.
+/// Length in bytes of the number at the start of `text`: digits and points, then an exponent. The number may be
+/// malformed. In `2exp(x)` the `e` starts a function; in `2e` and `2e+x` it starts an incomplete exponent.
 fn number_length(text: &str) -> usize {
     let mantissa = length_while(text, |c| c.is_ascii_digit() || c == '.');
     let rest = &text[mantissa..];

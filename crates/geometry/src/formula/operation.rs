@@ -4,23 +4,17 @@ use std::f64::consts::LN_10;
 
 use super::jet::{Jet, Number};
 
-/// An operation on one operand a. An operation on a and a constant, such as a sum, also counts as an operation on one
-/// operand; the constant is stored here.
+/// An operation on one operand a. If an operation has a constant c as its other operand, c is stored here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Unary {
     Negate,
-    /// The sum a + c of the operand a and a constant c.
     Offset(f64),
-    /// The product a · c of the operand a and a constant c.
     Scale(f64),
-    /// The quotient a / c of the operand a and a constant c.
     DivideBy(f64),
-    /// The power a^c of the operand a with a constant exponent c.
     Power(f64),
-    /// The power |a|^c with a constant c >= 2. This power is twice differentiable even at a = 0, although |a| is not
-    /// differentiable there.
+    /// The power |a|^c with a constant c >= 2. It is twice differentiable even at a = 0, although |a| is not.
     AbsPower(f64),
-    /// The power c^a of a constant c > 0, with the operand a as exponent.
+    /// The power c^a with a constant c > 0.
     Exponential(f64),
     Sin,
     Cos,
@@ -39,7 +33,6 @@ pub(super) enum Unary {
     Abs,
 }
 
-/// An operation on two operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Binary {
     Add,
@@ -51,14 +44,13 @@ pub(super) enum Binary {
     Hypot,
 }
 
-/// A function that a formula may call, of one or of two arguments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Function {
     Unary(Unary),
     Binary(Binary),
 }
 
-/// All functions, by their names in formulas.
+/// All functions that a formula may call, by name.
 pub(super) const FUNCTIONS: [(&str, Function); 17] = [
     ("sin", Function::Unary(Unary::Sin)),
     ("cos", Function::Unary(Unary::Cos)),
@@ -183,8 +175,8 @@ impl Binary {
     }
 }
 
-/// The power v^n and its first two derivatives with respect to v. The results are also correct for v ≤ 0, if the power
-/// and its derivatives exist there.
+/// The power v^n and its first two derivatives with respect to v. The results are also correct for v ≤ 0, if they exist
+/// there.
 fn power(v: f64, n: f64) -> [f64; 3] {
     let raise = |exponent: f64| {
         if exponent.fract() == 0.0 && exponent.abs() <= 16.0 {

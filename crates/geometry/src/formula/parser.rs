@@ -55,7 +55,7 @@ struct Parser<'a> {
     parameters: &'a BTreeMap<String, f64>,
     used: BTreeSet<&'a str>,
     lexer: Lexer<'a>,
-    /// The next token, its place in the text, and the place of the token before it.
+    /// The next token, its place in the text, and the place of the previous token.
     token: Token<'a>,
     span: Span,
     previous: Span,
@@ -78,7 +78,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// Parses the whole text. Returns the program and the parameters that it uses.
+    /// Parses the whole text. Returns the program and the names of the parameters in it.
     fn formula(mut self) -> Result<(Program, BTreeSet<&'a str>)> {
         let expression = self.expression(0)?;
         match self.token {
@@ -128,7 +128,6 @@ impl<'a> Parser<'a> {
         }))
     }
 
-    /// Parses a number, a name, a call, an expression in parentheses, or a sign with its operand.
     fn operand(&mut self) -> Result<Expression> {
         let (token, span) = (self.token, self.span.clone());
         let after_star = self.text[..span.start].ends_with('*');
@@ -185,8 +184,7 @@ impl<'a> Parser<'a> {
         Err((kind, span))
     }
 
-    /// Parses the arguments of `function`, whose name begins at byte `start` of the text. When this method is called,
-    /// the next token is `(`.
+    /// Parses the arguments of `function`, whose name begins at byte `start`. The next token must be `(`.
     fn call(&mut self, name: &str, function: Function, start: usize) -> Result<Expression> {
         let open = self.span.clone();
         let mut arguments = Vec::new();
@@ -231,8 +229,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Rejects an expression that is a constant and not finite. The expression begins at byte `start` and ends at the
-    /// previous token.
+    /// Rejects a constant expression that is not finite. The expression begins at byte `start` and ends at the previous
+    /// token.
     fn finite(&self, expression: Expression, start: usize) -> Result<Expression> {
         match expression {
             Expression::Constant(value) if !value.is_finite() => {
@@ -250,8 +248,8 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The candidate that is most similar to `name`; `None` if none is similar enough. At most a third of the letters may
-/// differ, and not all letters. Upper and lower case count as equal.
+/// The candidate that is most similar to `name`; `None` if more than a third of the letters, or all letters, differ.
+/// Upper and lower case count as equal.
 fn nearest<'n>(name: &str, candidates: impl Iterator<Item = &'n str>) -> Option<String> {
     match name {
         "log" => return Some("ln".into()),
@@ -272,8 +270,7 @@ fn nearest<'n>(name: &str, candidates: impl Iterator<Item = &'n str>) -> Option<
         .map(|(_, candidate)| candidate.into())
 }
 
-/// Levenshtein distance: the smallest number of letters that must be inserted, deleted or replaced to turn `a` into
-/// `b`.
+/// Levenshtein distance: the smallest number of letters to insert, delete or replace that turns `a` into `b`.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -4,9 +4,9 @@ use super::Formula;
 use super::jet::Number;
 use super::operation::{Binary, Unary};
 
-/// Largest number of stack slots of a program. Each operator evaluates the operand that needs more slots before the
-/// other operand. Therefore n slots are enough for 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has
-/// at most (m + 1)/2 operands.
+/// Largest number of stack slots of a program. Each operator first evaluates the operand that needs more slots.
+/// Therefore n slots are enough for 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has at most (m +
+/// 1)/2 operands.
 const SLOTS: usize = 13;
 const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 
@@ -17,15 +17,13 @@ enum Instruction {
     Constant(f64),
     Unary(Unary),
     Binary(Binary),
-    /// Exchanges the two operands at the top of the stack.
     Swap,
 }
 
-/// Postfix instructions. After the last one, the result is the only number on the stack.
+/// Postfix instructions of a formula. After the last one, the stack contains only the value of the formula.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Program {
     instructions: Vec<Instruction>,
-    /// Number of stack slots that the program needs, at most [`SLOTS`].
     slots: usize,
 }
 
@@ -68,8 +66,8 @@ impl Program {
     }
 
     pub(super) fn run<N: Number>(&self, x: N, y: N) -> N {
-        // Most formulas need at most four slots. These formulas are treated separately, because initialising all slots
-        // would take as much time as the arithmetic.
+        // Most formulas need at most four slots. They are treated separately, because initialising all slots would take
+        // as much time as the arithmetic.
         if self.slots <= 4 {
             self.run_in::<N, 4>(x, y)
         } else {
@@ -78,7 +76,7 @@ impl Program {
     }
 
     /// Evaluates the program with `SIZE` slots. The top of the stack is a local variable, so that it can stay in a
-    /// register. Therefore the first push stores a dummy, which is never read.
+    /// register. Therefore the first push stores a dummy value, which is never read.
     fn run_in<N: Number, const SIZE: usize>(&self, x: N, y: N) -> N {
         let mut below = [x; SIZE];
         let mut depth = 0;
@@ -112,7 +110,7 @@ impl Program {
     }
 }
 
-/// A part of a formula during parsing. If the part does not depend on x or y, it is already evaluated.
+/// A part of a formula during parsing. A part that does not depend on x or y is already evaluated.
 #[derive(Debug)]
 pub(super) enum Expression {
     Constant(f64),

@@ -44,7 +44,6 @@ impl Cylinder {
         self.axis
     }
 
-    /// `point` without its component along the axis.
     fn radial(&self, point: &Point3<f64>) -> Vector3<f64> {
         self.across * self.across.dot(&point.coords) + Vector3::z() * point.z
     }

@@ -28,7 +28,6 @@ impl Ellipsoid {
         })
     }
 
-    /// The semi-axes along x, y and z.
     pub(crate) fn semi_axes(&self) -> [f64; 3] {
         self.semi_axes.into()
     }

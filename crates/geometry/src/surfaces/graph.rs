@@ -85,7 +85,6 @@ pub struct HeightField {
 }
 
 impl<H> Graph<H> {
-    /// The graph of a height.
     pub(crate) const fn of_height(height: H) -> Self {
         Self { height }
     }
@@ -135,8 +134,9 @@ impl Height for Paraboloid {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
-    // A ball in a bowl could touch the opposite side only if its centre reached the axis. Then the bowl's curvature
-    // across the meridian would equal the ball's curvature, and the ball would not fit into the bowl at the contact.
+    // A ball in a bowl could touch the opposite side only if the ball's centre reached the axis. Then the bowl's
+    // curvature across the meridian would equal the ball's curvature, and the ball would not fit into the bowl at the
+    // contact. So a ball that fits never touches twice.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -209,7 +209,8 @@ struct Foot {
     at: Vector2<f64>,
     height: f64,
     slope: Vector2<f64>,
-    /// Half the squared distance to the target. The next two fields are the gradient and the Hessian of this function.
+    /// Half the squared distance from the candidate to the target. The next two fields are its gradient and its Hessian
+    /// with respect to (x, y).
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
@@ -256,7 +257,8 @@ impl Foot {
         self.hessian.m11 > 0.0 && self.determinant > 0.0
     }
 
-    /// Newton's step towards the minimum. Where the Hessian is not positive definite, it is the Gauss–Newton step.
+    /// Newton's step towards the minimum of the squared distance. Where the Hessian is not positive definite, it is the
+    /// Gauss–Newton step.
     fn step(&self) -> Option<Vector2<f64>> {
         let (hessian, determinant) = if self.is_minimum() {
             (self.hessian, self.determinant)
@@ -318,8 +320,8 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // `Graph::jet` makes the same checks and further ones that are not needed here. If a derivative is NaN,
-        // `in_domain` is false or the sum is not finite, so the point is rejected.
+        // Make only those checks of `Graph::jet` that are needed here. If a derivative is NaN, `in_domain` is false or
+        // the sum is not finite, so the point is rejected.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {

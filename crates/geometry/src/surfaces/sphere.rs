@@ -58,7 +58,6 @@ impl Dish {
     }
 }
 
-/// The chart `(R sin u, R cos u sin v, side · R cos u cos v)`.
 fn spherical_chart(radius: f64, side: f64, at: Parameters) -> Result<ChartJet, SurfaceError> {
     let at = at.unless_beyond_pole()?;
     let (sin_u, cos_u) = libm::sincos(at.u);

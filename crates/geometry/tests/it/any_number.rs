@@ -37,7 +37,6 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// All surfaces that accept these numbers as parameters.
 fn surfaces(a: f64, b: f64, c: f64) -> Vec<Shape> {
     let parameters = [("a".to_owned(), a), ("b".to_owned(), b)];
     let wavy = Formula::parse("a*sin(b*x)*exp(y)", &parameters.into());
@@ -62,8 +61,8 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|number| number.is_finite())
 }
 
-/// Calls six methods of a surface at a position, and returns whether each call succeeds. Also checks that the results
-/// are finite.
+/// Calls six methods of a surface at a position. Returns whether each call succeeds, and checks that the results are
+/// finite.
 fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], TestCaseError> {
     let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
     let is_unit = |vector: &Vector3<f64>| (vector.norm() - 1.0).abs() < 1e-9;
@@ -98,7 +97,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
     }
     let is_place = is_finite(&[x, y]);
     prop_assert!(is_place || chart.is_err() && contact.is_err() && closest.is_err());
-    // The following calls are only required to return without a panic.
+    // The following calls may return anything, but must not panic.
     let _ = (
         surface.parameters(&place),
         surface.meridian(&place, &Vector3::x()),
@@ -116,7 +115,6 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
 
-    /// Every method of every surface succeeds near the default contact, for surfaces of any size.
     #[test]
     fn surfaces_of_any_size_answer_near_their_default_contact(
         power in -9.0..9.0_f64,

@@ -9,8 +9,8 @@ use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{ChartGeometry, CurvatureForm, Parameters, Surface};
 
-/// Calls `check` at several points of a chart whose two parameters are angles. The arguments of `check` are the first
-/// angle and the geometry at the point.
+/// Calls `check` at several points of a chart whose two parameters are angles, with the first angle and the geometry at
+/// the point.
 fn over_angles(surface: &impl Surface, check: impl Fn(f64, ChartGeometry)) {
     for i in -7..=7 {
         for j in -7..=7 {
@@ -128,7 +128,6 @@ fn torus_is_a_saddle_on_its_inner_side() {
     assert_abs_diff_eq!(gaussian(PI), 0.0, epsilon = 1e-15);
 }
 
-/// The curvature at the origin of a graph that is horizontal there.
 fn at_origin(graph: &impl Surface) -> CurvatureForm {
     let here = graph.chart_geometry(Parameters::new(0.0, 0.0)).unwrap();
     assert_eq!(here.frame.normal, Vector3::z());

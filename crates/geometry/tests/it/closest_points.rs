@@ -36,9 +36,9 @@ fn centres_and_axes_have_no_closest_point() {
 
 #[test]
 fn the_middle_of_an_ellipsoid_has_no_closest_point_and_its_outer_part_has() {
-    // For a point in the symmetry plane across the shortest axis (z), two points of the surface, above and below, are
-    // equally close. On the x axis, this is true up to the centre of curvature of the tip. Its distance from the centre
-    // is a − c²/a, where a is the longest and c the shortest semi-axis.
+    // For a point in the symmetry plane across the shortest axis (z), two points of the ellipsoid, above and below, are
+    // equally close. On the x axis, this is true up to the centre of curvature of the tip. The distance of this centre
+    // from the origin is a − c²/a, where a is the longest and c the shortest semi-axis.
     let ellipsoid = Ellipsoid::new([3.0, 2.0, 1.0]).unwrap();
     assert_none(&ellipsoid, 0.0, 0.0, 0.0);
     assert_none(&ellipsoid, 1.0, 0.5, 0.0);
@@ -80,7 +80,6 @@ fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
         (unit.norm() - 1.0).abs() < 1e-14,
         "{found} is off the ellipsoid {semi_axes:?}"
     );
-    // `from` must lie on the normal of the surface at `found`.
     let normal = unit.component_div(&axes).normalize();
     let gap = from - found;
     let along = gap.dot(&normal);
@@ -103,7 +102,6 @@ fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
     }
 }
 
-/// The number 0, or a power of ten of either sign.
 fn decades(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => Just(0.0),

@@ -170,7 +170,6 @@ fn principal_directions_lie_in_their_half_turn() {
     }
 }
 
-/// A length between 1e-9 and 1e9.
 fn lengths() -> impl Strategy<Value = f64> {
     (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent))
 }
@@ -213,8 +212,8 @@ proptest! {
         let across = libm::sin(u) / rho;
         assert_relative_eq!(here.curvature.k_uu, 1.0 / minor, max_relative = 1e-13);
         assert_relative_eq!(here.curvature.k_vv, across, max_relative = 1e-13);
-        // Bound on the rounding error of the point's coordinates, relative to the radius of the thin tube. The error is
-        // amplified near the centre of a narrow hole.
+        // Bound on the rounding error of the point's coordinates, relative to the radius of the thin tube. Near the
+        // centre of a narrow hole, the error is amplified.
         let blur = 1e-14 * ratio / (ratio - 1.0) + 1e-15 * ratio;
         let local = torus.level_set(&here.point).unwrap();
         let form = local.curvature(&here.frame.x, &here.frame.y);

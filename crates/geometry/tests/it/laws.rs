@@ -23,7 +23,6 @@ fn every_surface_obeys_the_laws() {
     }
 }
 
-/// Checks that the surface of a specimen obeys all laws.
 fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen) {
     let points: Vec<_> = specimen.at.iter().map(|&at| point(surface, at)).collect();
     for &at in &specimen.at {
@@ -47,7 +46,7 @@ struct Place<'a, S> {
     specimen: &'a Specimen,
     at: Parameters,
     geometry: ChartGeometry,
-    /// A difference between two lengths counts as rounding error if it is at most this value.
+    /// Differences between two lengths up to this value count as rounding errors.
     tiny: f64,
 }
 
@@ -119,7 +118,7 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_eq!(metric.m21, 0.0);
         assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
 
-        // The stored curvature form has only one mixed term. So the comparison also checks that the form computed by
+        // The stored curvature form has only one mixed term. Therefore the comparison also checks that the form from
         // finite differences is symmetric.
         let (form, turn) = (
             in_frame * normals * inverse,
@@ -193,8 +192,8 @@ impl<'a, S: Surface> Place<'a, S> {
         }
     }
 
-    /// Checks that no sample point in `points` is closer to a query point than the closest point that the surface
-    /// computes. Graphs are tested only within the distance `reach`.
+    /// Checks that no point in `points` is closer to the query point than the closest point that the surface computes.
+    /// Graphs are only tested within the distance `reach`.
     fn none_of_these_is_closer(&self, points: &[Point3<f64>]) {
         let is_graph = matches!(
             self.specimen.shape,

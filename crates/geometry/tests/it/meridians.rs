@@ -83,7 +83,6 @@ fn derivatives_are_those_of_the_meridian() {
     }
 }
 
-/// The integral of `f` from 0 to `to`, by Simpson's rule with 2,000 intervals.
 fn integral(f: impl Fn(f64) -> f64, to: f64) -> f64 {
     let h = to / 2000.0;
     let weight = |i: i32| match i {

@@ -10,7 +10,6 @@ use palpate_geometry::{Parameters, Shape, Surface};
 
 pub(crate) type Solid = Box<dyn Fn(&Point3<f64>) -> bool>;
 
-/// A surface for the tests, with test points on the surface and some of its properties.
 pub(crate) struct Specimen {
     pub(crate) name: String,
     pub(crate) shape: Shape,
@@ -134,7 +133,6 @@ pub(crate) fn height_field(
     graph(format!("height field {formula}"), shape, radius, height)
 }
 
-/// A specimen whose surface is the graph of `height`. Its smallest radius of curvature is `radius`.
 fn graph(
     name: String,
     shape: Shape,
@@ -209,7 +207,6 @@ macro_rules! on_concrete {
 }
 pub(crate) use on_concrete;
 
-/// The point of the surface with the chart parameters `at`.
 pub(crate) fn point(surface: &impl Surface, at: Parameters) -> Point3<f64> {
     surface.chart(at).unwrap().point
 }

@@ -152,8 +152,8 @@ fn are_not_finite_exactly_where_they_do_not_exist() {
     }
 }
 
-/// The value and derivatives of a formula by central differences. The gradient is computed from values, and the second
-/// derivatives from the exact gradient.
+/// The value and derivatives of a formula. The gradient is computed from values by central differences, and the second
+/// derivatives from exact gradients.
 fn by_differences(formula: &Formula, x: f64, y: f64) -> Jet {
     let h = 1e-5;
     let (e, w) = (formula.jet(x + h, y), formula.jet(x - h, y));

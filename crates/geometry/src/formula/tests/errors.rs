@@ -1,6 +1,5 @@
 use super::*;
 
-/// The error of the formula `text` with the parameters A = 0.15 and k = 0.7.
 fn error(text: &str) -> FormulaError {
     let all = parameters(&[("A", 0.15), ("k", 0.7)]);
     Formula::parse(text, &all).expect_err(text)

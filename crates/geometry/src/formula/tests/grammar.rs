@@ -10,7 +10,7 @@ enum Tree {
 }
 
 impl Tree {
-    /// Value of an expression without `^`. The rounding errors are the same as in the evaluation of the formula.
+    /// Value of an expression without `^`, with the same rounding errors as the formula.
     fn value(&self, x: f64, y: f64) -> f64 {
         match self {
             Self::Leaf("x") => x,
@@ -120,7 +120,6 @@ proptest! {
     }
 }
 
-/// Checks that a text is either parsed and evaluated, or rejected with an error whose marker lies within the text.
 fn survives(text: &str) {
     match Formula::parse(text, &parameters(&[("k", 2.0)])) {
         Ok(formula) => {
