@@ -21,7 +21,6 @@ impl Distribution {
         }
     }
 
-    /// Standard deviation of an error with this distribution and the stated size `size`.
     pub(crate) fn std(self, size: f64) -> f64 {
         match self {
             Self::Uniform => size / 3.0_f64.sqrt(),

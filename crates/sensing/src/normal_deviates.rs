@@ -21,7 +21,7 @@ const SINC: [f32; 6] = alternating(1);
 /// (√2 − 1) / (√2 + 1).
 const ARTANH: [f32; 5] = [1.0, 1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0];
 
-/// Coefficients (−1)^k / (2k + odd)! of the series of cos θ (`odd` is 0) and of sin θ / θ (`odd` is 1).
+/// Coefficients (−1)^k / (2k + odd)! of the power series of cos θ (`odd` is 0) or of sin θ / θ (`odd` is 1).
 const fn alternating<const TERMS: usize>(odd: usize) -> [f32; TERMS] {
     let mut coefficients = [1.0; TERMS];
     let (mut term, mut divisor) = (1, 1);
@@ -35,7 +35,6 @@ const fn alternating<const TERMS: usize>(odd: usize) -> [f32; TERMS] {
     coefficients
 }
 
-/// The value of a power series: the sum Σ coefficients[k] · number^k.
 #[inline(always)]
 fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     let mut sum = coefficients[TERMS - 1];
@@ -96,9 +95,9 @@ mod tests {
         [radius * cosine, radius * sine]
     }
 
-    /// Largest error of the normal numbers from `words`, divided by the error that single precision allows. For a pair
-    /// with a small radius, the error is larger, because single precision stores its uniform number u near 1 with only
-    /// 24 bits.
+    /// Largest error of the normal numbers from `words`, relative to the error that single precision allows. The
+    /// allowed error is larger for a pair with a small radius, because single precision stores its uniform number u
+    /// near 1 with only 24 bits.
     fn largest_error(words: [u64; PAIRS]) -> f64 {
         let normals = normals(words);
         let errors = words.iter().enumerate().flat_map(|(pair, &word)| {

@@ -184,7 +184,7 @@ impl Pads {
             }
             (Tiling::Uniform(lattice), PadOffset::Random | PadOffset::RandomPerTrial) => {
                 // The first contact is drawn uniformly from a disc with a radius of four pitches. The lattice is not
-                // periodic, but because the disc covers several pads, every position within a pad is about equally
+                // periodic, but the disc covers several pads. Therefore every position within a pad is about equally
                 // likely.
                 let reach = (4.0 * self.pitch / self.radius).min(0.5);
                 let (distance, azimuth, turn) = (
@@ -304,8 +304,8 @@ impl Placement {
     }
 }
 
-/// Centre of the hexagon that contains a position, in pitches. The centres form two rectangular grids with a spacing of
-/// 1 by √3.
+/// Centre (in pitches) of the hexagon that contains a position. The centres form two rectangular grids with a spacing
+/// of 1 by √3.
 fn nearest_hexagon(place: &Vector2<f64>) -> Vector2<f64> {
     let period = Vector2::new(1.0, 3.0_f64.sqrt());
     let nearest = |corner: Vector2<f64>| {
@@ -323,7 +323,6 @@ fn nearest_hexagon(place: &Vector2<f64>) -> Vector2<f64> {
     }
 }
 
-/// The shortest rotation from +z to `direction`.
 fn turn_to(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)

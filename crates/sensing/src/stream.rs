@@ -29,7 +29,7 @@ pub struct Stream {
     state: u64,
 }
 
-/// The odd number that is nearest to 2^64 divided by the golden ratio.
+/// The odd number nearest to 2^64 divided by the golden ratio.
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// A bijection of 64-bit words in which every input bit affects all output bits (the finaliser of SplitMix64).
@@ -250,7 +250,6 @@ mod tests {
         );
     }
 
-    /// The first 16 draws of a trial.
     fn draws(seed: u64, trial: u64, channel: Channel) -> [f64; 16] {
         let mut stream = Stream::new(seed, trial, channel);
         std::array::from_fn(|_| stream.symmetric_uniform())
@@ -282,7 +281,7 @@ mod tests {
                 }
             }
             // For independent draws, the products of draws have the variance (1/3)², and the products of their squares
-            // have the variance (4/45)². The standard deviations of the sums follow from these.
+            // have the variance (4/45)². `spread` and `square_spread` are the standard deviations of the sums.
             let spread = (TRIALS as f64).sqrt();
             for (i, (products, squares)) in products.iter().zip(&squares).enumerate() {
                 for (j, (product, square)) in products.iter().zip(squares).enumerate() {
@@ -346,7 +345,6 @@ mod tests {
         assert!(draws.iter().all(|draw| (-1.0..1.0).contains(draw)));
         assert!(mean.abs() < 0.01, "{mean}");
         assert!((square - 1.0 / 3.0).abs() < 0.005, "{square}");
-        // Consecutive trials are not correlated.
         let lag = draws.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / count;
         assert!(lag.abs() < 0.005, "{lag}");
     }

@@ -31,7 +31,6 @@ pub struct UniformLattice {
 
 /// Azimuth from one pad to the next: `Φ − 1` turns, in units of 2⁻⁶⁴ turn. Φ is the golden ratio.
 const GOLDEN_TURN: u64 = 0x9E37_79B9_7F4A_7C15;
-/// The golden ratio Φ.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// Largest number of pads on the whole sphere.
 const MOST_PADS: f64 = 1e15;
@@ -73,8 +72,8 @@ impl UniformLattice {
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;
-        // `depth` is the index of a pad at the height z, which need not be a whole number. It is proportional to 1 − z.
-        // In the upper half, 1 − z is computed from the sine of the polar angle, which loses fewer digits.
+        // `depth` is the pad index at the height z; it may be a fraction. It is proportional to 1 − z. In the upper
+        // half, 1 − z is computed from the sine of the polar angle, which loses fewer digits.
         let depth = if direction.z > 0.0 {
             sine_squared / (1.0 + direction.z)
         } else {
@@ -94,8 +93,7 @@ impl UniformLattice {
         let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
         let mut best = Nearest::new(direction);
         if let Some(inverse) = basis.try_inverse() {
-            // `steps` are the numbers of steps along the two basis vectors, counted from pad 0, which lies at azimuth 0
-            // and depth 0.
+            // Numbers of steps along the two basis vectors, counted from pad 0, which lies at azimuth 0 and depth 0.
             let steps = inverse * Vector2::new(azimuth_here, depth);
             let corner = steps.map(f64::floor);
             for along in -1..=2 {
@@ -116,7 +114,7 @@ impl UniformLattice {
             }
         }
         // Near the poles, the lattice does not resemble a plane lattice. There are only a few pads near a pole, so all
-        // of them are compared.
+        // of them are compared with the direction.
         const POLAR: u64 = 12;
         if depth < POLAR as f64 {
             (0..(2 * POLAR).min(self.pads)).for_each(|index| best.consider(index, self));
@@ -152,13 +150,11 @@ impl<'a> Nearest<'a> {
     }
 }
 
-/// Azimuth of pad `index` in [0, 2π).
 fn azimuth(index: u64) -> f64 {
     let turns = index.wrapping_mul(GOLDEN_TURN) as f64 / 2.0_f64.powi(64);
     std::f64::consts::TAU * turns
 }
 
-/// Azimuth of pad `index` in [−π, π).
 fn signed_azimuth(index: u64) -> f64 {
     let turns = index.wrapping_mul(GOLDEN_TURN) as i64 as f64 / 2.0_f64.powi(64);
     std::f64::consts::TAU * turns

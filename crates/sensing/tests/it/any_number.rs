@@ -18,7 +18,6 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Numbers on both sides of the limits of the sensors' parameters.
 const LIMITS: [f64; 12] = [
     f64::NAN,
     f64::INFINITY,
@@ -38,14 +37,13 @@ fn is_tame(value: f64) -> bool {
     value.abs() <= 1e150
 }
 
-/// Whether pads with this pitch (rad) form a lattice of 2 to 1e15 pads.
 fn is_lattice(pitch_rad: f64) -> bool {
     let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
     pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
 }
 
-/// The sensor, if its parameters are valid (`is_good`). Panics if valid parameters result in an error, or invalid
-/// parameters in a sensor.
+/// The sensor, if its parameters are valid (`is_good`). Panics if valid parameters are rejected or invalid parameters
+/// are accepted.
 fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()

@@ -11,13 +11,13 @@ fn draws(seed: u64, trial: u64) -> impl Iterator<Item = [f32; Stream::NORMALS]> 
     std::iter::repeat_with(move || stream.standard_normals())
 }
 
-/// Probability that a normal number with mean 0 and standard deviation 1 is below `limit`.
+/// Cumulative distribution function of the standard normal distribution.
 fn below(limit: f64) -> f64 {
     0.5 * libm::erfc(-limit * FRAC_1_SQRT_2)
 }
 
-/// χ² test of the number of random numbers in intervals of width 1/16, up to more than six standard deviations. The
-/// intervals in the tails contain too few numbers for the test. Therefore each tail is tested as a whole.
+/// χ² test of the counts of random numbers in intervals of width 1/16, up to more than six standard deviations. The
+/// intervals in the tails contain too few numbers for the test, so each tail is tested as a whole.
 #[test]
 fn every_interval_and_both_tails_have_their_share() {
     const PER_UNIT: f64 = 16.0;
@@ -100,8 +100,8 @@ fn no_draw_depends_on_another() {
     }
 }
 
-/// Two numbers of a pair are the coordinates of a vector. The directions of these vectors are uniformly distributed and
-/// do not depend on the lengths of the vectors.
+/// The two numbers of a pair are the coordinates of a vector. Its direction is uniformly distributed and does not
+/// depend on its length.
 #[test]
 fn pairs_have_no_direction() {
     const SECTORS: usize = 48;
@@ -115,8 +115,8 @@ fn pairs_have_no_direction() {
             counts[usize::from(is_far)][(turn * SECTORS as f64) as usize % SECTORS] += 1;
         }
     }
-    // The test counts the pairs in each sector of the angle, separately for short and long pairs. Half of the pairs are
-    // longer than √(2 ln 2).
+    // The test counts the pairs in each sector of the vector's angle, separately for short and long vectors. Half of
+    // the vectors are longer than √(2 ln 2).
     let expected = DRAWS as f64 / 2.0 / (2 * SECTORS) as f64;
     let squares = counts
         .iter()
