@@ -1,6 +1,6 @@
-//! Measures the computing time of the penalised spline for two cases. One case is the 30 contacts of the 1996 paper,
-//! with a map of the curvatures and their standard errors. The other case is many contacts on a detailed surface. Each
-//! result is checked before it is timed.
+//! Measures the computing time of the penalised spline in two cases: the 30 contacts of the 1996 paper, with a map of
+//! the curvatures and their standard errors; and many contacts on a detailed surface. Each result is checked before it
+//! is timed.
 
 use std::hint::black_box;
 
@@ -45,7 +45,6 @@ fn patch(contacts: &[Contact]) -> Patch {
     Patch::new(contacts, &Vector3::z()).expect("a patch")
 }
 
-/// Root-mean-square error of the estimated mean curvature, over the surface of `waves`.
 fn error_of_waves(fit: &Fit) -> f64 {
     let mut square = 0.0;
     for index in 0..400 {

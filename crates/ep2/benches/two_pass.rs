@@ -1,5 +1,5 @@
-//! Measures the computing time of the estimator `two-pass` with 30 contacts of three fingers. The spline has no
-//! interior knots in one case, and some in the other.
+//! Measures the computing time of the estimator `two-pass` for 30 contacts of three fingers. With small errors, the
+//! spline has no interior knots; with large errors, it has some.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};

@@ -6,13 +6,12 @@ use std::ops::{Mul, Sub};
 
 use crate::matrix::SparseMap;
 
-/// Number of products T_i(a) T_j(b) with i + j ≤ `degree`.
 pub(crate) const fn count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// The indices (i, j) of the products T_i(a) T_j(b) up to a total degree, sorted by i + j. Therefore the coefficients
-/// of a series of lower degree are the first coefficients of a series of higher degree.
+/// The indices (i, j) of the products T_i(a) T_j(b) up to a total degree, sorted by i + j. Therefore a series of lower
+/// degree has the first coefficients of a series of higher degree.
 pub(crate) fn products(degree: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..=degree).flat_map(|sum| (0..=sum).map(move |j| [sum - j, j]))
 }
@@ -23,7 +22,6 @@ pub(crate) const fn place([i, j]: [usize; 2]) -> usize {
     count(i + j) - i - 1
 }
 
-/// The Chebyshev polynomials up to `degree`, evaluated at `x`.
 pub(crate) fn values<T>(x: T, degree: usize) -> impl Iterator<Item = T>
 where
     T: Copy + From<f64> + Sub<Output = T> + Mul<Output = T>,
@@ -57,7 +55,7 @@ pub(crate) fn approximated(degree: usize, value: impl Fn(f64, f64) -> f64) -> Ve
 }
 
 /// The linear map from the coefficients of a series to the coefficients of its derivative along an axis. The degree of
-/// the derivative is one lower; for a constant it is 0.
+/// the derivative is lower by one, except that a constant has a derivative of degree 0.
 pub(crate) fn derivative(degree: usize, axis: usize) -> SparseMap {
     let mut entries = Vec::new();
     for (at, product) in products(degree).enumerate() {

@@ -6,11 +6,10 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// Half the range of integration over the mean curvature, in standard errors of the mean curvature. The probabilities
-/// of the classes are integrals over this range.
+/// Half the range of the mean curvature over which the probabilities of the classes are integrated, in standard errors
+/// of the mean curvature.
 const REACH: f64 = 8.0;
-/// Number of intervals of Simpson's rule in each part of the range of integration over the mean curvature. It must be
-/// even.
+/// Number of intervals of Simpson's rule in each part of the range of integration. It must be even.
 const INTERVALS: usize = 64;
 
 /// Shape class by the signs of the Gaussian and the mean curvature alone, without thresholds.
@@ -141,8 +140,8 @@ impl<'a> GivenMean<'a> {
         }
     }
 
-    /// The classes for a Gaussian curvature below, near and above zero, with their probabilities, if the mean curvature
-    /// is `mean`.
+    /// The classes for a Gaussian curvature below, near and above zero, with their probabilities for the mean curvature
+    /// `mean`.
     fn classes(&self, mean: f64) -> [(ShapeClass, f64); 3] {
         let edge = self.thresholds.gaussian();
         let below = self.below(-edge, mean);
@@ -159,8 +158,8 @@ impl<'a> GivenMean<'a> {
         ]
     }
 
-    /// The probability that the Gaussian curvature is below `edge`, if the mean curvature is `mean`. The numerical
-    /// error of the probability is at most 1e-15.
+    /// The probability that the Gaussian curvature is below `edge`, given the mean curvature `mean`. The numerical
+    /// error is at most 1e-15.
     fn below(&self, edge: f64, mean: f64) -> f64 {
         let centre = self.curvature.gaussian + self.slope * (mean - self.curvature.mean);
         if self.std > 0.0 {

@@ -10,7 +10,7 @@ use crate::spline::{Jet, Lanes};
 /// derivatives r, s, t along u², uv, v² (Monge's letters).
 pub(crate) const DERIVATIVES: usize = 5;
 
-/// Covariance of the derivatives (p, q, r, s, t) at several places, which are processed together.
+/// Covariance of the derivatives (p, q, r, s, t) at several places that are processed together.
 pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
 /// Gaussian and mean curvature at a place. The mean curvature is positive where the surface is convex.
@@ -35,8 +35,8 @@ pub struct Curvature {
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// Gaussian and mean curvature at several ([`LANES`](crate::spline::LANES)) places, which are processed together. The
-/// mean curvature is positive where the surface is convex.
+/// Gaussian and mean curvature at several ([`LANES`](crate::spline::LANES)) places. The mean curvature is positive
+/// where the surface is convex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvatures {
     gaussian: Lanes,
@@ -82,7 +82,6 @@ impl Curvatures {
         }
     }
 
-    /// The curvature at the place with the index `lane`.
     #[inline(always)]
     pub(crate) fn at(&self, lane: usize) -> Curvature {
         let at = |lanes: Lanes| lanes.to_array()[lane];
@@ -112,8 +111,8 @@ pub struct Uncertainty {
     pub correlation: f64,
 }
 
-/// Standard errors of Gaussian and mean curvature, and their correlation, at several places. They are computed from the
-/// covariance of the jet's derivatives and from the curvatures, which are in the jet's unit.
+/// Standard errors of Gaussian and mean curvature, and the correlation of their errors, at several places. `covariance`
+/// is the covariance of the jet's derivatives. The covariance and the curvatures are in the jet's unit.
 #[inline(always)]
 fn uncertainty(
     jet: &Jet<Lanes>,
@@ -160,7 +159,6 @@ fn uncertainty(
     ]
 }
 
-/// The derivatives p, q, r, s, t of a jet.
 #[inline(always)]
 const fn derivatives<T: Copy>(jet: &Jet<T>) -> [T; DERIVATIVES] {
     [jet.u, jet.v, jet.uu, jet.uv, jet.vv]

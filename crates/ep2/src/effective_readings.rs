@@ -14,28 +14,28 @@ use crate::patch::FingerMap;
 const REST_SHARE: f64 = 0.1;
 /// Quantile of the step lengths that is used as the length of a long step.
 const LONG_STEP_QUANTILE: f64 = 0.9;
-/// Smallest ratio between two successive step lengths (sorted by size) that counts as a gap. The steps below the gap
-/// belong to a resting finger, the steps above to a moving finger.
+/// Smallest ratio between two successive step lengths (sorted by size) that counts as a gap. Steps below the gap belong
+/// to a resting finger, steps above it to a moving finger.
 const MIN_STEP_GAP: f64 = 8.0;
 /// Share of the shortest steps that always count as steps of a resting finger. A gap between the step lengths is
 /// searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// While a finger rests, its contacts stay near their mean. This constant is the largest accepted distance of a contact
-/// from the mean, as a multiple of the typical step of a resting finger.
+/// While a finger rests, its contacts stay near their mean. This constant limits the distance of a contact from the
+/// mean, as a multiple of the typical step of a resting finger.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Successive contacts at nearly the same place are merged into a run. This constant is the largest accepted share of
-/// short steps among the steps from one run to the next. If the share is larger, the fingers were moving by short
-/// steps, and the contacts are not merged.
+/// Successive contacts at nearly the same place are merged into a run. This constant limits the share of short steps
+/// among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and the
+/// contacts are not merged.
 const MAX_SHORT_BREAKS: f64 = 0.2;
 /// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
 const MAX_GAPS: usize = 4;
-/// Number of residuals that is sufficient to estimate the correlation. When the strokes used so far contain this
+/// Number of residuals that is sufficient to estimate their correlation. If the strokes used so far contain this
 /// number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
-/// Largest lag for which the correlation of residuals is computed, as a number of residuals.
+/// Largest lag, in residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;
-/// Correlations are corrected for the variance that the fit removes from the residuals. The correction is made only if
-/// the ratio of fitted parameters to independent readings is at most this value.
+/// Correlations are corrected for the variance that the fit removes from the residuals, but only if the ratio of fitted
+/// parameters to independent readings is at most this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
 /// Contacts after merging: each group of equal contacts, and all contacts during one rest of a finger, were merged into
@@ -81,8 +81,8 @@ impl DistinctContacts {
         }
     }
 
-    /// Also merges consecutive contacts that are closer to each other than a tenth of a long step. Lost readings must
-    /// be removed before, because they would make the steps too long.
+    /// Also merges consecutive contacts that are closer to each other than a tenth of a long step. Remove lost readings
+    /// before, because they would make the long step too long.
     pub(crate) fn without_short_steps(self) -> Self {
         let mut steps = steps(&self.contacts);
         if steps.len() < 3 {
@@ -110,8 +110,8 @@ impl DistinctContacts {
     }
 }
 
-/// Merges exact copies and consecutive contacts of a finger at rest. The contacts must not contain lost readings, and
-/// the contacts of each finger must be in the order of time.
+/// Merges exact copies and consecutive contacts of a finger at rest. The contacts must not contain lost readings. The
+/// contacts of each finger must be in chronological order.
 pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
     DistinctContacts::without_rests(contacts).without_short_steps()
 }
@@ -119,7 +119,7 @@ pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
 /// Merges consecutive contacts of each finger into runs. Each contact of a run is at most the distance `limit` away
 /// from the run's first contact. If `with_copies`, exact copies are merged too.
 fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
-    /// Sums over the contacts of a run, whose positions are relative to the first contact of the run.
+    /// Sums over the contacts of a run. Positions are relative to the first contact of the run.
     struct Rest {
         sum: Vector3<f64>,
         normal: Vector3<f64>,
@@ -185,15 +185,14 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     }
 }
 
-/// Bits of a contact's coordinates and normal, as a key by which equal contacts are found. The bits are the same for +0
-/// and −0.
+/// Bits of a contact's coordinates and normal. Equal contacts have equal bits, also if their zeros have different
+/// signs.
 fn bits_of(contact: &Contact) -> [u64; 6] {
     let normal = contact.normal.unwrap_or_default();
     let [x, y, z] = contact.position.into();
     [x, y, z, normal.x, normal.y, normal.z].map(|number| (number + 0.0).to_bits())
 }
 
-/// Distances between consecutive contacts of the same finger.
 fn steps(contacts: &[Contact]) -> Vec<f64> {
     let mut last: FingerMap<Option<usize>> = FingerMap::default();
     let mut steps = Vec::with_capacity(contacts.len());

@@ -4,7 +4,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Largest number whose square does not overflow; the square of its inverse does not underflow.
+/// Largest allowed number. Its square does not overflow, and the square of its inverse does not underflow.
 pub(crate) const LARGEST: f64 = 1e150;
 
 /// Reasons for which a set of contacts does not determine a surface.
@@ -147,7 +147,6 @@ pub enum Ep2Error {
 }
 
 impl Ep2Error {
-    /// Returns [`Ep2Error::BadSetting`] if the setting is not valid.
     pub(crate) fn unless_good(
         setting: &'static str,
         value: f64,

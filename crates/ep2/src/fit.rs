@@ -22,9 +22,9 @@ pub trait Method {
     /// [`Ep2Error`] if the contacts do not determine the surface, or a setting is out of its range.
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
-    /// Goodness of fit, and the ways in which the contacts contradict the method's model. Both are empty for methods
-    /// without this test. `fit` is the method's fit to the patch, if it was computed. Without it, or with more than 2,000
-    /// contacts, the test repeats the fit for at most 2,000 contacts.
+    /// Tests the fit: returns the goodness of fit and the ways in which the contacts contradict the method's model.
+    /// Both are empty for methods without a test. `fit` is the method's fit to the patch, if it was already computed.
+    /// If it was not, or if there are more than 2,000 contacts, the test fits at most 2,000 contacts itself.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -43,10 +43,10 @@ pub struct Fit {
     /// The surface as a height w(u, v) over the plane of the patch. If `mean` is not `None`, the spline is only the
     /// deviation of the surface from this quadric.
     pub(crate) spline: TensorSpline,
-    /// The implicit quadric to which the spline is added, with the square over which the quadric is defined. `None` if
+    /// The implicit quadric to which the spline is added, with the square in which the quadric is defined. `None` if
     /// the spline alone describes the surface.
     pub(crate) mean: Option<(SquareQuadric, Square)>,
-    /// Mean and covariance of the surface, if the method computes them.
+    /// Posterior mean and covariance of the surface, if the method computes them.
     pub(crate) posterior: Option<Posterior>,
     /// The surface around which a penalised spline was fitted; `None` for other methods.
     pub(crate) basis: Option<Box<Basis>>,
@@ -82,7 +82,6 @@ pub struct MapPoint {
 }
 
 impl MapPoint {
-    /// Whether all numbers of the map point are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let directions = [self.normal, self.direction_of_min, self.direction_of_max];
         let mut numbers = directions.iter().flatten().chain(self.position.iter());
@@ -232,7 +231,6 @@ impl Fit {
             .collect()
     }
 
-    /// Calls a function for each row of a grid, which is a line of constant v.
     fn for_each_line(
         &self,
         side: usize,
@@ -351,15 +349,14 @@ struct Line {
     v: f64,
     /// Index of the first B-spline in u that `heights` contains.
     first: usize,
-    /// For each B-spline in u, three sums over the B-splines in v. In these sums, the coefficients are multiplied by
-    /// the values, the first derivatives and the second derivatives of the B-splines in v.
+    /// For each B-spline in u, three coefficients on the line: for the height and for its first and second derivatives
+    /// along v. Each is a sum over the B-splines in v.
     heights: Vec<[f64; 3]>,
     posterior: Option<PosteriorLine>,
 }
 
 impl Line {
-    /// The sums for the line of constant `v`. They are computed for the B-splines in u whose indices are in
-    /// `functions`.
+    /// The values for the line of constant `v`. `heights` contains the B-splines in u whose indices are in `functions`.
     fn of(fit: &Fit, v: f64, functions: Range<usize>) -> Self {
         let spline = &fit.spline;
         let local = Local::of(&spline.v, v);
@@ -383,7 +380,6 @@ impl Line {
         }
     }
 
-    /// Height and derivatives at places on the line.
     #[inline(always)]
     fn jet(&self, u: &Local<Lanes>, fit: &Fit) -> Jet<Lanes> {
         let start = u.first - self.first;

@@ -7,18 +7,17 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// Smallest spread of the contacts across a line or plane, relative to their spread along it, that is not a rounding
-/// error.
+/// Smallest ratio of the contacts' spread across a line or plane to their spread along it that is not a rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Smallest length of the mean of the unit normals. If the mean is shorter, the normals have no mean direction.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
-/// Points have no mean plane if they spread across their principal plane almost as much as within it. This constant is
-/// the largest accepted ratio of the spread across the plane to the smaller spread within the plane.
+/// Largest accepted ratio of the contacts' spread across their principal plane to the smaller spread within the plane.
+/// At a larger ratio, the contacts have no mean plane.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
 /// An outward direction determines a side of the patch's plane only if its angle to the plane is at least this value
-/// (rad). Noise of the contacts rotates the plane by a similar angle.
+/// (rad). At smaller angles, the noise of the contacts could change the side.
 const LEAST_SIDE_RAD: f64 = 0.02;
-/// A patch counts as elongated if the ratio of its spreads along and across exceeds this value. Its sides are then
+/// A patch counts as elongated if the ratio of its longer to its shorter spread exceeds this value. Its sides are then
 /// parallel to the principal directions of the spread.
 const LONG: f64 = 1.15;
 /// The fingers have a common direction of travel if the contacts scatter more along this direction than across it. This
@@ -60,7 +59,6 @@ impl PatchFrame {
         })
     }
 
-    /// This frame with `scale` as its unit of length.
     pub(crate) const fn with_scale(self, scale: f64) -> Self {
         Self { scale, ..self }
     }
@@ -76,30 +74,26 @@ impl PatchFrame {
         self.patch_from_world * (world - self.origin) / self.scale
     }
 
-    /// Converts a direction from the frame of the readings to the patch's frame.
     #[inline]
     pub(crate) fn direction(&self, world: &Vector3<f64>) -> Vector3<f64> {
         self.patch_from_world * world
     }
 
-    /// Converts a point from the patch's frame to the frame of the readings.
     #[inline]
     pub(crate) fn point_in_world(&self, patch: &Vector3<f64>) -> Point3<f64> {
         self.origin + self.direction_in_world(&(patch * self.scale))
     }
 
-    /// Converts a direction from the patch's frame to the frame of the readings.
     #[inline]
     pub(crate) fn direction_in_world(&self, patch: &Vector3<f64>) -> Vector3<f64> {
         self.patch_from_world.inverse() * patch
     }
 }
 
-/// Mean and spread of the contacts.
 struct Cloud {
     centre: Point3<f64>,
     /// Largest difference between a coordinate of a contact and the same coordinate of the mean contact. It is the unit
-    /// of length for the moments.
+    /// of length of `spreads`.
     extent: f64,
     /// Principal axes as columns, sorted by ascending spread of the contacts.
     axes: Matrix3<f64>,
@@ -233,7 +227,8 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
     struct Finger {
         contacts: f64,
         positions: Vector3<f64>,
-        /// Sum over the contacts of their position, multiplied by the number of the contact within its finger (from 0).
+        /// Sum over the contacts of their positions, each multiplied by the index of the contact within its finger
+        /// (from 0).
         moments: Vector3<f64>,
     }
     let mut fingers: FingerMap<Finger> = FingerMap::default();

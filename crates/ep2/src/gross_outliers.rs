@@ -10,13 +10,13 @@ use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
-/// Largest ratio of a contact's distance from the spatial median to the median of these distances. A contact with a
-/// larger ratio is a gross outlier. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
+/// A contact is a gross outlier if the ratio of its distance from the spatial median to the median of these distances
+/// exceeds this value. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
 /// Largest ratio of a contact's distance from the spatial median to the median distance, if a gap separates the contact
 /// from the nearer contacts.
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
-/// Ratio of two consecutive distances in ascending order from which they are separated by a gap.
+/// Two consecutive distances in ascending order are separated by a gap if their ratio is at least this value.
 const MIN_GAP_RATIO: f64 = 1.5;
 /// Smallest number of positions among which a gap is searched.
 const MIN_PLACES_WITH_GAP: usize = 20;
@@ -28,9 +28,7 @@ pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
 /// P-value below which a contact counts as an outlier near the surface. For many contacts, the limit is 4.5 standard
 /// deviations.
 pub(crate) const OUTLIER_PROBABILITY: f64 = 6.8e-6;
-/// Largest number of positions from which the spatial median is computed.
 const MAX_PLACES: usize = 5000;
-/// Number of iterations for the spatial median, which need not be accurate.
 const MEDIAN_ITERATIONS: usize = 40;
 
 /// Reason for which a contact is left out.
@@ -56,12 +54,12 @@ pub struct Outlier {
     pub reason: OutlierReason,
 }
 
-/// The position as a key for comparisons. The key is the same for +0 and −0.
+/// Bits of the position as a key for comparisons. The keys of +0 and −0 are the same.
 fn key(position: &Point3<f64>) -> [u64; 3] {
     [position.x, position.y, position.z].map(|x| (x + 0.0).to_bits())
 }
 
-/// Whether a contact is a lost reading: its normal is 0, and its three coordinates are the same number.
+/// Whether a contact is a lost reading: its normal is 0, and its three coordinates are equal.
 fn is_lost(contact: &Contact) -> bool {
     let Point3 { coords } = contact.position;
     contact.normal == Some(Vector3::zeros()) && coords == Vector3::repeat(coords.x)

@@ -18,20 +18,19 @@ const MIN_CONTACTS: usize = 60;
 const FIRST_MEANS: usize = 30;
 /// Smallest number of means of consecutive contacts along the longest stroke.
 const MIN_MEANS: usize = 8;
-/// Two surfaces are compared: one fitted to means of contacts, the other to all contacts. This constant is the largest
-/// accepted ratio of the root-mean-square distances of the contacts from the two surfaces. If the ratio is larger, the
-/// surface through the means is too smooth.
+/// Largest accepted ratio of the root-mean-square distances of the contacts from two surfaces: a surface fitted to
+/// means of contacts, and a surface fitted to all contacts. At a larger ratio, the first surface is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// Compares the correlation length of the residuals with the length that the fit assumed. If it is larger by more than
-/// this factor, the fit is repeated with means over more contacts.
+/// If the correlation length of the residuals exceeds the length that the fit assumed by more than this factor, the fit
+/// is repeated with means over more contacts.
 const MAX_GROWTH: f64 = 1.3;
 
-/// Largest number of contacts in a fit. Larger logs are replaced by means of consecutive contacts, whose errors across a
-/// stroke are smaller. Otherwise the fitted surface would follow the errors of single contacts.
+/// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means, because the
+/// fitted surface would otherwise follow the errors of single contacts across a stroke.
 const MAX_FITTED: usize = 10_000;
-/// Means of consecutive contacts are fitted only if the contacts of a finger are in the order of its path. The order is
-/// tested by the root-mean-square distance of the contacts from the means of consecutive contacts. This constant is its
-/// largest accepted ratio to the root-mean-square distance from the mean of all contacts.
+/// Means of consecutive contacts are fitted only if the contacts of a finger are in the order of its path. They are if
+/// their root-mean-square distance from the means of consecutive contacts is small. This constant limits the ratio of
+/// this distance to the root-mean-square distance from the mean of all contacts.
 const MAX_BLOCK_RATIO: f64 = 0.05;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
@@ -55,7 +54,7 @@ pub struct IndependentFit {
     pub noise_ratios: [f64; 2],
 }
 
-/// Means of consecutive contacts. For each mean, `rows` contains the index of the first log row in the mean.
+/// Means of consecutive contacts. For each mean, `rows` contains the index of its first row in the log.
 struct Means {
     contacts: Vec<Contact>,
     rows: Vec<usize>,
@@ -222,8 +221,8 @@ impl IndependentFit {
         ((square / f64::max(count, 1.0)).sqrt(), times)
     }
 
-    /// Stores the given correlations in the readings of this fit. Multiplies the variances of the fitted surface by
-    /// `variance`, if this factor exceeds 1.
+    /// Stores the given correlations in this fit, and multiplies the variances of the surface by `variance` if it
+    /// exceeds 1.
     fn with(mut self, [position, normal]: [f64; 2], variance: f64) -> Self {
         self.readings.position_correlation = position;
         self.readings.normal_correlation = normal;

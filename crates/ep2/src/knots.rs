@@ -27,7 +27,6 @@ impl Knots {
         Self { degree, knots }
     }
 
-    /// Knots that divide `[start, end]` into equal intervals.
     pub(crate) fn uniform(degree: usize, start: f64, end: f64, intervals: usize) -> Self {
         let step = (end - start) / intervals as f64;
         let interior: Vec<f64> = (1..intervals)
@@ -36,27 +35,22 @@ impl Knots {
         Self::new(degree, start, end, &interior)
     }
 
-    /// Degree of the polynomials between the knots.
     pub(crate) const fn degree(&self) -> usize {
         self.degree
     }
 
-    /// All knots in ascending order, including the repeated ends.
     pub(crate) fn as_slice(&self) -> &[f64] {
         &self.knots
     }
 
-    /// The interior knots, without the repeated ends of the interval.
     pub(crate) fn interior(&self) -> &[f64] {
         &self.knots[self.degree + 1..self.knots.len() - self.degree - 1]
     }
 
-    /// Number of B-splines that belong to these knots.
     pub(crate) fn functions(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
 
-    /// The first and the last knot, which are the ends of the interval.
     pub(crate) fn domain(&self) -> (f64, f64) {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }
@@ -73,8 +67,8 @@ impl Knots {
         }
     }
 
-    /// Values at `x` of the B-splines that are not zero there. `first` is the index of the first of these B-splines
-    /// (see [`Knots::first_function`]).
+    /// Values at `x` of the B-splines that are not zero there. `first` is the index of the first of them (see
+    /// [`Knots::first_function`]).
     #[inline]
     pub(crate) fn values(&self, first: usize, x: f64) -> Basis {
         self.derivatives::<1>(first, x)[0]

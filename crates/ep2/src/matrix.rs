@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 pub(crate) struct SparseMap {
     from: usize,
     to: usize,
-    /// Index of the input coefficient, index of the output coefficient, and the factor between them.
+    /// Each entry consists of the index of the input coefficient, the index of the output coefficient, and a factor.
     entries: Vec<(usize, usize, f64)>,
 }
 
@@ -17,7 +17,6 @@ impl SparseMap {
         Self { from, to, entries }
     }
 
-    /// The same map, but with every factor divided by `unit`.
     pub(crate) fn in_unit(mut self, unit: f64) -> Self {
         self.entries.iter_mut().for_each(|entry| entry.2 /= unit);
         self
@@ -37,7 +36,6 @@ impl SparseMap {
         self.apply_to_rows(&DMatrix::identity(self.from, self.from))
     }
 
-    /// Applies the map to every row of a matrix of coefficients.
     pub(crate) fn apply_to_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         debug_assert_eq!(rows.ncols(), self.from);
         let height = rows.nrows();
@@ -54,12 +52,10 @@ impl SparseMap {
     }
 }
 
-/// Number of columns of a matrix that are added to a sum in the same loop. A common loop for several columns reduces
-/// the number of memory accesses.
+/// Number of columns of a matrix that are added to a sum in the same loop, to reduce the number of memory accesses.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// Product A' B, where A' consists of the last columns of `a`, and B is `b`. The number of these columns is the number
-/// of rows of `b`.
+/// The product AᵀB. A consists of the last columns of `a`, as many as `b` has rows.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];
@@ -81,8 +77,8 @@ pub(crate) fn add_symmetric(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, b: &DMatri
     sum.fill_upper_triangle_with_lower_triangle();
 }
 
-/// Adds to `sum` the last `height` entries of each column, multiplied by the factor of the column. Four columns are
-/// added at a time. The order of additions is the same on every processor, so that the results are the same.
+/// Adds to `sum` the last `height` entries of each column, multiplied by the factor of the column. The order of the
+/// additions is fixed, so that all processors return the same sum.
 #[inline]
 fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(usize) -> f64) {
     let skipped = height - sum.len();
@@ -92,8 +88,8 @@ fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(
         let last = count - 1;
         let [a, b, c, d] =
             [first, first + 1, first + 2, first + 3].map(|one| column(one.min(last)));
-        // `count` need not be a multiple of four. The columns that are missing in the last pass get the factor 0, so
-        // they add nothing.
+        // `count` need not be a multiple of four. In the last pass, missing columns get the factor 0, so they add
+        // nothing.
         let factor = |index: usize| if index < count { factor(index) } else { 0.0 };
         let (by_a, by_b) = (factor(first), factor(first + 1));
         let (by_c, by_d) = (factor(first + 2), factor(first + 3));

@@ -27,7 +27,7 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 const MIN_POSITION_STD: f64 = 1e-4;
 /// Largest ratio of the variance of a surface beside its contacts to the variance of the most probable process.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
-/// Smallest share of the variance of normals that is attributed to the normals themselves. The rest is attributed to
+/// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
 
@@ -48,9 +48,7 @@ pub struct MisfitTest {
 /// factors of variance 1 (columns) to coefficients of the series (rows). The coefficients of the quadric are left out.
 pub(crate) type Process = DMatrix<f64>;
 
-/// The fit that is tested, with the data that the tests need.
 pub(crate) struct Model<'a> {
-    /// The contacts that are tested.
     pub(crate) patch: &'a Patch,
     /// Every `step`-th contact of the log is tested.
     pub(crate) step: usize,
@@ -67,7 +65,6 @@ pub(crate) struct Model<'a> {
     pub(crate) degree: usize,
 }
 
-/// Variances of the errors of positions and normals, in the patch's unit.
 #[derive(Clone, Copy)]
 struct Variances {
     position: f64,
@@ -79,7 +76,7 @@ struct Variances {
 struct Weighted {
     /// Deviations of the observations from the quadric.
     values: DVector<f64>,
-    /// Derivatives of the values with respect to the factors of the quadric and the process.
+    /// Derivatives of the observations with respect to the factors of the quadric and the process.
     slopes: DMatrix<f64>,
 }
 
@@ -106,8 +103,8 @@ impl Model<'_> {
         })
     }
 
-    /// Whether each contact in `others`, which are not part of the patch, contradicts the patch: the p-value of its
-    /// residuals is below `least`. A contact that is `None` cannot belong to the surface.
+    /// For each contact in `others`, whether it contradicts the patch: whether the p-value of its residuals is below
+    /// `least`. These contacts are not part of the patch. A contact that is `None` cannot belong to the surface.
     ///
     /// # Errors
     /// Errors of [`Model::misfit`].
@@ -151,8 +148,8 @@ impl Model<'_> {
         Ok((contacts, refit))
     }
 
-    /// Variances of the contacts' errors; estimated standard deviations of positions are at least `least`. `None` if the
-    /// noise was estimated and is as small as rounding errors, or was estimated from too few contacts.
+    /// Variances of the contacts' errors. Estimated standard deviations of positions are increased to at least `least`.
+    /// `None` if the estimated noise is as small as rounding errors, or was estimated from too few contacts.
     fn variances(&self, least: f64) -> Option<Variances> {
         let noise = self.found;
         let square = |std: f64| std * std;
@@ -236,14 +233,12 @@ impl Model<'_> {
     }
 }
 
-/// A fit of a quadric plus a process to all contacts.
 struct Refit {
     covariance: DMatrix<f64>,
-    /// The most probable factors of the quadric and the process.
     factors: DVector<f64>,
     goodness: GoodnessOfFit,
-    /// Sum of squared residuals of all contacts, after the quadric and the process were fitted. The next field is the
-    /// number of degrees of freedom without the process.
+    /// Sum of squared residuals of all contacts from the fitted quadric and process. `freedom` is the number of degrees
+    /// of freedom of a fit without the process.
     chi_squared: f64,
     freedom: usize,
 }
@@ -289,8 +284,8 @@ impl Refit {
             let along = mode.dot(&rest_right);
             let explained = along * along / (1.0 + weight.max(0.0));
             chi_squared -= explained;
-            // A mode in which the variance of the surface's roughness exceeds the variance of the noise mainly
-            // describes the surface. Such a mode is left out of the test.
+            // In this mode, the surface's roughness has a larger variance than the noise, so the mode mainly describes
+            // the surface. Do not test it.
             if weight >= 1.0 {
                 noisy -= along * along / weight;
                 outweighing += 1;

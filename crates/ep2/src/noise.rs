@@ -30,7 +30,7 @@ const MIN_STD: f64 = 1e-12;
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 
 impl Noise {
-    /// Whether the standard deviations of all kinds of readings in a patch are stated.
+    /// Whether the noise of all kinds of readings in the patch (positions, normals) is stated.
     pub(crate) fn is_complete_for(&self, patch: &Patch) -> bool {
         self.position_std.is_some() && (self.normal_std_rad.is_some() || !patch.has_normals())
     }
@@ -56,7 +56,7 @@ impl Noise {
     }
 }
 
-/// A pair of values, one for heights and one for slopes, because their errors differ.
+/// A pair of values: one for heights and one for slopes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Kinds<T> {
     pub(crate) heights: T,
@@ -68,7 +68,7 @@ pub(crate) struct Kinds<T> {
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {
-    /// Variances with which the iterative estimation of the noise starts.
+    /// Start values of the iterative estimation of the noise.
     pub(crate) const START: Self = Self {
         heights: 1.0,
         slopes: 1.0,
@@ -121,8 +121,8 @@ impl Variances {
         is_determined
     }
 
-    /// The smallest factor by which the variances may be multiplied. A smaller factor would give variances that are
-    /// only rounding errors.
+    /// The smallest allowed factor on the variances. A smaller factor would give variances that are only rounding
+    /// errors.
     pub(crate) fn min_scale(&self) -> f64 {
         MIN_STD * MIN_STD / self.heights
     }

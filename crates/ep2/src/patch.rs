@@ -41,8 +41,8 @@ impl Contact {
     }
 }
 
-/// One value for each finger, in the order of first appearance. Access is fast if the contacts of one finger follow
-/// each other.
+/// One value for each finger, in the order in which the fingers first appear. Access is fast if the contacts of one
+/// finger follow each other.
 #[derive(Debug, Default)]
 pub(crate) struct FingerMap<T> {
     places: BTreeMap<usize, usize>,
@@ -51,7 +51,7 @@ pub(crate) struct FingerMap<T> {
 }
 
 impl<T: Default> FingerMap<T> {
-    /// The value that is stored for `finger`. If there is none, the default value is stored first.
+    /// The value of `finger`. If there is none, the default value is stored first.
     #[inline]
     pub(crate) fn entry(&mut self, finger: usize) -> &mut T {
         let place = match self.last {
@@ -69,7 +69,6 @@ impl<T: Default> FingerMap<T> {
         &mut self.values[place]
     }
 
-    /// The values, in the order in which their fingers first appeared.
     pub(crate) fn iter(&self) -> std::slice::Iter<'_, T> {
         self.values.iter()
     }
@@ -216,7 +215,7 @@ pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error
     Ok(outward / outward.amax())
 }
 
-/// Checks the numbers of contacts, which are numbered for the error.
+/// Checks the coordinates, normals and weights of contacts. Each contact has an index, which errors report.
 pub(crate) fn check<'a>(
     contacts: impl Iterator<Item = (usize, &'a Contact)> + Clone,
 ) -> Result<(), Ep2Error> {
@@ -249,7 +248,7 @@ pub(crate) fn check<'a>(
     Ok(())
 }
 
-/// A contact in the frame of a patch; `index` is the number of the contact in errors.
+/// Converts a contact to the frame of a patch. Errors report `index` as the number of the contact.
 pub(crate) fn sample(
     frame: &PatchFrame,
     index: usize,
@@ -279,7 +278,6 @@ pub(crate) fn sample(
     })
 }
 
-/// Smallest and largest u, and smallest and largest v, of the contacts.
 fn domain(samples: &[Sample]) -> [[f64; 2]; 2] {
     let mut domain = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for sample in samples {
@@ -291,7 +289,7 @@ fn domain(samples: &[Sample]) -> [[f64; 2]; 2] {
     domain
 }
 
-/// The mean coordinate of each finger across the direction of travel.
+/// For each finger, the mean coordinate of its contacts across the direction of travel.
 fn finger_places(contacts: &[Contact], samples: &[Sample]) -> Vec<f64> {
     let mut fingers: FingerMap<[f64; 2]> = FingerMap::default();
     for (contact, sample) in contacts.iter().zip(samples) {
@@ -302,7 +300,7 @@ fn finger_places(contacts: &[Contact], samples: &[Sample]) -> Vec<f64> {
     fingers.iter().map(|[count, sum]| sum / count).collect()
 }
 
-/// Mean distance between neighbouring fingers, whose coordinates are `places`; `None` if all coordinates are equal.
+/// Mean distance between neighbouring fingers with the coordinates `places`; `None` if all coordinates are equal.
 fn mean_distance(places: &[f64]) -> Option<f64> {
     let low = places.iter().copied().fold(f64::INFINITY, f64::min);
     let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);

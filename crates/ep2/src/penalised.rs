@@ -34,12 +34,12 @@ const MAX_INTERVALS: usize = 24;
 const MAX_DEFAULT_INTERVALS: usize = 12;
 /// Largest number of coefficients per equation, if the number of knot intervals is chosen automatically.
 const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
-/// Largest accepted ratio of the effective degrees of freedom to the number of coefficients. If the ratio is larger,
-/// the automatic number of intervals is doubled. In this case, the contacts are so exact that the approximation error
-/// of the spline becomes visible.
+/// Largest accepted ratio of the effective degrees of freedom to the number of coefficients. At a larger ratio, the
+/// contacts are so exact that the approximation error of the spline is visible, and the automatic number of intervals
+/// is doubled.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// The series of the posterior has more coefficients than the spline: at least this number more. Therefore the series
-/// can represent shapes that the spline cannot.
+/// Smallest number of coefficients that the series of the posterior has in addition to those of the spline. With them,
+/// the series can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
 /// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
@@ -77,18 +77,16 @@ pub struct Penalised {
 pub(crate) struct Basis {
     square: Square,
     quadric: SquareQuadric,
-    /// Prior standard deviation of the coefficient m, if the spline is added to an implicit quadric; `None` if the
-    /// spline alone describes the surface.
+    /// Prior standard deviation of the coefficient m (see `SQUARE_TERM_PRIOR`) if the spline is added to an implicit
+    /// quadric; `None` if the spline alone describes the surface.
     square_term: Option<f64>,
     intervals: [usize; 2],
-    /// Variances of the contacts' errors.
     variances: Variances,
-    /// Whether the user stated the variances of heights and slopes.
     is_known: bool,
     /// Noise of the contacts of the patch; `None` if it is neither stated nor estimated.
     noise: Option<NoiseEstimate>,
-    /// Curvature in the middle of a fit around an implicit quadric that was not used. This quadric is more probable
-    /// than an ordinary quadric, but the contacts deviate from both quadrics.
+    /// Curvature in the middle of a fit around an implicit quadric that was rejected. This quadric is more probable
+    /// than an ordinary quadric, but the contacts deviate from both.
     pub(crate) rejected: Option<Curvature>,
 }
 
@@ -120,7 +118,7 @@ impl Penalised {
     }
 
     /// For each contact in `others`, whether it contradicts the patch. These contacts are not part of the patch. A
-    /// contact that is `None` cannot belong to the surface. No contact contradicts a patch with unknown noise.
+    /// contact that is `None` cannot belong to the surface. If the noise is unknown, no contact contradicts the patch.
     pub(crate) fn contradicting(
         &self,
         patch: &Patch,
@@ -285,7 +283,6 @@ impl Penalised {
         Ok((fit, basis))
     }
 
-    /// Number of knot intervals along u and along v.
     fn intervals(&self, patch: &Patch) -> Result<[usize; 2], Ep2Error> {
         let Some(intervals) = self.intervals else {
             return Ok(default_intervals(patch));
@@ -297,7 +294,6 @@ impl Penalised {
 }
 
 impl Basis {
-    /// Mean and covariance of the surface; `None` if the noise is neither stated nor estimated.
     fn posterior(&self, patch: &Patch) -> Result<Option<Posterior>, Ep2Error> {
         if self.noise.is_none() {
             return Ok(None);
@@ -306,13 +302,11 @@ impl Basis {
         roughness_posterior::posterior(&self.problem(&equations, patch)).map(Some)
     }
 
-    /// Degree of the series of Chebyshev polynomials that represents the posterior.
     fn degree(&self) -> usize {
         let least = coefficients(self.intervals) + EXTRA_COEFFICIENTS;
         (0..).find(|&degree| count(degree) >= least).unwrap_or(0)
     }
 
-    /// Normal equations of the series of Chebyshev polynomials that represents the posterior.
     fn equations(&self, patch: &Patch) -> SeriesEquations {
         let (quadric, square) = (&self.quadric, &self.square);
         SeriesEquations::around(quadric, patch, square, &self.variances, self.degree())
@@ -355,14 +349,13 @@ fn default_intervals(patch: &Patch) -> [usize; 2] {
         .unwrap_or([1, 1])
 }
 
-/// The doubled numbers of knot intervals; `None` if the numbers would be too large or if there are not enough contacts.
+/// Twice the numbers of knot intervals; `None` if they would be too large or if there are not enough contacts.
 fn finer(intervals: [usize; 2], patch: &Patch) -> Option<[usize; 2]> {
     let finer = intervals.map(|count| 2 * count);
     let fits = finer.iter().all(|&count| count <= MAX_DEFAULT_INTERVALS);
     (fits && coefficients(finer) <= patch.equations()).then_some(finer)
 }
 
-/// Number of coefficients of a spline with these numbers of knot intervals along u and v.
 fn coefficients([along, across]: [usize; 2]) -> usize {
     (along + DEGREE) * (across + DEGREE)
 }

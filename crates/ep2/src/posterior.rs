@@ -8,12 +8,11 @@ use crate::matrix::SparseMap;
 use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
-/// Number of pairs of the surface's derivatives, including the pair of each derivative with itself. The derivatives are
-/// the slopes p and q and the second derivatives r, s and t.
+/// Number of pairs of derivatives p, q, r, s, t of the surface, including the pair of each derivative with itself.
 const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 
-/// The posterior distribution of the surface. It contains the mean and the covariance of the slopes and second
-/// derivatives, as polynomials over the rectangle of the patch.
+/// The posterior distribution of the surface: mean and covariance of the slopes and second derivatives, as polynomials
+/// over the rectangle of the patch.
 ///
 /// The error of an estimate has two parts: the random error with this covariance, and the difference between the
 /// estimate and the posterior mean.
@@ -24,8 +23,8 @@ pub(crate) struct Posterior {
     degree: usize,
     /// Coefficients of the mean of each derivative, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,
-    /// Coefficients of the covariance of each pair of derivatives. The degree is twice the degree of the surface. The
-    /// products T_i(a) T_j(b) are grouped by i.
+    /// Coefficients of the covariance of each pair of derivatives, for twice the degree of the surface. The products
+    /// T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
 }
 
@@ -65,20 +64,17 @@ impl Posterior {
         }
     }
 
-    /// Multiplies all variances of the surface by `factor`.
     pub(crate) fn widen(&mut self, factor: f64) {
         for covariance in self.covariances.iter_mut().flatten() {
             *covariance *= factor;
         }
     }
 
-    /// Values of the Chebyshev polynomials in u at several places.
     pub(crate) fn series(&self, u: Lanes) -> Series {
         let ([u0, _], [half, _]) = (self.square.centre(), self.square.half());
         values((u - u0) * (1.0 / half), 2 * self.degree).collect()
     }
 
-    /// The posterior along the line of constant `v`.
     pub(crate) fn line(&self, v: f64) -> PosteriorLine {
         let ([_, v0], [_, half]) = (self.square.centre(), self.square.half());
         let v: Vec<f64> = values((v - v0) / half, 2 * self.degree).collect();
@@ -104,9 +100,8 @@ impl Posterior {
 
 /// The linear maps from the coefficients of a series to the coefficients of its derivatives.
 struct Maps {
-    /// Maps to the first derivatives with respect to u and v.
     slopes: [SparseMap; 2],
-    /// Maps from the coefficients of a first derivative to those of its derivatives with respect to u and v.
+    /// Maps from the coefficients of a first derivative to those of its own derivatives with respect to u and v.
     bends: [SparseMap; 2],
 }
 
@@ -123,7 +118,7 @@ impl Maps {
     }
 
     /// Coefficients of the derivatives (p, q, r, s, t) of several series, from the derivative with the index `first`
-    /// on. Each row of `series` contains the coefficients of one series.
+    /// on. Each row of `series` is one series.
     fn all(&self, series: &DMatrix<f64>, first: usize) -> Vec<DMatrix<f64>> {
         let by_v = self.slopes[1].apply_to_rows(series);
         let last = self.bends[1].apply_to_rows(&by_v);
@@ -138,9 +133,9 @@ impl Maps {
     }
 }
 
-/// The covariance of two derivatives at a place, as a series of products T_i(a) T_j(b). Its degree is twice the degree
-/// of the derivatives, and its coefficients are grouped by i. It is computed from the covariance between the
-/// coefficients of the two series, because a product of Chebyshev polynomials is a sum of Chebyshev polynomials.
+/// The covariance of two derivatives at a place, as a series of products T_i(a) T_j(b) that are grouped by i. Its
+/// degree is twice the degree of the derivatives. It is computed from the covariance between the coefficients of the
+/// two series, because a product of Chebyshev polynomials is a sum of Chebyshev polynomials.
 fn covariance_series(covariance: &DMatrix<f64>, degree: usize) -> Vec<f64> {
     let side = 2 * degree + 1;
     let mut series = vec![0.0; side * side];
@@ -189,8 +184,8 @@ pub(crate) struct PosteriorLine {
 }
 
 impl PosteriorLine {
-    /// Mean products of the errors of estimated derivatives (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²), at places on
-    /// the line. `jet` contains the estimates. `series` contains the values of the polynomials in u at these places.
+    /// Mean products of the errors of the estimated derivatives (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²) at places on
+    /// the line. `jet` contains the estimates, and `series` the values of the polynomials in u at these places.
     #[inline(always)]
     pub(crate) fn errors(&self, series: &Series, jet: &Jet<Lanes>) -> JetCovariance {
         let mut distance = [jet.u, jet.v, jet.uu, jet.uv, jet.vv];

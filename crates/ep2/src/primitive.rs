@@ -27,7 +27,6 @@ use shape_choice::choose;
 
 /// Largest number of contacts from which the most probable shape is chosen.
 const MAX_COMPARED: usize = 20_000;
-/// Maximum number of iterations of a fit that starts at a previous fit of the same shape.
 const ITERATIONS: usize = 40;
 
 /// Reasons for which no shape can be fitted to contacts.
@@ -180,7 +179,7 @@ impl ShapeFit {
     }
 }
 
-/// Contacts in units of their spread. The other fields are used to convert results back to the original unit.
+/// Contacts in units of their spread. The other fields convert results back to the original unit.
 struct Scaled {
     cloud: Cloud,
     fingers: Vec<usize>,
@@ -227,7 +226,7 @@ impl Scaled {
     }
 }
 
-/// A fit of one shape to the contacts without outliers, and the test of this fit.
+/// A fit of one shape to the contacts without outliers, with the test of this fit.
 struct Candidate {
     solution: Solution,
     lack: LackOfFit,
@@ -339,8 +338,7 @@ impl ShapeSettings {
         Ok(fit)
     }
 
-    /// Chooses the shape from `selection`, which is a part of a large number of contacts, and fits this shape to all
-    /// `contacts`.
+    /// Chooses the shape from `selection`, a part of a large number of contacts, and fits this shape to all `contacts`.
     fn fit_chosen(
         &self,
         contacts: &[Contact],
@@ -357,7 +355,6 @@ impl ShapeSettings {
         })
     }
 
-    /// Returns an error if there are fewer contacts than the fit of the shape needs.
     fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {
         let per_contact = if contacts.first().is_some_and(|one| one.normal.is_some()) {
             3

@@ -61,7 +61,7 @@ impl Method for Quadric {
 }
 
 impl Quadric {
-    /// Fits a quadric. Also returns the same quadric in the coordinates of the square [−1, 1]².
+    /// Fits a quadric. Returns it in the coordinates of the patch and in the coordinates of the square [−1, 1]².
     fn fit_quadric(&self, patch: &Patch) -> Result<(Fit, SquareQuadric), Ep2Error> {
         let square = Square::of(patch);
         let known = self.noise.in_patch(&patch.frame)?;

@@ -5,7 +5,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// Smallest coherence of a region's directions for which the region has a mean direction.
+/// Smallest coherence of a region's directions at which the region has a mean direction.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map that is divided into regions of one shape class.
@@ -174,8 +174,7 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
     }
 }
 
-/// The two sides of the parallelogram that a point of the map represents. The parallelogram extends half-way to the
-/// neighbours.
+/// The two sides of the parallelogram around a point of the map. The parallelogram extends half-way to the neighbours.
 fn spans_of(point: usize, side: usize, points: &[MapPoint]) -> [Vector3<f64>; 2] {
     let half_span = |place: usize, step: usize| {
         let start = point - step * usize::from(place > 0);
@@ -192,7 +191,6 @@ mod tests {
     use approx::assert_relative_eq;
     use nalgebra::Point3;
 
-    /// A map of points in a plane with the spacing `step` and the given curvatures.
     fn map(
         side: usize,
         step: f64,

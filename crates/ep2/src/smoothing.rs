@@ -33,7 +33,7 @@ use triangle::Triangle;
 /// A diagonal entry of the triangularised equations counts as zero if the ratio of its square to the largest square is
 /// at most this value.
 const RANK_TOLERANCE: f64 = 1e-16;
-/// Residuals count as rounding errors if they are below this value, relative to the heights.
+/// Residuals count as rounding errors below this value, relative to the heights.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Settings of a smoothing spline.
@@ -51,7 +51,7 @@ pub(crate) struct SmoothingSpline {
 
 impl SmoothingSpline {
     /// Settings with the same degree in both directions, with as many knots as the points allow, and with the tolerance
-    /// of FITPACK's `surfit` in SciPy.
+    /// of `surfit` in SciPy.
     pub(crate) const fn new(degree: usize, smoothing: f64) -> Self {
         Self {
             degrees: [degree; 2],
@@ -81,7 +81,6 @@ pub enum Status {
 }
 
 impl Status {
-    /// Whether the fit reached the required sum of squared residuals.
     pub(crate) const fn is_met(self) -> bool {
         !matches!(self, Self::KnotsExhausted | Self::Unsettled)
     }
@@ -92,14 +91,10 @@ impl Status {
     }
 }
 
-/// A smoothing spline that was fitted to points, with data about the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Smoothed {
-    /// The fitted spline.
     pub(crate) spline: TensorSpline,
-    /// Sum of the squared weighted residuals of the spline.
     pub(crate) residual_sum: f64,
-    /// Whether the sum of squared residuals equals the required sum and, if not, the reason.
     pub(crate) status: Status,
     /// Number of independent combinations of the coefficients that the points determine. The undetermined combinations
     /// are chosen such that the norm of the coefficients is smallest.
@@ -108,7 +103,6 @@ pub(crate) struct Smoothed {
     pub(crate) effective_unknowns: f64,
 }
 
-/// A solution of the equations. The coefficients are in the order of [`Mesh::index`].
 struct Solution {
     coefficients: Vec<f64>,
     residual_sum: f64,
@@ -195,9 +189,9 @@ impl SmoothingSpline {
         }
     }
 
-    /// The spline whose residual sum is `smoothing`. It is smoother than the least-squares spline and follows the
-    /// points more closely than the polynomial. `bounds` contains the residual sums of the polynomial and of the
-    /// least-squares spline, minus `smoothing`. `None` if no smoothing parameter could be tried.
+    /// The spline whose residual sum is `smoothing`. It is smoother than the least-squares spline but follows the
+    /// points more closely than the polynomial without interior knots. `bounds` contains the residual sums of the
+    /// polynomial and of the least-squares spline, minus `smoothing`. `None` if no smoothing parameter could be tried.
     fn balance(
         &self,
         triangle: &Triangle,
@@ -236,7 +230,6 @@ impl SmoothingSpline {
         Some((status, solution))
     }
 
-    /// The least-squares spline for the current knots.
     fn least_squares(
         &self,
         triangle: &Triangle,
@@ -257,8 +250,8 @@ impl SmoothingSpline {
         }
     }
 
-    /// The coefficients that solve the equations, and the rank of the equations. If several solutions exist, the
-    /// solution with the smallest norm is returned.
+    /// The coefficients that solve the equations, and the rank of the equations. Of several solutions, the one with the
+    /// smallest norm is returned.
     fn solve(&self, triangle: &Triangle) -> (Vec<f64>, usize) {
         let largest = triangle.diagonal().fold(0.0, f64::max);
         let floor = RANK_TOLERANCE.sqrt() * largest;
@@ -300,7 +293,7 @@ impl SmoothingSpline {
         Ok(())
     }
 
-    /// The rectangle that contains the points, over which the knots extend.
+    /// The rectangle that contains the points and over which the knots extend.
     fn domain(points: &[WeightedPoint]) -> Result<[[f64; 2]; 2], Ep2Error> {
         let range = |place: fn(&WeightedPoint) -> f64| {
             let places = points.iter().map(place);

@@ -4,25 +4,18 @@ use std::ops::{AddAssign, Mul};
 
 use crate::knots::{Knots, MAX_DEGREE};
 
-/// A vector of values at several places, so that the curvatures at these places are computed together.
+/// Values at several places, from which the curvatures at these places are computed together.
 pub(crate) type Lanes = wide::f64x2;
-/// Number of places in a vector of type [`Lanes`].
 pub(crate) const LANES: usize = 2;
 
-/// Height, slopes and second derivatives of a graph at one place (or, with `Lanes`, at several places).
+/// Height w, slopes and second derivatives of a graph at one place (or, with `Lanes`, at several places).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Jet<T = f64> {
-    /// Height w of the surface.
     pub(crate) w: T,
-    /// First derivative ∂w/∂u of the height.
     pub(crate) u: T,
-    /// First derivative ∂w/∂v of the height.
     pub(crate) v: T,
-    /// Second derivative ∂²w/∂u² of the height.
     pub(crate) uu: T,
-    /// Mixed derivative ∂²w/∂u∂v of the height.
     pub(crate) uv: T,
-    /// Second derivative ∂²w/∂v² of the height.
     pub(crate) vv: T,
 }
 
@@ -32,12 +25,11 @@ pub(crate) struct Jet<T = f64> {
 pub(crate) struct Local<T = f64> {
     /// Index of the first B-spline that is not zero at this place.
     pub(crate) first: usize,
-    /// Values, first derivatives and second derivatives of the B-splines that are not zero at this place.
     pub(crate) jets: [[T; MAX_DEGREE + 1]; 3],
 }
 
 impl Local<Lanes> {
-    /// The B-splines at several places, which must be within the same knot interval.
+    /// Joins the B-splines at several places, which must be within the same knot interval.
     #[inline]
     pub(crate) fn side_by_side(places: [&Local; LANES]) -> Self {
         let jets = std::array::from_fn(|order| {
@@ -62,7 +54,7 @@ impl Local {
 }
 
 impl Jet<Lanes> {
-    /// Joins several jets, one for each place, into one jet with lanes.
+    /// Joins the jets of several places into one jet with lanes.
     pub(crate) fn side_by_side(jets: &[Jet; LANES]) -> Self {
         let all =
             |part: fn(&Jet) -> f64| Lanes::from(std::array::from_fn(|lane| part(&jets[lane])));
@@ -76,7 +68,7 @@ impl Jet<Lanes> {
         }
     }
 
-    /// Splits a jet with lanes into several jets, one for each place.
+    /// Splits a jet with lanes into one jet per place.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> [Jet; LANES] {
         let [w, u, v, uu, uv, vv] =
@@ -93,10 +85,10 @@ impl Jet<Lanes> {
 }
 
 impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
-    /// Computes the height, slopes and second derivatives at a point. `u` contains the B-splines in u at this point.
+    /// Height, slopes and second derivatives at a point. `u` contains the B-splines in u at this point.
     ///
-    /// For each B-spline in u, `sums` contains three sums over the B-splines in v. In these sums, the coefficients are
-    /// multiplied by the values, the first derivatives and the second derivatives of the B-splines in v.
+    /// For each B-spline in u, `sums` contains three coefficients: for the height and for its first and second
+    /// derivatives along v. Each is a sum over the B-splines in v.
     #[inline(always)]
     pub(crate) fn from_sums(u: &Local<T>, sums: &[[f64; 3]]) -> Self {
         let mut jet = Self::default();
@@ -119,16 +111,13 @@ impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
 /// Outside of the rectangle of the knots, the polynomials at its edge are extrapolated.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TensorSpline {
-    /// Knots along u.
     pub(crate) u: Knots,
-    /// Knots along v.
     pub(crate) v: Knots,
     /// Coefficients c_ij, grouped by the B-spline in u. Their number is `u.functions() · v.functions()`.
     pub(crate) coefficients: Vec<f64>,
 }
 
 impl TensorSpline {
-    /// Height, slopes and second derivatives at `(u, v)`.
     #[inline]
     pub(crate) fn jet(&self, u: f64, v: f64) -> Jet {
         self.jet_in(&Local::of(&self.u, u), &Local::of(&self.v, v))
@@ -149,7 +138,6 @@ impl TensorSpline {
         Jet::from_sums(u, sums)
     }
 
-    /// Height at `(u, v)`.
     #[inline]
     pub(crate) fn value(&self, u: f64, v: f64) -> f64 {
         let (first_u, first_v) = (self.u.first_function(u), self.v.first_function(v));

@@ -7,15 +7,15 @@ use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
 use crate::spline::Jet;
 use crate::{Ep2Error, Patch, Sample};
 
-/// Number of unknown coefficients of a quadric: of 1, a, b, a², ab and b².
+/// Number of coefficients of a quadric: of 1, a, b, a², ab and b².
 pub(crate) const UNKNOWNS: usize = 6;
 /// Eigenvalues of the normal equations count as rounding errors if their ratio to the largest eigenvalue is below this
 /// value.
 const RANK_TOLERANCE: f64 = 1e-13;
-/// Smallest allowed value of √(1 − 2mQ) on an implicit quadric z = Q + m z²/2, where Q is a quadric in a and b, and m a
-/// number. Where this root is 0, the graph is vertical.
+/// On the implicit quadric z = Q(a, b) + m z²/2, the root √(1 − 2mQ) must be at least this value. Where the root is 0,
+/// the graph is vertical.
 const MIN_ROOT: f64 = 0.2;
-/// Number of iterations. In each iteration, the weights are computed again from the noise and the slopes.
+/// Number of iterations, each of which computes the weights again from the noise and the slopes.
 const ITERATIONS: usize = 4;
 
 type Row = SVector<f64, UNKNOWNS>;
@@ -37,17 +37,14 @@ impl Square {
         }
     }
 
-    /// The middle of the patch's rectangle, in the patch's unit of length.
     pub(crate) const fn centre(&self) -> [f64; 2] {
         self.centre
     }
 
-    /// Half the lengths of the sides of the patch's rectangle, in the patch's unit of length.
     pub(crate) const fn half(&self) -> [f64; 2] {
         self.half
     }
 
-    /// Converts knots over the square to the corresponding knots over the rectangle.
     pub(crate) fn knots(&self, axis: usize, square: &Knots) -> Knots {
         let place = |knot: f64| self.centre[axis] + self.half[axis] * knot;
         let (start, end) = square.domain();
@@ -55,7 +52,6 @@ impl Square {
         Knots::new(square.degree(), place(start), place(end), &interior)
     }
 
-    /// Converts a place in the rectangle to the corresponding place in the square.
     #[inline]
     pub(crate) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let ([u0, v0], [half_u, half_v]) = (self.centre, self.half);
@@ -74,23 +70,22 @@ pub(crate) const SERIES: Gram = Gram::new(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
 );
 
-/// Root mean square of a quadric's second derivative over all directions in the square. `series` contains the
-/// coefficients of the quadric as a series of Chebyshev polynomials.
+/// Root mean square of a quadric's second derivative over all directions in the square. `series` contains the quadric
+/// as a series of Chebyshev polynomials.
 pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     let [aa, ab, bb] = [4.0 * series[3], series[4], 4.0 * series[5]];
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
 }
 
 /// A quadric over the square, and the noise that was estimated from the contacts' distances to it. In general, the
-/// surface is the graph of an implicit quadric, z = Q(a, b) + m z²/2, such as a sphere, an ellipsoid or a cylinder.
+/// surface is the graph of an implicit quadric z = Q(a, b) + m z²/2, such as a sphere, an ellipsoid or a cylinder.
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
-    /// The coefficient m, in the patch's unit of length; 0 if the height z itself is the quadric Q.
+    /// The coefficient m, in the patch's unit of length; 0 if the height z is the quadric Q.
     square_term: f64,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,
-    /// Estimated noise; `None` if there are too few contacts for an estimate.
     pub(crate) noise: Option<NoiseEstimate>,
 }
 
@@ -116,7 +111,7 @@ struct NormalEquations {
     of_square_term: SquareTerm,
 }
 
-/// Parts of the normal equations that belong to the coefficient m: its products with the other unknowns, its sum of
+/// The part of the normal equations that belongs to the coefficient m: its products with the other unknowns, its sum of
 /// squares, and its right side.
 #[derive(Default)]
 struct SquareTerm {
@@ -150,8 +145,8 @@ impl SquareQuadric {
         Ok(quadric)
     }
 
-    /// The implicit quadric that fits the patch best. The search starts from this quadric. `prior` is the prior
-    /// standard deviation of the coefficient m. `None` if the graph does not extend over the whole square.
+    /// The implicit quadric that fits the patch best. The search starts at `self`. `prior` is the prior standard
+    /// deviation of the coefficient m. `None` if the graph does not extend over the whole square.
     pub(crate) fn with_square_term(
         mut self,
         prior: f64,
@@ -172,8 +167,8 @@ impl SquareQuadric {
         Some(self)
     }
 
-    /// Adds the solution of the equations to the quadric, and estimates the noise again. The coefficient m changes only
-    /// if its prior standard deviation `prior` is not 0.
+    /// Adds the solution of the equations to the quadric, and estimates the noise again. m changes only if its prior
+    /// standard deviation `prior` is not 0.
     fn improve(
         &mut self,
         equations: &NormalEquations,
@@ -236,7 +231,7 @@ impl SquareQuadric {
         }
     }
 
-    /// For the surface z = Q + m z²/2: the value of Q and its slopes along a and b, and the root √(1 − 2mQ).
+    /// On the surface z = Q + m z²/2: the value of Q and its slopes along a and b, and the root √(1 − 2mQ).
     #[inline]
     fn shape(&self, a: f64, b: f64) -> ([f64; 3], f64) {
         let c = &self.unknowns;
@@ -249,14 +244,12 @@ impl SquareQuadric {
         (quadric, square.max(MIN_ROOT * MIN_ROOT).sqrt())
     }
 
-    /// Height of the surface, and its slopes along a and b.
     #[inline]
     fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
         let ([value, along_a, along_b], root) = self.shape(a, b);
         [2.0 * value / (1.0 + root), along_a / root, along_b / root]
     }
 
-    /// Derivative of the height with respect to the coefficient m.
     pub(crate) fn by_square_term(&self, a: f64, b: f64) -> f64 {
         let ([value, ..], root) = self.shape(a, b);
         let height = 2.0 * value / (1.0 + root);
@@ -340,7 +333,7 @@ impl SquareQuadric {
         0.5 * (uu * uu + 2.0 * uv * uv + vv * vv)
     }
 
-    /// The coefficients of a spline that is identical to this quadric.
+    /// The coefficients of the spline that equals this quadric.
     pub(crate) fn spline_coefficients(&self, a: &Knots, b: &Knots) -> Vec<f64> {
         (0..a.functions() * b.functions())
             .map(|index| coefficient(&self.unknowns, a, b, index))
@@ -400,7 +393,6 @@ impl NormalEquations {
     }
 }
 
-/// The inverse of the matrix of the normal equations. Returns an error if the equations do not determine all unknowns.
 fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     let eigen = SymmetricEigen::new(*gram);
     let largest = eigen.eigenvalues.max();
@@ -423,9 +415,9 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
 }
 
-/// Coefficient with the index `index` of the spline that equals a quadric. It is the sum of the spline coefficients of
-/// the quadric's monomials. The spline coefficient of a monomial is its blossom. The blossom is the mean of all
-/// products of different inner knots of the B-spline. The number of factors is the degree of the monomial.
+/// Coefficient with the index `index` of the spline that equals a quadric: the sum of the spline coefficients of the
+/// quadric's monomials. The spline coefficient of a monomial is its blossom, the mean of all products of different
+/// inner knots of the B-spline. The number of factors is the degree of the monomial.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());

@@ -9,13 +9,10 @@ use crate::Contact;
 
 /// Number of fitted parameters: height, slope, and the derivatives of order 2 to 6 along the stroke.
 const UNKNOWNS: usize = 7;
-/// Index of the second derivative in the fitted parameters.
 const CURVATURE: usize = 2;
-/// Smallest number of contacts from which the curvature of a stroke is computed.
 const MIN_CONTACTS: usize = 8;
-/// Probability that the computed interval contains the true curvature.
 const PROBABILITY: f64 = 0.95;
-/// Largest ratio of the scatter of contacts across a stroke to their noise. With a larger ratio, the contacts are not a
+/// Largest ratio of the scatter of contacts across a stroke to their noise. At a larger ratio, the contacts are not a
 /// single stroke.
 const MAX_SPREAD_RATIO: f64 = 2.5;
 /// Assumed standard deviation of the stated outward direction, as a rotation about the direction of the stroke (rad).
@@ -26,7 +23,6 @@ const MAX_SPREAD: f64 = 0.1;
 const MIN_STD: f64 = 1e-6;
 /// Relative standard error that is added to the curvature, because derivatives of order 7 and higher are neglected.
 const MODEL_ERROR: f64 = 1e-3;
-/// Number of iterations in which the noise of the contacts is estimated.
 const ITERATIONS: usize = 5;
 
 type Row = SVector<f64, UNKNOWNS>;
@@ -75,8 +71,8 @@ pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<
     Stroke::new(contacts, outward)?.curvature()
 }
 
-/// Contacts in the frame of the stroke: u along the stroke and w along the mean normal. Lengths are in units of half of
-/// the stroke's length.
+/// Contacts in the frame of the stroke: u along the stroke, w along the mean normal. The unit of length is half the
+/// stroke's length.
 struct Stroke {
     places: Vec<Vector3<f64>>,
     slopes: Vec<[f64; 2]>,
@@ -214,7 +210,6 @@ impl Stroke {
         (is_one && curvature.value.is_finite() && std.is_finite()).then_some(curvature)
     }
 
-    /// A cubic polynomial of the position along the stroke, fitted to values at the contacts.
     fn cubic(&self, values: impl Iterator<Item = f64>) -> Option<Vector4<f64>> {
         let (mut gram, mut right) = (Matrix4::zeros(), Vector4::zeros());
         for (place, value) in self.places.iter().zip(values) {
@@ -230,7 +225,7 @@ fn powers(u: f64) -> Vector4<f64> {
     Vector4::new(1.0, u, u * u, u * u * u)
 }
 
-/// Coefficients of the fitted parameters in the height at u. The parameters are the height and its derivatives at the
+/// Coefficients of the fitted parameters in the height at u. The parameters are the height and its derivatives in the
 /// middle of the stroke.
 fn derivatives(u: f64) -> Row {
     let mut row = Row::from_element(1.0);

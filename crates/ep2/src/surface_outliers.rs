@@ -13,48 +13,45 @@ use crate::patch::{Sample, sample};
 use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
-/// Smallest number of contacts among which outliers are searched.
 const MIN_CONTACTS: usize = 24;
 /// Smallest ratio of the number of contacts to the number of coefficients of a polynomial.
 const MIN_CONTACTS_PER_COEFFICIENT: usize = 3;
-/// Degrees of the polynomials that are tried.
 const DEGREES: RangeInclusive<usize> = 2..=MAX_DEGREE;
 const MAX_DEGREE: usize = 4;
 /// Number of coefficients of a polynomial of the largest degree.
 const COUNT: usize = count(MAX_DEGREE);
-/// Largest number of contacts to which polynomials are fitted.
 const MAX_CONTACTS: usize = 2000;
-/// Largest weight of a rest of a finger, as a number of contacts.
+/// Largest weight of a contact that represents a rest of a finger. The weight is a number of contacts.
 const MAX_REPEATS: usize = 5;
 /// Largest number of iterations of a robust fit. It minimises the absolute deviations until their median changes by less
 /// than the share [`MAX_CHANGE`], and then uses Tukey's biweight.
 const ITERATIONS: usize = 16;
 const MAX_CHANGE: f64 = 0.03;
-/// A contact has no weight at the start if its distance from the median place exceeds the median distance along u or v
-/// by more than this factor. A distant outlier would otherwise determine the polynomial.
+/// A contact has no weight at the start of a fit if its distance from the median place along u or v exceeds the median
+/// distance by more than this factor. Otherwise a distant outlier would determine the polynomial.
 const MAX_START_RATIO: f64 = 3.0;
 /// Residual, as a number of standard deviations, from which Tukey's biweight is 0.
 const BIWEIGHT: f64 = 4.685;
-/// Residual of a suspect, as a number of standard deviations.
+/// A contact is a suspect if its residual exceeds this number of standard deviations.
 const SUSPECT: f64 = 4.5;
 /// Ratio of a standard deviation to the median absolute deviation.
 const STD_PER_MEDIAN: f64 = 1.4826;
 /// Smallest standard deviation that is assumed for heights, relative to half the patch's side, and for slopes.
 const MIN_STD: f64 = 1e-6;
-/// Smallest residual of a suspect, relative to the median deviation of the heights or to the median slope. Without it,
-/// the small errors of a polynomial would count as outliers among exact readings.
+/// Smallest residual of a suspect, relative to the median deviation of the heights or to the median slope. Without this
+/// limit, the small errors of a polynomial would count as outliers among exact readings.
 const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
-/// Largest number of fits in which suspects are found to agree with the other contacts.
+/// Largest number of fits in which suspects that agree with the other contacts are found.
 const ROUNDS: usize = 6;
-/// Number of the nearest contacts of an outlier that are examined, and the largest number of outliers for which this is
-/// done.
+/// Number of nearest contacts that are examined for each outlier, and largest number of outliers for which they are
+/// examined.
 const NEIGHBOURS: usize = 4;
 const MAX_EXAMINED: usize = 100;
-/// Smallest distance of a neighbour, relative to the distance of the nearest contact that is no outlier. Outliers at one
-/// point beside the surface are nearer to each other.
+/// Smallest distance of a neighbour from an outlier, relative to the distance of the nearest contact that is no
+/// outlier. Outliers at one point beside the surface are nearer to each other.
 const MIN_DISTANCE_RATIO: f64 = 0.3;
-/// Largest mean share of outliers among the nearest contacts of an outlier; the second limit is relative to the share of
-/// outliers among all contacts. If the share is larger, the surface differs from the model there.
+/// Largest mean share of outliers among the nearest contacts of an outlier, or `MAX_RELATIVE_NEIGHBOUR_SHARE` times the
+/// share of outliers among all contacts if that is larger. At a larger mean share, the surface differs from the model.
 const MAX_NEIGHBOUR_SHARE: f64 = 0.3;
 const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
 
@@ -115,9 +112,9 @@ fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
     mean <= MAX_NEIGHBOUR_SHARE.max(MAX_RELATIVE_NEIGHBOUR_SHARE * share(is_outlier))
 }
 
-/// Whether each contact is an outlier. `counts` are the numbers of rows that the contacts represent. Outliers between the
-/// contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore rests have a larger
-/// weight.
+/// Whether each contact is an outlier. `counts` contains the number of rows of the log that each contact represents.
+/// Outliers between the contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore
+/// rests have a larger weight.
 fn outliers(contacts: &[Contact], counts: &[usize], outward: &Vector3<f64>) -> Vec<bool> {
     let none = vec![false; contacts.len()];
     let repeats = counts.iter().map(|count| (*count).min(MAX_REPEATS));
@@ -157,8 +154,8 @@ fn outliers(contacts: &[Contact], counts: &[usize], outward: &Vector3<f64>) -> V
     is_outlier
 }
 
-/// An evenly spaced selection of `count` contacts. If the contacts of several fingers alternate, it contains contacts of
-/// all fingers.
+/// An evenly spaced selection of `count` contacts, which contains contacts of all fingers even if their contacts
+/// alternate.
 fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>, count: usize) -> Vec<Contact> {
     let step = count.div_ceil(MAX_CONTACTS).max(1);
     let is_prime_to_fingers =
@@ -167,8 +164,7 @@ fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>, count: usize) -> Ve
     contacts.copied().step_by(step).collect()
 }
 
-/// Whether each contact may be an outlier. `patch` contains a selection of the contacts. `None` if there are too few
-/// contacts.
+/// Whether each contact may be an outlier. `patch` contains a selection of the contacts. `None` if there are too few.
 fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
     let count_of_fitted = patch.samples.len();
     if count_of_fitted < MIN_CONTACTS {
@@ -248,7 +244,6 @@ fn products_at(place: [f64; 2]) -> ([f64; COUNT], [f64; COUNT], [f64; COUNT]) {
     all
 }
 
-/// Weights of the contacts at the start of a robust fit.
 fn start_weights(patch: &Patch) -> Vec<f64> {
     let mut weights = vec![1.0; patch.samples.len()];
     for axis in 0..2 {
@@ -268,8 +263,8 @@ fn start_weights(patch: &Patch) -> Vec<f64> {
     weights
 }
 
-/// Standard deviation and coefficients of a polynomial that few outliers affect only slightly. `None` if the contacts do
-/// not determine the polynomial.
+/// Standard deviation and coefficients of a robust polynomial fit. `None` if the contacts do not determine the
+/// polynomial.
 fn robust(
     values: &[[f64; COUNT]],
     coefficients: usize,

@@ -160,7 +160,6 @@ impl RoundTip {
     }
 }
 
-/// Deviations of points from their mean, as components along two axes.
 fn deviations(points: &[Contact], axes: [Vector3<f64>; 2]) -> Vec<Vector2<f64>> {
     let count = points.len() as f64;
     let mean = points.iter().fold(Vector3::zeros(), |sum, point| {
@@ -173,7 +172,6 @@ fn deviations(points: &[Contact], axes: [Vector3<f64>; 2]) -> Vec<Vector2<f64>> 
     points.iter().map(deviation).collect()
 }
 
-/// Sum of the outer products of corresponding vectors in two lists.
 fn products(ones: &[Vector2<f64>], others: &[Vector2<f64>]) -> Matrix2<f64> {
     let pairs = ones.iter().zip(others);
     pairs.fold(Matrix2::zeros(), |sum, (one, other)| {
@@ -181,7 +179,6 @@ fn products(ones: &[Vector2<f64>], others: &[Vector2<f64>]) -> Matrix2<f64> {
     })
 }
 
-/// The unit vector along `normal`; the zero vector if the normal is missing or invalid.
 fn unit(normal: Option<Vector3<f64>>) -> Vector3<f64> {
     let normal = normal.unwrap_or_default();
     let length = normal.abs().sum();

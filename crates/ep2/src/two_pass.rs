@@ -68,7 +68,7 @@ pub struct TwoPass {
 }
 
 impl Default for TwoPass {
-    /// The settings of the 1996 paper, but the second spline is bicubic.
+    /// The settings of the 1996 paper, except that the second spline is bicubic.
     fn default() -> Self {
         Self {
             first_degree: 2,
@@ -125,7 +125,7 @@ impl TwoPass {
         }
     }
 
-    /// The unit of length of the settings, expressed in the patch's unit.
+    /// The unit of length of the settings, in the patch's unit.
     ///
     /// Points are not converted to the unit of the settings. Instead, the weight and the tangent step are converted to
     /// the patch's unit, which gives the same result.
@@ -148,7 +148,7 @@ impl TwoPass {
         WeightedPoint { u, v, w, weight }
     }
 
-    /// Three points per contact: one point of the first spline, and two points on its tangent, one step to each side.
+    /// Three points per contact: a point of the first spline, and two points on its tangent, one step to each side.
     fn second_points(
         &self,
         patch: &Patch,
@@ -224,8 +224,8 @@ impl TwoPass {
     }
 }
 
-/// Checks that the points determine a spline without interior knots. A spline with interior knots needs no check,
-/// because knots are added only where the data require them.
+/// Checks that the points determine a spline without interior knots. Interior knots need no check, because they are
+/// added only where the data require them.
 fn determined(smoothed: &Smoothed, patch: &Patch) -> Result<(), Ep2Error> {
     let spline = &smoothed.spline;
     let is_polynomial = spline.u.interior().is_empty() && spline.v.interior().is_empty();

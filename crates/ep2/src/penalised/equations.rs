@@ -7,7 +7,6 @@ use crate::knots::Knots;
 use crate::noise::Kinds;
 use crate::square_quadric::{Square, SquareQuadric};
 
-/// Degree of the spline along u and along v.
 pub(super) const DEGREE: usize = 3;
 /// Number of B-splines along one direction that are not 0 at a position.
 const SUPPORT: usize = DEGREE + 1;
@@ -25,8 +24,7 @@ pub(super) struct Equations {
     pub(super) count: Kinds<usize>,
 }
 
-/// Contribution to the normal equations by the contacts in one cell of the knots: one knot interval along u and one
-/// along v.
+/// Contribution to the normal equations by the contacts in one cell of the knots: one interval along u and one along v.
 #[derive(Clone)]
 struct Cell {
     gram: [[f64; LOCAL]; LOCAL],
@@ -121,7 +119,7 @@ impl Equations {
         self.count.slopes > 0
     }
 
-    /// Weighted sums of squared residuals of the heights and of the slopes, for a spline with the coefficients
+    /// Weighted sums of squared residuals of the heights and of the slopes, for the spline with the coefficients
     /// `deviation`.
     pub(super) fn residuals(&self, deviation: &DVector<f64>) -> Kinds<f64> {
         let residual = |gram: &DMatrix<f64>, right: &DVector<f64>, square: f64| {
@@ -141,8 +139,8 @@ impl Equations {
         }
     }
 
-    /// Effective degrees of freedom that are fitted to heights and to slopes. `inverse` is the matrix (A + λP)⁻¹. Here
-    /// A is the matrix of the normal equations, P the penalty matrix and λ the smoothing weight.
+    /// Effective degrees of freedom that are fitted to heights and to slopes. `inverse` is (A + λP)⁻¹ with the matrix A
+    /// of the normal equations, the penalty matrix P and the smoothing weight λ.
     pub(super) fn effective_unknowns(
         &self,
         inverse: &DMatrix<f64>,
@@ -155,7 +153,6 @@ impl Equations {
     }
 }
 
-/// Number of knot intervals along u and along v.
 fn intervals(knots: &[Knots; 2]) -> [usize; 2] {
     knots.each_ref().map(|knots| knots.interior().len() + 1)
 }

@@ -10,8 +10,8 @@ use crate::matrix::SparseMap;
 use crate::matrix::product;
 use crate::square_quadric::UNKNOWNS;
 
-/// The process is a sum of functions with random factors. A function is omitted if its second derivatives have a
-/// variance below this value everywhere in the square.
+/// The process is a sum of functions with random factors. A function is omitted if the variance of its second
+/// derivatives is below this value everywhere in the square.
 const MIN_VARIANCE: f64 = 1e-3;
 
 /// A random surface, as a linear map from independent random factors of variance 1 to the coefficients of a series. The
@@ -67,7 +67,7 @@ pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     SparseMap::new(products(degree).count() - UNKNOWNS, count, entries)
 }
 
-/// Square of the largest second derivative of the product T_i T_j in the square. It occurs at a corner of the square.
+/// Square of the largest second derivative of the product T_i T_j in the square. It is reached at a corner.
 fn max_square_second_derivative([i, j]: [usize; 2]) -> f64 {
     let [i, j] = [i, j].map(|order| (order * order) as f64);
     let bends = [i * (i - 1.0) / 3.0, i * j, j * (j - 1.0) / 3.0];
@@ -121,8 +121,8 @@ mod tests {
         }
     }
 
-    /// Variance of the process's second derivative along a at the place (a, b). The first result is for all products of
-    /// polynomials, the second for all products except those of quadrics.
+    /// Variance of the process's second derivative along a at the place (a, b): for all products of polynomials, and
+    /// for all products except those of quadrics.
     fn bends(length: f64, degree: usize, [a, b]: [f64; 2]) -> [f64; 2] {
         let [a, b] = [a, b].map(|x| values(x, degree).collect::<Vec<f64>>());
         let here: Vec<f64> = products(degree).map(|[i, j]| a[i] * b[j]).collect();

@@ -21,7 +21,6 @@ const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
 /// The posterior is averaged over several correlation lengths. This constant is the largest ratio of two neighbouring
 /// lengths.
 const MAX_LENGTH_RATIO: f64 = 3.0;
-/// The correlation length with the largest prior probability.
 const EXPECTED_LENGTH: f64 = 1.75;
 /// The prior probability of a correlation length decreases with this power of the length, on both sides of its maximum.
 const LENGTH_POWER: f64 = 2.0;
@@ -33,20 +32,19 @@ const EXPECTED_AMPLITUDE: f64 = 0.75;
 const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 /// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of its maximum.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// The posterior is averaged over several amplitudes of the roughness. This constant is the number of amplitudes on
-/// each side of the expected amplitude.
+/// Number of amplitudes of the roughness on each side of the expected amplitude, over which the posterior is averaged.
 const AMPLITUDE_STEPS: i32 = 6;
-/// Difference between the logarithms of consecutive amplitudes in the average.
+/// Difference between the logarithms of consecutive amplitudes.
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
-/// Exponent that is applied to the likelihood of an amplitude and a length, to reduce its weight. The roughness of a
-/// real surface depends on place and direction, unlike the roughness of a surface that is drawn from the process.
-/// Therefore the contacts determine the roughness of a real surface less accurately.
+/// Exponent of the likelihood of an amplitude and a length, which reduces its weight. The roughness of a real surface
+/// depends on place and direction, unlike the roughness of a surface that is drawn from the process. Therefore the
+/// contacts determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// Improbable combinations of length and amplitude are omitted from the average. A combination is used if the logarithm
-/// of the ratio between its probability and the largest probability is at least this value.
+/// A combination of length and amplitude is omitted from the average if the logarithm of the ratio between its
+/// probability and the largest probability is below this value.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest allowed ratio of the information from the contacts (the normal equations) to the information in the prior at
-/// the expected amplitude. With a larger ratio, rounding errors would dominate.
+/// the expected amplitude. At a larger ratio, rounding errors would dominate.
 const MAX_INFORMATION: f64 = 1e11;
 
 /// Data from which the posterior is computed. The surface is a quadric plus a series of Chebyshev polynomials, and
@@ -54,16 +52,14 @@ const MAX_INFORMATION: f64 = 1e11;
 pub(super) struct SeriesProblem<'a> {
     pub(super) equations: &'a SeriesEquations,
     pub(super) degree: usize,
-    /// Number of observations (heights and slopes) in the equations.
     pub(super) observations: usize,
     /// Whether the variances of the contacts' errors are stated. If not, only the ratio between heights and slopes is
     /// used.
     pub(super) is_known: bool,
     pub(super) square: Square,
-    /// Coefficients of the quadric, as a series of Chebyshev polynomials.
     pub(super) quadric: [f64; UNKNOWNS],
-    /// The coefficient m as an additional unknown, if the surface is an implicit quadric z = Q + m z²/2 plus a series;
-    /// otherwise `None`. Q is a quadric in a and b.
+    /// The coefficient m as an additional unknown, if the surface is an implicit quadric z = Q(a, b) + m z²/2 plus a
+    /// series; otherwise `None`.
     pub(super) square_term: Option<SquareTerm>,
 }
 
@@ -72,12 +68,12 @@ pub(super) struct SquareTerm {
     /// Derivative of the surface with respect to m, as coefficients of all products of Chebyshev polynomials except
     /// those that form quadrics.
     pub(super) derivative: DVector<f64>,
-    /// Prior standard deviation of m, that is, before the contacts are used.
+    /// Prior standard deviation of m.
     pub(super) prior: f64,
 }
 
 impl SeriesProblem<'_> {
-    /// The most probable amplitude of the roughness before the contacts are used.
+    /// The amplitude of the roughness with the largest prior probability.
     fn expected_amplitude(&self, quadric: &[f64; UNKNOWNS]) -> f64 {
         let ratio = match self.square_term {
             Some(_) => EXPECTED_AMPLITUDE_ABOUT_IMPLICIT,
@@ -93,13 +89,11 @@ struct Rest {
     gram: DMatrix<f64>,
     right: DVector<f64>,
     square: f64,
-    /// Number of equations from the contacts minus the number of the quadric's coefficients.
     degrees: f64,
     is_known: bool,
     expected_amplitude: f64,
 }
 
-/// The rough part of the surface, as a Gaussian process with one correlation length.
 struct Process {
     log_length: f64,
     /// Modes of the process as columns. Each mode is a combination of the rough products. In the basis of the modes,
@@ -114,7 +108,7 @@ struct Candidate {
     square_amplitude: f64,
     /// Triangular factors of the matrix 1 + amplitude² × information of the process.
     factors: Factors,
-    /// For each mode, the posterior mean of the factor by which it is multiplied.
+    /// For each mode, the posterior mean of the mode's factor.
     mean: Vec<f64>,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.
@@ -157,8 +151,8 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
             quadric.chain(mixture.mean.iter().copied()).collect()
         }
         Some(term) => {
-            // A change of m, the coefficient of the squared height, changes the coefficients of all rough products by
-            // `term.derivative`.
+            // A change of m changes the coefficients of all rough products by `term.derivative`. (m is the coefficient
+            // of z²/2.)
             let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
             let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
             quadrics.fill_with_identity();
@@ -286,7 +280,6 @@ pub(super) fn likeliest_process(problem: &SeriesProblem<'_>) -> Result<DMatrix<f
     Ok(process)
 }
 
-/// Largest of the logarithms of the candidates' probabilities.
 fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f64 {
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }
@@ -299,8 +292,7 @@ struct Mixture {
 }
 
 impl Rest {
-    /// These equations. If their ratio of information exceeds [`MAX_INFORMATION`], the variances are increased such
-    /// that it equals this limit.
+    /// These equations. If their information exceeds [`MAX_INFORMATION`], the variances are increased to this limit.
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let information = self.gram.trace() * amplitude * amplitude;
@@ -377,7 +369,8 @@ impl Rest {
     }
 }
 
-/// Correlation lengths that are tried, from the largest to the smallest that a series of this degree can represent.
+/// Correlation lengths that are tried, from the largest to the smallest that a series of the degree `degree` can
+/// represent.
 fn lengths(degree: usize) -> impl Iterator<Item = f64> {
     let whole = libm::log(MAX_LENGTH * degree as f64 / MIN_LENGTH_TIMES_DEGREE);
     let steps = (whole / libm::log(MAX_LENGTH_RATIO) - 1e-9).ceil().max(1.0);
@@ -446,7 +439,7 @@ impl Process {
         }
     }
 
-    /// Total probability of the candidates, and the mean and covariance of the modes' factors, averaged over the
+    /// Total probability of the candidates, and the mean and covariance of the factors of the modes, averaged over the
     /// candidates. The returned covariance is multiplied by the total probability.
     fn mixture(&self, likely: &[(f64, &Candidate)]) -> (f64, Vec<f64>, DMatrix<f64>) {
         let size = self.right.len();
@@ -469,7 +462,6 @@ impl Process {
     }
 }
 
-/// Logarithm of the hyperbolic cosine.
 fn log_cosh(x: f64) -> f64 {
     x.abs() + libm::log1p(libm::exp(-2.0 * x.abs())) - LN_2
 }

@@ -12,7 +12,6 @@ use crate::square_quadric::{Square, SquareQuadric};
 pub(super) struct SeriesEquations {
     pub(super) gram: DMatrix<f64>,
     pub(super) right: DVector<f64>,
-    /// Weighted sum of the squared deviations of the observations from the quadric.
     pub(super) square: f64,
 }
 
@@ -47,7 +46,6 @@ impl Sums {
         self.square += weighted * value;
     }
 
-    /// Right side of the equations, in the order of [`products`].
     fn right(&self) -> DVector<f64> {
         let all = products(self.degree).map(|[i, j]| self.right[i * (self.degree + 1) + j]);
         DVector::from_iterator(count(self.degree), all)
@@ -74,7 +72,7 @@ impl Sums {
     }
 }
 
-/// Adds the products a[p] b[q] with p + q ≤ `degree`, multiplied by `weight`, to the sums.
+/// Adds the products a[p] b[q] with p + q ≤ `degree` to the sums, each multiplied by `weight`.
 #[inline]
 fn add_products(sums: &mut [f64], degree: usize, a: &[f64], b: &[f64], weight: f64) {
     let rows = sums.chunks_exact_mut(degree + 1).zip(a);
@@ -87,7 +85,7 @@ fn add_products(sums: &mut [f64], degree: usize, a: &[f64], b: &[f64], weight: f
 }
 
 impl SeriesEquations {
-    /// Sums the equations of a series of this degree, for the deviations of a patch's contacts from `quadric`.
+    /// Sums the equations of a series of the degree `degree`, for the deviations of a patch's contacts from `quadric`.
     pub(super) fn around(
         quadric: &SquareQuadric,
         patch: &Patch,

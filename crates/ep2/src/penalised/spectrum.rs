@@ -27,9 +27,7 @@ pub(super) struct Spectrum {
     pub(super) roughness: Vec<f64>,
     /// Right side of the normal equations, as one value per mode.
     pub(super) right: Vec<f64>,
-    /// Weighted sum of the squared deviations of all observations from the quadric.
     pub(super) square: f64,
-    /// Number of observations (heights and slopes) in the equations.
     pub(super) equations: f64,
 }
 
@@ -83,8 +81,8 @@ impl Spectrum {
         Ok(spectrum.with_right_side(equations, variances))
     }
 
-    /// The same modes with the right side of `equations`. The matrix of these equations must be the matrix from which
-    /// the modes were computed.
+    /// The same modes with the right side of `equations`. The matrix of `equations` must be the one from which the
+    /// modes were computed.
     pub(super) fn with_right_side(self, equations: &Equations, variances: &Kinds<f64>) -> Self {
         let (per_height, per_slope) = (1.0 / variances.heights, 1.0 / variances.slopes);
         let mut right = &equations.right_sides.heights * per_height;
@@ -100,7 +98,7 @@ impl Spectrum {
         }
     }
 
-    /// The filter factor 1/(fidelity + λ roughness) of each mode, where `log_weight` is ln λ.
+    /// The filter factor 1/(fidelity + λ roughness) of each mode. `log_weight` is ln λ.
     pub(super) fn filters(&self, log_weight: f64) -> Vec<f64> {
         let weight = libm::exp(log_weight);
         let pairs = self.fidelity.iter().zip(&self.roughness);

@@ -3,16 +3,15 @@
 
 use nalgebra::{DMatrix, SymmetricTridiagonal};
 
-/// A symmetric matrix T whose entries are 0 except on the diagonal and next to the diagonal.
+/// A symmetric matrix T whose entries are 0 except on the diagonal and beside it.
 pub(super) struct Tridiagonal {
     diagonal: Vec<f64>,
     beside: Vec<f64>,
 }
 
-/// The factors L and D of the decomposition L D Lᵀ = 1 + s T, for a number s and a tridiagonal matrix T.
+/// The factors L and D of 1 + s T = L D Lᵀ, where s is a number and T a tridiagonal matrix.
 pub(super) struct Factors {
     pivots: Vec<f64>,
-    /// The entries of L below the diagonal.
     below: Vec<f64>,
 }
 
@@ -27,7 +26,6 @@ impl Tridiagonal {
         (tridiagonal, turn)
     }
 
-    /// The factors of 1 + s T.
     pub(super) fn factors(&self, s: f64) -> Factors {
         let mut pivots = Vec::with_capacity(self.diagonal.len());
         let mut below = Vec::with_capacity(self.beside.len());
@@ -46,7 +44,6 @@ impl Tridiagonal {
 }
 
 impl Factors {
-    /// Logarithm of the determinant of the decomposed matrix 1 + s T.
     pub(super) fn log_determinant(&self) -> f64 {
         // Logarithms are slow, so compute one logarithm for the product of eight pivots. This product does not
         // overflow.

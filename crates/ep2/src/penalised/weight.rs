@@ -7,7 +7,7 @@ use crate::Ep2Error;
 use crate::spline::{LANES, Lanes};
 use crate::square_quadric::UNKNOWNS;
 
-/// Number of smoothing weights at which the criterion is evaluated, in equal steps of the logarithm. It must be a
+/// Number of smoothing weights at which the criterion is evaluated, equally spaced in their logarithm. It must be a
 /// multiple of [`LANES`].
 const NODES: usize = 80;
 /// Lower end of the search for the smoothing weight, relative to the smallest weight that damps a mode by half.
@@ -15,19 +15,18 @@ const MIN_WEIGHT_RATIO: f64 = 1e-2;
 /// Upper end of the search for the smoothing weight, relative to the largest weight that damps a mode by half. Beyond
 /// this end, the fit is nearly a quadric.
 const MAX_WEIGHT_RATIO: f64 = 1e3;
-/// When a product of many factors falls below this value, it is divided by this value, so that it does not underflow.
-/// The logarithm of the product is corrected afterwards.
+/// A product of many factors that falls below this value is divided by it, so that the product does not underflow. The
+/// logarithm of the product is corrected afterwards.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
-/// Number of halvings that correspond to [`SMALL`], which is 2⁻⁶⁰.
 const SMALL_HALVINGS: f64 = 60.0;
-/// The half-damping weight of a mode is the smoothing weight that damps it by half. If its ratio to the largest
-/// half-damping weight is below this value, the mode does not extend the range of the search.
+/// The half-damping weight of a mode is the smoothing weight that damps the mode by half. A mode does not extend the
+/// range of the search if the ratio of its half-damping weight to the largest one is below this value.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// Smallest difference between the logarithm of the largest smoothing weight in the search and the logarithm of the
-/// expected weight.
+/// Smallest difference between two logarithms: of the largest smoothing weight in the search, and of the expected
+/// smoothing weight.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// Upper limit of the expected weight, as a difference of logarithms. The limit is relative to the largest weight that
-/// damps a mode by half.
+/// Upper limit of the expected smoothing weight, relative to the largest weight that damps a mode by half. It is a
+/// difference of logarithms.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight is chosen.
@@ -65,13 +64,11 @@ impl Criterion {
     }
 }
 
-/// The selected smoothing weight, and the factor of the variances that follows from it.
+/// The selected smoothing weight, and the factor on the assumed variances that follows from it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
-    /// Logarithm of the smoothing weight.
     pub(super) log_weight: f64,
-    /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
-    /// stated.
+    /// Factor on the assumed variances with which they explain the residuals; 1 if the variances are stated.
     pub(super) scale: f64,
     pub(super) effective_unknowns: f64,
 }
@@ -94,7 +91,6 @@ struct Sums<T = f64> {
 }
 
 impl Sums<Lanes> {
-    /// Computes the sums for several smoothing weights. `log_weights` contains their logarithms.
     fn at(spectrum: &Spectrum, log_weights: [f64; LANES]) -> [Sums; LANES] {
         let weight = Lanes::from(log_weights.map(libm::exp));
         let square = Lanes::splat(spectrum.square);
@@ -168,11 +164,10 @@ impl Sums {
     }
 }
 
-/// A search for the best smoothing weight, in equal steps of its logarithm.
 pub(super) struct Search<'a> {
     pub(super) spectrum: &'a Spectrum,
     criterion: Criterion,
-    /// Whether the variances of heights and slopes are stated. If not, only their ratio is used.
+    /// Whether the variances of heights and slopes are stated. If they are not, only their ratio is used.
     is_known: bool,
     /// Logarithms of the smoothing weights that are evaluated.
     places: Vec<f64>,
@@ -180,8 +175,8 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Computes the sums at smoothing weights in a range that includes the neighbourhood of the expected weight.
-    /// `expected` is the logarithm of the expected weight.
+    /// Computes the sums at smoothing weights around the expected weight. `expected` is the logarithm of the expected
+    /// weight.
     pub(super) fn new(
         spectrum: &'a Spectrum,
         criterion: Criterion,
@@ -236,7 +231,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The smallest value of −2 ln(likelihood) among the evaluated smoothing weights.
+    /// Smallest value of −2 ln(likelihood) among the evaluated smoothing weights.
     pub(super) fn least_deviance(&self) -> f64 {
         let deviances = self.sums.iter().map(|sums| self.deviance(sums));
         deviances.fold(f64::INFINITY, f64::min)
@@ -254,8 +249,8 @@ impl<'a> Search<'a> {
         misfit - sums.log_determinants
     }
 
-    /// Score of a smoothing weight by the selection criterion. The best weight has the smallest score. The score is
-    /// infinite if the effective degrees of freedom are too large.
+    /// Score of a smoothing weight by the criterion; the best weight has the smallest score. It is infinite if the
+    /// effective degrees of freedom are too large.
     fn score(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             return self.deviance(sums);
@@ -284,8 +279,8 @@ impl<'a> Search<'a> {
         sums.residual_prime / sums.residual + 2.0 * gamma * sums.unknowns_prime / left
     }
 
-    /// Logarithm of the smoothing weight at which the slope of the score is zero. The slope must be negative at `low`
-    /// and positive at `high`. The method is regula falsi in the Illinois variant.
+    /// Logarithm of the smoothing weight at which the slope of the score is zero, by the Illinois variant of regula
+    /// falsi. The slope must be negative at `low` and positive at `high`.
     fn root(&self, low: f64, high: f64) -> f64 {
         let slope = |place: f64| self.slope(&Sums::at_one(self.spectrum, place));
         let (mut ends, mut slopes) = ([low, high], [slope(low), slope(high)]);
@@ -317,7 +312,8 @@ pub(super) fn log_weight_of_sphere(square_curvature: f64) -> f64 {
     -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature)
 }
 
-/// Two logarithms of smoothing weights: the lower end of the search, and the largest weight that damps a mode by half.
+/// The logarithms of two smoothing weights: of the lower end of the search, and of the largest weight that damps a mode
+/// by half.
 fn range(spectrum: &Spectrum) -> (f64, f64) {
     let halves = || {
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);

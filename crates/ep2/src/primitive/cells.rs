@@ -7,14 +7,11 @@ use palpate_statistics::ratio_tail;
 use super::pose::{Cloud, Equations, Gram, Pose, Row};
 use super::robust_fit::Solution;
 
-/// Largest number of cells into which contacts are divided.
 const MAX_CELLS: usize = 32;
-/// Smallest number of contacts in a cell of neighbouring contacts.
 const MIN_CONTACTS: usize = 5;
-/// Smallest number of cells into which contacts are divided.
 const MIN_CELLS: usize = 12;
 
-/// A division of contacts into cells. `cell_of` contains the index of the cell of each contact.
+/// A division of contacts into cells. `cell_of` contains the cell index of each contact.
 pub(super) struct Cells {
     cell_of: Vec<usize>,
     count: usize,
@@ -45,8 +42,8 @@ impl Cells {
     }
 
     /// P-value of the mean values of the cells: the probability that noise alone causes mean values of at least this
-    /// size. `values` contains one value for each contact. `correlation` is the number of consecutive values that count
-    /// as one because their errors are correlated.
+    /// size. `values` contains one value per contact. `correlation` is the number of consecutive values that count as
+    /// one because their errors are correlated.
     pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         for (value, &cell) in values.iter().zip(&self.cell_of) {
@@ -66,8 +63,8 @@ impl Cells {
         )
     }
 
-    /// Covariance of the fitted parameters if all residuals of a cell count as one residual, and the number of degrees
-    /// of freedom of this covariance.
+    /// Covariance of the fitted parameters if all residuals of a cell count as one residual, with its degrees of
+    /// freedom.
     pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
         let weights = solution.weights();
         let mut sums = vec![Row::zeros(); self.count];

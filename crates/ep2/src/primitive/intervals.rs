@@ -7,24 +7,22 @@ use super::lack_of_fit::LackOfFit;
 use super::pose::{CURVATURE, Cloud, Gram};
 use super::robust_fit::Solution;
 
-/// Probability that an interval contains the true value.
 const PROBABILITY: f64 = 0.95;
-/// The curvature counts as determined only if the half-width of its 95 % interval, divided by the curvature, is below
-/// this value. For larger half-widths, the computed interval would be too narrow.
+/// The curvature counts as determined only if the half-width of its 95 % interval, relative to the curvature, is below
+/// this value. At larger half-widths, the computed interval is too narrow.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
-/// If the p-value of the test for lack of fit is below this value, the interval is widened.
+/// The interval is widened if the p-value of the test for lack of fit is below this value.
 const MISFIT_P_VALUE: f64 = 0.01;
-/// If the ratio of the noise to the spread of the contacts exceeds this value, the curvature does not count as
-/// determined. With larger noise, errors of positions along the surface make the fitted radius too small.
+/// The curvature counts as determined only if the ratio of the noise to the spread of the contacts is at most this
+/// value. With larger noise, errors of positions along the surface make the fitted radius too small.
 const MAX_RELATIVE_NOISE: f64 = 0.1;
 
-/// Estimated error of the curvature and its 95 % interval. The unit of length is the spread of the contacts.
+/// Estimated error of the curvature and its 95 % interval, with the spread of the contacts as unit of length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurvatureInterval {
     pub(super) std: f64,
     pub(super) ends: [f64; 2],
     pub(super) is_resolved: bool,
-    /// Covariance of the fitted parameters.
     pub(super) covariance: Gram,
 }
 

@@ -11,40 +11,40 @@ use super::pose::{Cloud, Pose, UNKNOWNS};
 use super::robust_fit::Solution;
 use crate::effective_readings::correlation_time;
 
-/// Largest degree of the polynomial in the contacts' coordinates that describes the smooth deviation.
+/// Largest degree of the polynomial that describes the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// A patch counts as a graph over its plane if all normals are within 72 degrees of the mean normal. This constant is
-/// the cosine of 72 degrees, rounded.
+/// A patch counts as a graph over its plane if the angle of all normals to the mean normal has at least this cosine (72
+/// degrees).
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. This constant is
-/// the largest share of its squared length that may be independent of the earlier columns.
+/// A column of the equations is skipped if at most this share of its squared length is independent of the earlier
+/// columns.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// With noise, the limit [`RANK_TOLERANCE`] is replaced by this factor times the variance of the positions' errors, if
-/// that is larger. The new limit is at most [`MAX_RANK_TOLERANCE`].
+/// If the positions have noise, [`RANK_TOLERANCE`] is replaced by this factor times their variance, if that is larger.
+/// The replacement is at most [`MAX_RANK_TOLERANCE`].
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
 const MAX_CONTACTS: usize = 20_000;
 /// Largest number of contacts from which the range of the coordinates is computed.
 const BASIS_CONTACTS: usize = 2000;
-/// Number of consecutive contacts in a block. For a large number of contacts, the correlation of residuals is estimated
-/// from some of the blocks.
+/// Number of consecutive contacts in a block. For many contacts, the correlation of residuals is estimated from some of
+/// the blocks.
 const BLOCK: usize = 2000;
-/// Smallest ratio of equations to fitted parameters. The degree of the smooth deviation is reduced until this ratio is
-/// reached.
+/// The degree of the smooth deviation is reduced until the ratio of equations to fitted parameters is at least this
+/// value.
 const MIN_EQUATIONS_RATIO: f64 = 1.5;
 
-/// Result of the test for lack of fit.
 #[derive(Clone, Debug)]
 pub(super) struct LackOfFit {
     /// P-value of the fit: the probability that contacts on a surface of exactly this shape would fit worse by chance.
     pub(super) p_value: f64,
-    /// Number of consecutive positions, and number of consecutive normals, that count as one because their errors are
+    /// Numbers of consecutive positions, and of consecutive normals, that count as one because their errors are
     /// correlated.
     pub(super) correlations: [f64; 2],
 }
 
-/// The monomials whose sum is the smooth deviation. Their variables are the coordinates of footpoints on the shape.
+/// The monomials whose weighted sum is the smooth deviation. Their variables are the coordinates of footpoints on the
+/// shape.
 struct Basis {
     centre: Vector3<f64>,
     scale: f64,
@@ -133,7 +133,6 @@ impl Rows<'_> {
         UNKNOWNS + self.basis.exponents.len()
     }
 
-    /// Computes the rows of the contact with the index `index`, and returns the residuals of this contact.
     fn fill(&mut self, index: usize, rows: &mut [Vec<f64>]) -> [f64; 4] {
         let place = &self.cloud.places[index];
         let normal = self.cloud.normals.get(index);
@@ -304,8 +303,8 @@ fn tested(
     }
 }
 
-/// Cholesky factor of normal equations, computed column by column. A column that is almost a linear combination of
-/// earlier columns is skipped.
+/// Cholesky factor of normal equations, computed column by column. Columns that are almost a linear combination of
+/// earlier columns are skipped.
 struct Sequential {
     factor: DMatrix<f64>,
     parts: Vec<f64>,

@@ -11,7 +11,6 @@ use crate::Shape;
 
 /// Number of fitted parameters: rotations about the axes a and b and the normal n, a shift along n, and the curvature.
 pub(super) const UNKNOWNS: usize = 5;
-/// Index of the curvature in the fitted parameters.
 pub(super) const CURVATURE: usize = 4;
 
 pub(super) type Row = SVector<f64, UNKNOWNS>;
@@ -26,7 +25,7 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// A selection of these contacts: every contact whose index is a multiple of `step`.
+    /// Every contact whose index is a multiple of `step`.
     pub(super) fn thinned(&self, step: usize) -> Self {
         Self {
             places: self.places.iter().copied().step_by(step).collect(),
@@ -34,7 +33,7 @@ impl Cloud {
         }
     }
 
-    /// The cloud with only those contacts for which `is_used` is true.
+    /// Only the contacts for which `is_used` is true.
     pub(super) fn selected(&self, is_used: &[bool]) -> Self {
         let select = |all: &[Vector3<f64>]| {
             let pairs = all.iter().zip(is_used);
@@ -49,11 +48,10 @@ impl Cloud {
     }
 }
 
-/// Position, orientation and curvature of a plane, a sphere or a cylinder.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     pub(super) shape: Shape,
-    /// A point of the surface. The axes are defined at this point.
+    /// A point of the surface, at which the axes are defined.
     pub(super) point: Vector3<f64>,
     /// The axes a and b along the surface and the normal n, as rows.
     pub(super) axes: Matrix3<f64>,
@@ -61,20 +59,17 @@ pub(super) struct Pose {
     pub(super) curvature: f64,
 }
 
-/// Distance of a contact from the surface, and the surface normal at the contact, with their derivatives with respect
-/// to the fitted parameters.
+/// Distance of a contact from the surface, and surface normal at the contact, with their derivatives with respect to
+/// the fitted parameters.
 pub(super) struct Deviation {
     pub(super) distance: f64,
     pub(super) distance_row: Row,
-    /// Outward normal of the surface at the contact, in the axes of the pose.
     pub(super) normal: Vector3<f64>,
-    /// Derivatives of the normal with respect to the fitted parameters, as columns.
     normal_rows: SMatrix<f64, 3, UNKNOWNS>,
 }
 
 impl Pose {
-    /// A pose with the given point of the surface, the normal at this point and, for a cylinder, the direction of the
-    /// axis.
+    /// A pose with a point of the surface, the normal there and, for a cylinder, the direction of the axis.
     pub(super) fn new(
         shape: Shape,
         point: Vector3<f64>,
@@ -103,7 +98,6 @@ impl Pose {
         self.axes.row(row).transpose()
     }
 
-    /// Number of fitted parameters of the shape.
     pub(super) const fn unknowns(&self) -> usize {
         match self.shape {
             Shape::Plane => 3,
@@ -112,7 +106,7 @@ impl Pose {
         }
     }
 
-    /// Whether the shape has the fitted parameter with the index `unknown`. For example, a plane has no curvature.
+    /// Whether the shape has the fitted parameter with the index `unknown`. A plane has no curvature, for example.
     pub(super) fn has(&self, unknown: usize) -> bool {
         match unknown {
             2 => self.shape == Shape::Cylinder,
@@ -121,11 +115,9 @@ impl Pose {
         }
     }
 
-    /// Returns four values that describe `place` relative to the surface. The first is the position q of `place`
-    /// relative to the reference point, in the axes of the pose. The second is q without its component along the axis
-    /// of a cylinder; for the other shapes, it is q. The third is the square root √(1 + 2 k f), where k is the
-    /// curvature and f = k
-    /// |q|²/2 + q·n, as in the description of this module. The fourth is the signed distance from the surface.
+    /// Four values that describe `place` relative to the surface, with the symbols of the description of this module:
+    /// the position q from the reference point, in the axes of the pose; q without its component along the axis of a
+    /// cylinder (otherwise q); √(1 + 2 k f); and the signed distance d.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);
@@ -140,19 +132,17 @@ impl Pose {
         (q, across, s, 2.0 * f / (1.0 + s))
     }
 
-    /// Signed distance of a position from the surface, > 0 outside.
     #[inline]
     pub(super) fn distance(&self, place: &Vector3<f64>) -> f64 {
         self.at(place).3
     }
 
-    /// Outward normal of the surface at a position.
     pub(super) fn normal_at(&self, place: &Vector3<f64>) -> Vector3<f64> {
         let (_, across, s, _) = self.at(place);
         self.axes.transpose() * (Vector3::z() + across * self.curvature) / s
     }
 
-    /// Distance of a position from the surface, surface normal there, and derivatives of both with respect to the
+    /// Distance of a position from the surface and surface normal there, with their derivatives with respect to the
     /// fitted parameters.
     #[inline]
     pub(super) fn deviation(&self, place: &Vector3<f64>, with_normal: bool) -> Deviation {
@@ -196,8 +186,8 @@ impl Pose {
         deviation
     }
 
-    /// The pose after its parameters have changed by `step`. Its new reference point is the point of the surface
-    /// nearest to `middle`.
+    /// The pose with its parameters changed by `step`. Its new reference point is the point of the surface nearest to
+    /// `middle`.
     pub(super) fn moved(&self, step: &Row, middle: &Vector3<f64>) -> Self {
         let turn = self.axes.transpose() * Vector3::new(step[0], step[1], step[2]);
         let turn = Rotation3::new(turn);
@@ -210,8 +200,8 @@ impl Pose {
         next.based_at(middle)
     }
 
-    /// The same surface with another reference point, which is the point of the surface nearest to `place`. If `place`
-    /// is near the centre of a sphere or the axis of a cylinder, the reference point does not change.
+    /// The same surface with the point nearest to `place` as reference point. Near the centre of a sphere or the axis
+    /// of a cylinder, the reference point does not change.
     pub(super) fn based_at(&self, place: &Vector3<f64>) -> Self {
         let (_, _, s, distance) = self.at(place);
         if s < 0.05 || s.is_nan() {
@@ -234,7 +224,6 @@ impl Pose {
         )
     }
 
-    /// Converts a measured normal to the axes of the pose.
     #[inline]
     pub(super) fn in_axes(&self, normal: &Vector3<f64>) -> Vector3<f64> {
         self.axes * normal
@@ -254,7 +243,7 @@ pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
-    /// Number of summed distances, and number of summed components of normals.
+    /// Numbers of summed distances and of summed components of normals.
     pub(super) counts: [f64; 2],
 }
 

@@ -9,55 +9,49 @@ use super::start::{middle, starts};
 use crate::Shape;
 use crate::gross_outliers::{MAX_OUTLIER_SHARE, OUTLIER_PROBABILITY};
 
-/// Number of iterations of a fit.
 const ITERATIONS: usize = 20;
-/// Number of iterations in which the variances of positions and normals are estimated.
 const VARIANCE_ITERATIONS: usize = 8;
 /// A fit ends if χ² decreases by less than this value, which is the square of 1 % of a standard error.
 const MIN_DECREASE: f64 = 1e-4;
 /// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller values are treated as
 /// rounding errors.
 const MIN_STD: f64 = 1e-9;
-/// Largest allowed ratio of the estimated variances of normals and positions, whichever variance is larger. Positions
-/// are in the unit of the spread.
+/// Largest allowed ratio between the estimated variances of normals and positions, in either direction. Positions are
+/// in the unit of the spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
-/// Smallest share of the variance of normals that is attributed to errors of the normals themselves. The rest is
-/// attributed to errors of positions.
+/// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
+/// errors of positions.
 const MIN_SENSOR_SHARE: f64 = 0.05;
-/// Eigenvalues of scaled normal equations that are smaller than this share of the largest one are rounding errors.
+/// Eigenvalues of scaled normal equations count as rounding errors if they are below this share of the largest
+/// eigenvalue.
 const RANK_TOLERANCE: f64 = 1e-12;
-/// Largest number of contacts in the preliminary fits, from which the start of the final fit is computed.
+/// Largest number of contacts in the preliminary fits, which compute the start of the final fit.
 const START_CONTACTS: usize = 600;
 /// Number of subsets of contacts from which a robust fit starts.
 const SUBSETS: u64 = 60;
 /// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
-/// Number of iterations of the fit to a subset of the contacts.
 const SUBSET_ITERATIONS: usize = 15;
-/// Compares a fit that starts from a subset of the contacts with the fit that starts from all contacts. The fit from
-/// the subset is used only if its median distance and its variance are smaller by at least this factor.
+/// The fit that starts from a subset of the contacts replaces the fit that starts from all contacts only if its median
+/// distance and its variance are smaller by at least this factor.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
-/// Largest number of times that a fit is repeated with a new selection of contacts.
 const GROWTH_ITERATIONS: usize = 10;
-/// Maximum number of iterations of each fit during these repetitions.
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits for outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// A fit may leave out more than a fifth of the contacts. If its variance is below this multiple of the variance of the
-/// fit to all contacts, the contacts have too many outliers.
+/// A fit that leaves out more than a fifth of the contacts counts only if its variance is below this share of the
+/// variance of the fit to all contacts. Then the contacts have too many outliers.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the spread) and normals (rad).
 pub(super) type StatedNoise = [Option<f64>; 2];
 
-/// A fit to contacts, with the variances of positions and normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution {
     pub(super) pose: Pose,
     pub(super) equations: Equations,
     /// Variances of the errors of positions and of normals.
     pub(super) variances: [f64; 2],
-    /// Inverse of the weighted normal equations.
     pub(super) inverse: Gram,
     /// Degrees of freedom of the estimated variances; `None` if the contacts do not determine the variances.
     pub(super) freedom: Option<f64>,
@@ -65,13 +59,13 @@ pub(super) struct Solution {
 
 /// Weights of distances and normals in the sum of squares.
 ///
-/// An error of a position along the surface changes the expected normal by k times the error. Therefore, normals have
-/// the variance σ_n² + β k² with β = c σ_p²/2. Here c is 2 for a sphere and 1 for a cylinder. If the variance were
-/// constant, the fit would reduce k in order to reduce the sum of squares.
+/// An error of a position along the surface changes the expected normal by k times the error. Therefore normals have
+/// the variance σ_n² + β k² with β = c σ_p²/2, where σ_n and σ_p are the standard deviations of normals and positions,
+/// and c is 2 for a sphere and 1 for a cylinder. With a constant variance, the fit would reduce the curvature k in
+/// order to reduce the sum of squares.
 #[derive(Clone, Copy, Debug)]
 struct Weights {
     of_distances: f64,
-    /// The variance σ_n² of normals, and the coefficient β.
     normals: [f64; 2],
 }
 
@@ -96,8 +90,8 @@ impl Weights {
         (sensor + slope * pose.curvature * pose.curvature).recip()
     }
 
-    /// Correction for the dependence of the normals' variance on the curvature k. It is the part of the derivative of
-    /// the cost with respect to k that is due to this dependence, divided by −2k.
+    /// The derivative of the cost with respect to the curvature k contains a part that is due to the dependence of the
+    /// normals' variance on k. The result is this part, divided by −2k.
     fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
         self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
     }
@@ -107,7 +101,7 @@ impl Weights {
         self.of_distances * of_distances + self.of_normals(pose) * of_normals
     }
 
-    /// Matrix of the normal equations. Parameters that the shape does not have are replaced by a 1 on the diagonal.
+    /// Matrix of the normal equations. Each parameter that the shape does not have is replaced by a 1 on the diagonal.
     fn gram(&self, pose: &Pose, equations: &Equations) -> Gram {
         let mut gram =
             equations.grams[0] * self.of_distances + equations.grams[1] * self.of_normals(pose);
@@ -136,7 +130,6 @@ impl Weights {
         gradient
     }
 
-    /// Minimises the weighted sum of squares by a Levenberg–Marquardt iteration.
     fn minimise(&self, start: Pose, cloud: &Cloud, iterations: usize) -> (Pose, Equations) {
         let middle = middle(cloud);
         let mut pose = start.based_at(&middle);
@@ -178,8 +171,8 @@ impl Weights {
 }
 
 /// Fits a shape, starting at the pose `start`. Variances that are not stated are estimated from the residuals.
-/// `correlations` contains the numbers of consecutive positions and normals that count as one because their errors are
-/// correlated.
+/// `correlations` contains the numbers of consecutive positions and of consecutive normals that count as one because
+/// their errors are correlated.
 pub(super) fn solve(
     start: Pose,
     cloud: &Cloud,
@@ -245,8 +238,7 @@ pub(super) fn solve(
     last.unwrap_or_else(|| unreachable!("there is at least one iteration"))
 }
 
-/// The variances with which a fit starts: the stated variances or, if they are not stated, the mean squares of the
-/// residuals.
+/// Start values of the variances: the stated variances or, if they are not stated, the mean squares of the residuals.
 fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] {
     let mean_square = |all: &[f64]| {
         let sum: f64 = all.iter().map(|one| one * one).sum();
@@ -265,7 +257,8 @@ fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] 
     })
 }
 
-/// Inverse of the normal equations. Directions that the equations do not determine get a very large variance.
+/// Inverse of the normal equations. Parameter combinations that the equations do not determine get a very large
+/// variance.
 fn inverse(gram: &Gram) -> Gram {
     let scales = gram
         .diagonal()
@@ -279,7 +272,7 @@ fn inverse(gram: &Gram) -> Gram {
 }
 
 impl Solution {
-    /// A solution in which only the pose is known, as the start of a fit.
+    /// A solution that contains only the pose, as the start of a fit.
     fn of(pose: Pose) -> Self {
         Self {
             pose,
@@ -290,7 +283,6 @@ impl Solution {
         }
     }
 
-    /// The weights of distances and normals: the inverses of their variances.
     pub(super) fn weights(&self) -> [f64; 2] {
         self.variances.map(f64::recip)
     }
@@ -312,18 +304,17 @@ impl Solution {
     }
 }
 
-/// The best fit, and the contacts that it uses.
 #[derive(Clone, Debug)]
 pub(super) struct RobustFit {
     pub(super) solution: Solution,
     pub(super) is_used: Vec<bool>,
     limits: Limits,
-    /// Contacts that are used by a fit that leaves out more than a fifth of all contacts, but has a much smaller
+    /// The contacts that are used by a fit that leaves out more than a fifth of all contacts but has a much smaller
     /// variance. `None` if there is no such fit.
     pub(super) inliers_of_few: Option<Vec<bool>>,
 }
 
-/// Fits a shape to contacts by a robust method: a few outliers hardly change the result.
+/// Fits a shape such that a few outliers hardly change the result.
 pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
     let thinned = cloud.thinned(cloud.places.len().div_ceil(START_CONTACTS).max(1));
     let fits = starts(shape, &thinned)
@@ -357,8 +348,8 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
     }
 }
 
-/// A fit without outliers. It starts at the pose `start` and also at poses through subsets of the contacts. `thinned`
-/// is a selection of the contacts from which the subsets are drawn.
+/// A robust fit that starts at the pose `start` and also at poses through subsets of the contacts. The subsets are
+/// drawn from `thinned`, a selection of the contacts.
 fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise) -> RobustFit {
     let plain_all = solve(start, cloud, stated, [1.0; 2], ITERATIONS);
     let mut plain = grown(plain_all, cloud, stated);
@@ -388,8 +379,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     }
 }
 
-/// Computes poses through subsets of the contacts, and returns the pose with the smallest median distance from all
-/// contacts. `None` if this distance is not much smaller than the median distance from the pose `plain`.
+/// Of poses through subsets of the contacts, the one with the smallest median distance from all contacts. `None` if
+/// this distance is not much smaller than the median distance from the pose `plain`.
 fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
     let weights = Weights {
         of_distances: 1.0,
@@ -426,18 +417,18 @@ fn median_distance(pose: &Pose, cloud: &Cloud) -> f64 {
     *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Limits for the distance of a contact and for the deviation of its normal. A contact beyond a limit is an outlier.
+/// Limits for outliers: the largest distance of a contact from the shape, and the largest deviation of its normal.
 #[derive(Clone, Copy, Debug)]
 struct Limits([f64; 2]);
 
 impl Limits {
-    /// Limits that follow from the median residuals at a pose: the estimated standard deviation times `deviations`. For
-    /// few residuals, the limits are wider, because the median is then uncertain.
+    /// Limits that follow from the median residuals at a pose: the estimated standard deviation times `deviations`.
+    /// They are wider for few residuals, because the median is then uncertain.
     fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
         let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
         let correction = 1.0 + 5.0 / freedom as f64;
-        // Median magnitudes, in standard deviations, of normal noise: of a distance (one component) and of a normal's
-        // deviation (two components).
+        // Medians of the magnitude of normal noise with standard deviation 1: for a distance (one component) and for
+        // the deviation of a normal (two components).
         let medians = [0.6745, 1.1774];
         let mut kind = 0;
         let of = residuals(pose, cloud).map(|mut all| {
@@ -452,7 +443,7 @@ impl Limits {
         Self(of)
     }
 
-    /// Selects the contacts within the limits. The returned pose is `pose`; it is not yet fitted to the selected
+    /// Selects the contacts within the limits. The pose of the result is `pose`, not yet fitted to the selected
     /// contacts.
     fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
         let [distances, normals] = residuals(pose, cloud);
@@ -469,8 +460,8 @@ impl Limits {
     }
 }
 
-/// Fits the contacts near the pose of `solution`. The contacts are selected again after each fit, until the selection
-/// no longer changes.
+/// Fits the contacts near the pose of `solution`. Selects the contacts again after each fit, until the selection no
+/// longer changes.
 fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
     let unknowns = solution.pose.unknowns();
     let quantile = |used: usize| {
@@ -504,7 +495,6 @@ fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFi
     }
 }
 
-/// Magnitudes of the contacts' distances from the shape, and of the deviations of their normals.
 fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
     let distances = cloud.places.iter().map(|place| pose.distance(place).abs());
     let pairs = cloud.places.iter().zip(&cloud.normals);
@@ -513,7 +503,6 @@ fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
 }
 
 impl RobustFit {
-    /// Whether the share of contacts that the fit leaves out exceeds the largest accepted share of outliers.
     fn leaves_out_too_many(&self) -> bool {
         let left = self.is_used.iter().filter(|used| !**used).count();
         left as f64 > MAX_OUTLIER_SHARE * self.is_used.len() as f64

@@ -6,9 +6,9 @@ use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
 use super::{Candidate, Shape, start};
 
-/// P-value of the best shape's fit at which "none of these shapes" is as probable as the best shape.
+/// P-value of the most probable shape at which "none of these shapes" is as probable as this shape.
 const NONE_P_VALUE: f64 = 0.01;
-/// Positions count as a line if their variance across the line is below this multiple of the variance of the noise.
+/// Positions count as a line if their variance across the line is below this multiple of the variance of their noise.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'
@@ -43,9 +43,9 @@ pub(super) fn choose(
         one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
-    // If all contacts lie on one line, a sphere and a cylinder fit equally well except for position errors. To decide
-    // whether they lie on a line, use the smallest variance, because a shape that does not fit has a far larger
-    // variance than the noise.
+    // If all contacts lie on one line, a sphere and a cylinder fit equally well except for position errors. The test
+    // for a line uses the smallest variance of all shapes, because a shape that does not fit has a far larger variance
+    // than the noise.
     let variances = candidates.iter().map(|one| one.solution.variances[0]);
     let variance = variances.fold(f64::INFINITY, f64::min);
     let cylinder = &candidates[Shape::Cylinder as usize].solution.pose;

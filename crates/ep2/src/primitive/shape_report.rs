@@ -9,15 +9,14 @@ use super::{Candidate, Scaled, Shape, ShapeFit, ShapeSettings, SizeEstimate, sta
 use crate::NoiseEstimate;
 use crate::effective_readings::EffectiveReadings;
 
-/// If the mean of the shape's unit normals at the contacts is shorter than this value, the object counts as touched all
-/// around. It is then assumed to be convex.
+/// An object counts as touched all around if the mean of the shape's unit normals at the contacts is shorter than this
+/// value. Such an object is assumed to be convex.
 const MIN_MEAN_NORMAL: f64 = 0.5;
-/// Smallest absolute cosine of the angle between the outward direction and the mean normal for which the direction
+/// Smallest absolute cosine of the angle between the outward direction and the mean normal at which the direction
 /// determines the outside.
 const MIN_OUTWARD_COSINE: f64 = 0.1;
 
 impl ShapeSettings {
-    /// The results in the unit of the contacts; `None` if a result is beyond the range of doubles.
     pub(super) fn reported(
         &self,
         candidate: &Candidate,
@@ -133,7 +132,6 @@ impl ShapeSettings {
     }
 }
 
-/// The radius of the object, computed from its curvature.
 fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
     let value = curvature.value.filter(|_| is_resolved);
     let size = |curvature: f64| curvature.abs().recip();
@@ -162,8 +160,8 @@ fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -
     }
 }
 
-/// Whether the normals of a shape that was fitted without normals point outward; `None` if the outward direction does
-/// not determine this, because it is tangential or because the contacts are all around the object.
+/// Whether the normals of a shape that was fitted without normals point outward. `None` if the outward direction does
+/// not determine this: it is tangential, or the contacts are all around the object.
 fn outside(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> Option<bool> {
     let normals = cloud.places.iter().map(|place| pose.normal_at(place));
     let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;

@@ -7,14 +7,11 @@ use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector2, Vector3, Vector4};
 use super::pose::{Cloud, Pose};
 use crate::Shape;
 
-/// Number of directions that are compared as the axis of a cylinder. The directions are evenly distributed over the
-/// hemisphere.
+/// Number of directions that are compared as the axis of a cylinder, evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of directions from which fits of a cylinder start. They are the compared directions that fit the contacts
-/// best.
+/// Number of compared directions from which fits of a cylinder start: those that fit the contacts best.
 const BEST_DIRECTIONS: usize = 4;
 
-/// Mean position of the contacts.
 pub(super) fn middle(cloud: &Cloud) -> Vector3<f64> {
     let sum: Vector3<f64> = cloud.places.iter().sum();
     sum / cloud.places.len().max(1) as f64
@@ -73,7 +70,7 @@ pub(super) fn starts(shape: Shape, cloud: &Cloud) -> Vec<Pose> {
     poses.into_iter().map(|pose| outward(pose, cloud)).collect()
 }
 
-/// Returns the pose. If the measured normals point inwards, the inside and the outside of the pose are exchanged.
+/// The pose, with inside and outside exchanged if the measured normals point inwards.
 fn outward(pose: Pose, cloud: &Cloud) -> Pose {
     let pairs = cloud.places.iter().zip(&cloud.normals);
     let agreement: f64 = pairs
@@ -91,7 +88,7 @@ fn smallest_axis(moment: &Matrix3<f64>) -> Vector3<f64> {
     eigen.eigenvectors.column(eigen.eigenvalues.imin()).into()
 }
 
-/// The direction with the index `index` of [`DIRECTIONS`] directions, which lie on a spiral and are evenly distributed
+/// The direction with the index `index` of [`DIRECTIONS`] directions. They lie on a spiral and are evenly distributed
 /// over the hemisphere.
 fn hemisphere(index: usize) -> Vector3<f64> {
     let height = (index as f64 + 0.5) / DIRECTIONS as f64;
@@ -128,8 +125,8 @@ fn sphere(cloud: &Cloud, middle: &Vector3<f64>) -> Option<Pose> {
     is_good.then_some(pose)
 }
 
-/// Fits a cylinder with the axis direction `axis` to the contacts, by an algebraic fit. Returns the mean square of the
-/// contacts' distances from the cylinder, and the cylinder.
+/// Fits a cylinder with the axis direction `axis` to the contacts, by an algebraic fit. Returns the mean square
+/// distance of the contacts from the cylinder, and the cylinder.
 fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(f64, Pose)> {
     let frame = Pose::new(Shape::Cylinder, *middle, *axis, Vector3::x(), 0.0);
     let (one, other) = (frame.axis(0), frame.axis(1));
@@ -157,8 +154,8 @@ fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(
     Some((squares.sum(), pose))
 }
 
-/// Principal directions of a quadric. The quadric is fitted to the contacts as a graph over the plane that is
-/// perpendicular to a normal.
+/// Principal directions of a quadric that is fitted to the contacts, as a graph over the plane perpendicular to
+/// `normal`.
 fn quadric_directions(
     cloud: &Cloud,
     middle: &Vector3<f64>,

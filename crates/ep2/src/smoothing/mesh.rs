@@ -9,7 +9,7 @@ use crate::spline::TensorSpline;
 /// Largest allowed ratio of the lengths of the two parts into which a new knot divides an interval.
 const MAX_PART_RATIO: f64 = 10.0;
 
-/// The jumps of a derivative at a knot, for the `degree + 2` B-splines whose support contains the knot; further entries
+/// The jumps of a derivative at a knot, for the `degree + 2` B-splines whose support contains the knot. Further entries
 /// are 0.
 type Jumps = [f64; MAX_DEGREE + 2];
 
@@ -19,7 +19,7 @@ type Jumps = [f64; MAX_DEGREE + 2];
 /// the band of the equations is narrow.
 pub(super) struct Mesh {
     pub(super) knots: [Knots; 2],
-    /// The axis whose B-splines determine the order of the coefficients first: 0 for u, 1 for v.
+    /// The slow axis: 0 for u, 1 for v.
     slow: usize,
 }
 
@@ -35,23 +35,20 @@ impl Mesh {
         mesh
     }
 
-    /// The axis by whose B-splines the coefficients are ordered first: 0 for u, 1 for v.
     pub(super) const fn slow(&self) -> usize {
         self.slow
     }
 
-    /// The axis by whose B-splines the coefficients are ordered second: 0 for u, 1 for v.
     pub(super) const fn fast(&self) -> usize {
         1 - self.slow
     }
 
-    /// Number of coefficients of the spline.
     pub(super) fn coefficients(&self) -> usize {
         self.knots[0].functions() * self.knots[1].functions()
     }
 
-    /// Width of the band of the equations. The height at a place depends only on coefficients within a range of
-    /// indices; the width is the length of this range.
+    /// Width of the band of the equations. The height at a place depends only on coefficients in a range of this many
+    /// indices.
     pub(super) fn band(&self) -> usize {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }
@@ -62,7 +59,6 @@ impl Mesh {
         slow * self.fast_functions() + fast
     }
 
-    /// Adds an interior knot, and chooses the slow axis again.
     pub(super) fn insert(&mut self, axis: usize, knot: f64) {
         let old = &self.knots[axis];
         let mut interior = old.interior().to_vec();
@@ -89,7 +85,6 @@ impl Mesh {
         self.knots[self.fast()].degree()
     }
 
-    /// The spline with the coefficients `coefficients`, which are in the order of [`Mesh::index`].
     pub(super) fn spline(self, coefficients: Vec<f64>) -> TensorSpline {
         let [u_functions, v_functions] = [0, 1].map(|axis| self.knots[axis].functions());
         let coefficients = if self.slow == 0 {
@@ -105,12 +100,11 @@ impl Mesh {
     }
 }
 
-/// Equations that make a spline smooth. The equations require that the jumps of the highest derivative at the knots are
-/// 0, along both axes.
+/// Equations that make a spline smooth: the jumps of the highest derivative at the knots are 0, along both axes.
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// Number of B-splines whose support contains the same knot: along the slow axis, and along the fast axis.
+    /// Numbers of B-splines whose support contains the same knot: along the slow axis, and along the fast axis.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,
@@ -133,8 +127,7 @@ impl Roughness {
         }
     }
 
-    /// Triangular form of the given `equations` together with the smoothness equations. The smoothness equations are
-    /// divided by `parameter`.
+    /// Triangular form of `equations` together with the smoothness equations divided by `parameter`.
     pub(super) fn join(&self, equations: &Triangle, parameter: f64) -> Triangle {
         let order = equations.order();
         let mut joined = Triangle::new(order, self.band);
@@ -252,7 +245,7 @@ mod tests {
             let place = function.wrapping_sub(first);
             if place < 4 { derivatives[place] } else { 0.0 }
         };
-        // `derivative_jumps` omits the factor 3! = 6 of a third derivative, and divides lengths by the mean interval,
+        // `derivative_jumps` omits the factor 3! = 6 of a third derivative. It divides lengths by the mean interval,
         // which is 1 here.
         for (interior, jumps) in derivative_jumps(&knots).iter().enumerate() {
             let knot = knots.interior()[interior];

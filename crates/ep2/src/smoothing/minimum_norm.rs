@@ -1,5 +1,4 @@
-//! Solves least-squares problems that do not determine all unknowns. Of all solutions, the solution with the smallest
-//! norm is computed.
+//! Solves least-squares problems that do not determine all unknowns, by the solution with the smallest norm.
 //!
 //! Dierckx, Curve and Surface Fitting with Splines (1993), section 4.1.2.
 
@@ -15,13 +14,13 @@ pub(super) fn solve(triangle: &Triangle, floor: f64) -> (Vec<f64>, usize) {
 /// A triangular matrix, reduced to the rows whose diagonal entry is not negligible.
 struct Trapezoid {
     reduced: Triangle,
-    /// The columns of the diagonal entries that are not negligible, in ascending order.
+    /// The columns whose diagonal entries are not negligible, in ascending order.
     pivots: Vec<usize>,
 }
 
 impl Trapezoid {
-    /// Converts a triangle. Where a diagonal entry is small, it is set to zero, and the remaining entries of its row
-    /// are merged into the rows below.
+    /// Converts a triangle. A small diagonal entry is set to zero, and the remaining entries of its row are merged into
+    /// the rows below.
     fn of(triangle: &Triangle, floor: f64) -> Self {
         let (order, band) = (triangle.order(), triangle.band());
         let mut reduced = Triangle::new(order, band);
@@ -78,10 +77,10 @@ impl Trapezoid {
     }
 }
 
-/// The rotations by which additional rows were merged into a triangle, in the order in which they were applied.
+/// The rotations that merged additional rows into a triangle, in the order in which they were applied.
 struct Rotations {
     band: usize,
-    /// For each additional row, its index and the column at which its entries start.
+    /// For each additional row, its index and the first column of its entries.
     rows: Vec<(usize, usize)>,
     /// Cosine and sine of each rotation. There are `band` pairs per additional row.
     planes: Vec<[f64; 2]>,
@@ -96,8 +95,8 @@ impl Rotations {
         }
     }
 
-    /// Merges an additional row into the triangle by rotations, which make all entries of the row zero. `name` is the
-    /// index of the row, and `start` is the column of its first entry.
+    /// Merges an additional row into the triangle by rotations, after which all entries of the row are zero. `name` is
+    /// the index of the row, and `start` is the first column of its entries.
     fn rotate_in(&mut self, triangle: &mut Triangle, name: usize, start: usize, row: &mut [f64]) {
         self.rows.push((name, start));
         for offset in 0..self.band {
@@ -121,7 +120,7 @@ impl Rotations {
     }
 
     /// Applies the inverse rotations to a vector that contains `values` at the triangle's rows and zeros at the
-    /// additional rows. Returns the components at the additional rows, of which there are `count`.
+    /// additional rows. Returns its components at the `count` additional rows.
     fn undo(&self, mut values: Vec<f64>, count: usize) -> Vec<f64> {
         let mut result = vec![0.0; count];
         let planes = self.planes.chunks_exact(self.band);
@@ -158,8 +157,6 @@ mod tests {
         }
     }
 
-    /// One of the unknowns is not in any equation. Its solution is zero, and the unknowns after it are computed
-    /// correctly.
     #[test]
     fn an_unmeasured_unknown() {
         let mut triangle = Triangle::new(4, 3);

@@ -7,14 +7,11 @@ use crate::knots::{Basis, Knots};
 /// A height at a place of the plane, with a weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WeightedPoint {
-    /// Coordinate of the point along the first axis.
     pub(crate) u: f64,
-    /// Coordinate of the point along the second axis.
     pub(crate) v: f64,
-    /// Measured height at the point.
     pub(crate) w: f64,
     /// Weight that multiplies the residual: an inverse standard deviation. If the weights of two points differ by a
-    /// factor of 10^n, the result contains n fewer digits of the point with the smaller weight. From n = 15 on, this
+    /// factor of 10^n, the spline contains n fewer digits of the point with the smaller weight. From n = 15 on, this
     /// point has no influence.
     pub(crate) weight: f64,
 }
@@ -22,7 +19,7 @@ pub(crate) struct WeightedPoint {
 /// Points with the values of the B-splines at these points.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Unit of the heights and unit of the weights in the computation.
+    /// Units of the heights and of the weights in the computation.
     units: [f64; 2],
     /// For each point, the B-splines in u and in v that are not zero there.
     bases: Vec<[LocalBasis; 2]>,
@@ -46,10 +43,9 @@ impl LocalBasis {
     }
 }
 
-/// Sums over all points whose coordinate along an axis is in the same interval between knots.
+/// Sums over all points whose coordinate along an axis is in the same knot interval.
 #[derive(Clone, Copy, Default)]
 pub(super) struct IntervalSums {
-    /// Sum of the squared residuals of all points in the interval.
     pub(super) squares: f64,
     /// Sum of the squared residuals, each multiplied by the point's coordinate.
     pub(super) moments: f64,
@@ -77,17 +73,15 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// The unit of weighted residuals. It is the unit of heights times the unit of weights.
+    /// The unit of weighted residuals: the unit of heights times the unit of weights.
     pub(super) fn residual_unit(&self) -> f64 {
         self.units[0] * self.units[1]
     }
 
-    /// Number of points to which the spline is fitted.
     pub(super) fn len(&self) -> usize {
         self.points.len()
     }
 
-    /// Sum of the squared weighted heights.
     pub(super) fn height_sum(&self) -> f64 {
         (0..self.len())
             .map(|index| {
@@ -97,7 +91,6 @@ impl<'a> Observations<'a> {
             .sum()
     }
 
-    /// Recomputes the B-splines of one variable after a change of its knots.
     pub(super) fn refresh(&mut self, mesh: &Mesh, axis: usize) {
         let knots = &mesh.knots[axis];
         for (bases, point) in self.bases.iter_mut().zip(self.points) {
@@ -143,7 +136,6 @@ impl<'a> Observations<'a> {
         triangle
     }
 
-    /// Weighted residual of the spline at each point.
     fn residuals<'b>(
         &'b self,
         mesh: &'b Mesh,
@@ -168,14 +160,13 @@ impl<'a> Observations<'a> {
         })
     }
 
-    /// Sum of the squared weighted residuals of a spline.
     pub(super) fn residual_sum(&self, mesh: &Mesh, coefficients: &[f64]) -> f64 {
         self.residuals(mesh, coefficients)
             .map(|residual| residual * residual)
             .sum()
     }
 
-    /// Sums of squared residuals for each knot interval along u and for each knot interval along v.
+    /// Sums of squared residuals, for each knot interval along u and for each knot interval along v.
     pub(super) fn interval_sums(
         &self,
         mesh: &Mesh,

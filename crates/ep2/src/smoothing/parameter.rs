@@ -1,12 +1,11 @@
 //! Searches the smoothing parameter p for which the residual sum F(p) has the required value.
 
-/// Maximum number of values of the smoothing parameter p that are tried.
 const MOST_TRIALS: usize = 20;
-/// Factor for steps that are far from the root. A parameter that is too large is multiplied by this factor, and a
-/// parameter that is too small is divided by it.
+/// Factor for steps far from the root. A parameter that is too large is multiplied by it, and a parameter that is too
+/// small is divided by it.
 const FAR: f64 = 0.04;
-/// If a step by the factor [`FAR`] would pass a bound, the next parameter is between the bound and the last trial
-/// instead. Its distance from the bound is this share of the distance between the bound and the last trial.
+/// If a step by the factor [`FAR`] would pass a bound, the next parameter is between the bound and the last trial. This
+/// is its distance from the bound, as a share of the distance between the bound and the last trial.
 const NEAR: f64 = 0.1;
 
 /// A parameter that was tried. `excess` is its residual sum minus the required sum.
@@ -19,10 +18,11 @@ pub(super) struct Trial {
 /// Tries parameters until the `excess` of one of them is within `tolerance`. Returns whether such a parameter was
 /// found.
 ///
-/// The residual sum F decreases with p. At p = 0 it is the residual sum of the polynomial without interior knots, and
-/// its excess is `below`. At infinity it is the residual sum of the least-squares spline, and its excess is `above`.
-/// First, a parameter that is far from the root is multiplied or divided by [`FAR`]. As soon as there is a trial on
-/// each side of the root, a function `(a p + b)/(p + c)` is computed from three trials. Its root is the next parameter.
+/// The residual sum F decreases with p. At p = 0 it is the residual sum of the polynomial without interior knots;
+/// `below` is the excess of this sum. At infinity it is the residual sum of the least-squares spline; `above` is the
+/// excess of this sum. First, a parameter that is far from the root is multiplied or divided by [`FAR`]. As soon as
+/// there is a trial on each side of the root, a function `(a p + b)/(p + c)` is computed from three trials. Its root is
+/// the next parameter.
 pub(super) fn search(
     below: f64,
     above: f64,

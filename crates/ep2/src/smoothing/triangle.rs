@@ -3,10 +3,9 @@
 /// Number of rows of a block that are processed together. The number of rows is rounded up to a multiple of this value
 /// by rows of zeros.
 const LANES: usize = 4;
-/// Maximum number of rows of a block, chosen such that a block fits into the processor's cache.
+/// Maximum number of rows of a block. A block of this size fits into the processor's cache.
 const MOST_ROWS: usize = 128;
-/// Sums of squares below this value are treated as zero. The rows are scaled such that their largest entries are about
-/// 1.
+/// Sums of squares below this value count as zero. The rows are scaled such that their largest entries are about 1.
 const VANISHING: f64 = 1e-280;
 
 /// Rows of a least-squares problem that start in the same column. The right-hand side is the last column.
@@ -16,16 +15,15 @@ pub(super) struct Block {
     /// Number of entries of a row, not counting the right-hand side.
     width: usize,
     rows: usize,
-    /// Largest number of rows of the block, in groups of [`LANES`] rows.
+    /// Largest number of rows of the block, as a number of groups of [`LANES`] rows.
     packs: usize,
-    /// Whether the rows have already been merged into a triangle. Then the values in the block have no meaning any
-    /// more, and they are cleared before the next row is added.
+    /// Whether the rows were already merged into a triangle. The values in the block are then cleared before the next
+    /// row is added.
     is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }
 
 impl Block {
-    /// An empty block for rows of `width` entries.
     pub(super) fn new(width: usize, most_rows: usize) -> Self {
         let packs = most_rows.min(MOST_ROWS).div_ceil(LANES);
         Self {
@@ -37,12 +35,11 @@ impl Block {
         }
     }
 
-    /// Whether the block has no space for another row.
     pub(super) const fn is_full(&self) -> bool {
         self.rows == self.packs * LANES
     }
 
-    /// Adds a row of zeros with the right-hand side `right`, and returns the index of the row.
+    /// Adds a row of zeros with the right-hand side `right`. Returns the index of the row.
     pub(super) fn push(&mut self, right: f64) -> usize {
         debug_assert!(!self.is_full());
         if self.is_stale {
@@ -55,13 +52,11 @@ impl Block {
         row
     }
 
-    /// Sets the entry of `row` in `column`, which is counted from the first column of the block.
     #[inline]
     pub(super) fn set(&mut self, row: usize, column: usize, value: f64) {
         self.columns[column * self.packs + row / LANES][row % LANES] = value;
     }
 
-    /// Adds a row whose first entries are `entries`. The remaining entries of the row are zero.
     pub(super) fn push_row(&mut self, entries: &[f64], right: f64) {
         let row = self.push(right);
         for (column, &entry) in entries.iter().enumerate() {
@@ -93,32 +88,26 @@ impl Triangle {
         }
     }
 
-    /// Number of unknowns of the equations.
     pub(super) const fn order(&self) -> usize {
         self.order
     }
 
-    /// Number of entries of a row, starting at its diagonal.
     pub(super) const fn band(&self) -> usize {
         self.band
     }
 
-    /// The entries of a row, starting at its diagonal.
     pub(super) fn row(&self, row: usize) -> &[f64] {
         &self.rows[row * (self.band + 1)..][..self.band]
     }
 
-    /// The entries of a row, starting at its diagonal, as a slice that can be changed.
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f64] {
         &mut self.rows[row * (self.band + 1)..][..self.band]
     }
 
-    /// The right-hand side of a row.
     pub(super) fn right(&self, row: usize) -> f64 {
         self.rows[row * (self.band + 1) + self.band]
     }
 
-    /// Sets a row and its right-hand side to zero.
     pub(super) fn clear_row(&mut self, row: usize) {
         let stride = self.band + 1;
         self.rows[row * stride..][..stride].fill(0.0);
@@ -144,7 +133,7 @@ impl Triangle {
                 continue;
             }
             let row = &mut self.rows[(start + offset) * (band + 1)..][..=band];
-            // This Householder reflection maps (row[0], pivot) to (norm, 0, …). `row[0]` is not negative.
+            // This Householder reflection converts (row[0], pivot) to (norm, 0, …). `row[0]` is not negative.
             let norm = (row[0] * row[0] + square).sqrt();
             let head = -square / (row[0] + norm);
             let per_norm = 1.0 / norm;
@@ -168,8 +157,8 @@ impl Triangle {
         block.is_stale = true;
     }
 
-    /// Effective degrees of freedom of these equations after further equations were added. It is the trace of `J⁻ᵀ RᵀR
-    /// J⁻¹`, where `R` is this triangle, and `J` is the triangle `joined` of all equations.
+    /// Effective degrees of freedom of these equations after further equations were added: the trace of `J⁻ᵀ RᵀR J⁻¹`.
+    /// `R` is this triangle, and `J` is the triangle `joined` of all equations.
     pub(super) fn share_of(&self, joined: &Self) -> f64 {
         let mut trace = 0.0;
         let mut row = vec![0.0; self.order];
@@ -236,7 +225,6 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Equations with bandwidth 2 in three unknowns. The expected result comes from the normal equations.
     #[test]
     fn least_squares_of_a_small_band() {
         let mut triangle = Triangle::new(3, 2);

@@ -43,7 +43,6 @@ impl Golden {
         }
     }
 
-    /// Largest difference between the values of the spline `smoothed` and the values of FITPACK's spline on a grid.
     fn deviation(&self, smoothed: &Smoothed) -> f64 {
         let mut largest = 0.0_f64;
         for (&u, row) in self.grid.iter().zip(&self.values) {
@@ -78,9 +77,9 @@ macro_rules! golden {
     };
 }
 
-/// Fits a spline to the points of a FITPACK result. The fit must have FITPACK's knots, and its sum of squared residuals
-/// must equal the required sum `golden.smoothing` within a thousandth. If FITPACK's own residual sum is required
-/// instead, the values of the spline must also be equal.
+/// Fits a spline to the points of a FITPACK result. The spline must have FITPACK's knots, and its sum of squared
+/// residuals must equal the required sum `golden.smoothing` within a thousandth. If FITPACK's own residual sum is
+/// required instead, the values of both splines must be equal.
 fn assert_agrees(name: &str, golden: &Golden, expected: Status) {
     let spline = SmoothingSpline::new(golden.degree, golden.smoothing);
     let smoothed = spline.fit(&golden.points).unwrap();

@@ -15,7 +15,6 @@ fn point(u: f64, v: f64, w: f64) -> WeightedPoint {
     }
 }
 
-/// A grid of 7 × 7 points in the square [−1, 1]², with heights from the function `height`.
 fn grid(height: fn(f64, f64) -> f64) -> Vec<WeightedPoint> {
     let places = |index: usize| (index as f64 - 3.0) / 3.0;
     (0..49)
@@ -62,8 +61,8 @@ fn polynomials_are_interpolated() {
     assert!(level.spline.value(0.3, 0.4).abs() == 0.0);
 }
 
-/// The number of knots is not limited, and the required residual sum is zero. The fit either reaches this sum, or its
-/// status states that no more knots can be added. In both cases, the values are accurate.
+/// The knots are not limited, and the required residual sum is zero. Either the fit reaches this sum, or its status
+/// states that no more knots can be added.
 #[test]
 fn a_sum_of_zero_interpolates_or_exhausts_the_knots() {
     let smoothed = fit(3, 0.0, &grid(|u, v| libm::sin(2.0 * u) * libm::exp(v))).unwrap();
@@ -88,8 +87,6 @@ fn a_huge_sum_returns_the_polynomial() {
     }
 }
 
-/// The residual sum of a fit is equal to the required sum. A larger required sum reduces the effective degrees of
-/// freedom.
 #[test]
 fn the_residual_sum_equals_the_requested_sum() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));
@@ -108,7 +105,6 @@ fn the_residual_sum_equals_the_requested_sum() {
     }
 }
 
-/// The number of knots can be limited separately for each direction, as in FITPACK.
 #[test]
 fn knots_can_be_limited() {
     let spline = SmoothingSpline {
@@ -123,8 +119,6 @@ fn knots_can_be_limited() {
     assert_eq!(smoothed.spline.v.interior().len(), 2);
 }
 
-/// If weights and heights are multiplied by powers of two, the spline has exactly the same values in the new unit of
-/// the heights.
 #[test]
 fn weights_and_heights_in_other_units_have_the_same_spline() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));
@@ -149,7 +143,7 @@ fn weights_and_heights_in_other_units_have_the_same_spline() {
     }
 }
 
-/// Points on an inclined line determine only 5 of 9 coefficients. On the line, the value is nevertheless correct.
+/// Points on an inclined line determine only 5 of 9 coefficients, but the value on the line is correct.
 #[test]
 fn points_on_a_slanted_line_determine_a_polynomial_of_lower_rank() {
     let points: Vec<_> = (0..40)
@@ -215,7 +209,7 @@ fn invalid_points_and_settings_are_refused() {
     ));
 }
 
-/// Random doubles: a sixth has any bit pattern, two thirds are between −2 and 2, and a sixth is between 1e-9 and 1e9.
+/// Random doubles: a sixth with any bit pattern, two thirds between −2 and 2, a sixth between 1e-9 and 1e9.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -227,7 +221,6 @@ fn any_number() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Heights of any size at the points of a grid can be smoothed to any sum of squared residuals.
     #[test]
     fn grids_of_points_are_smoothed(
         heights in prop::collection::vec(-1.0..1.0, 64),

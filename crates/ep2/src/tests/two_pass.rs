@@ -37,7 +37,6 @@ fn contacts(surface: Surface, normals: bool) -> Vec<Contact> {
         .collect()
 }
 
-/// A fit to contacts whose heights have Gaussian errors with the standard deviation `std`. The unit of length is 1.
 fn noisy(surface: Surface, std: f64, trial: u64, passes: Passes) -> Fit {
     let mut contacts = contacts(surface, true);
     let mut noise = Stream::new(1, trial, Channel::Position);
@@ -125,8 +124,8 @@ fn shallow_spheres_and_cylinders_are_fitted() {
 }
 
 /// The smoothing sum of the paper is 1000 for 30 contacts of weight 100. A biquadratic spline without knots leaves 21
-/// degrees of freedom. With noise of 5 % of the unit of length, its expected residual sum is 525, so knots are not
-/// needed. With noise of 10 %, the sum is 2100, so knots are needed.
+/// degrees of freedom. If the noise is 5 % of the unit of length, the expected residual sum is 525, so knots are not
+/// needed. If it is 10 %, the sum is 2100, so knots are needed.
 #[test]
 fn the_noise_decides_the_number_of_knots() {
     let trials = 100;
@@ -141,8 +140,6 @@ fn the_noise_decides_the_number_of_knots() {
     assert!(plain(0.10) <= 6);
 }
 
-/// The points have errors of 10 % of the unit of length, and the required sum of squared residuals is zero. The fit
-/// adds knots until no more are possible, and its status states this.
 #[test]
 fn the_status_reports_exhausted_knots() {
     let method = TwoPass {
@@ -191,8 +188,6 @@ fn results_do_not_depend_on_size_and_orientation() {
     }
 }
 
-/// The distance between the fingers is 1.5. Therefore the default unit of length must give the same result as a stated
-/// unit of 1.5.
 #[test]
 fn the_default_unit_is_the_distance_between_fingers() {
     let contacts = contacts(saddle, true);

@@ -9,7 +9,7 @@ use palpate_ep2::{
 use palpate_geometry::ShapeThresholds;
 use proptest::prelude::*;
 
-/// Random doubles: a sixth has any bit pattern, two thirds are between −2 and 2, and a sixth is between 1e-9 and 1e9.
+/// Random doubles: a sixth with any bit pattern, two thirds between −2 and 2, a sixth between 1e-9 and 1e9.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -90,8 +90,8 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
-/// Largest contradiction between the numbers of a map point. The Gaussian and the mean curvature are compared with the
-/// values that follow from the principal curvatures. The axes are compared with an orthonormal frame.
+/// Largest contradiction between the numbers of a map point. The Gaussian and the mean curvature must follow from the
+/// principal curvatures, and the axes must be orthonormal.
 fn inconsistency(point: &MapPoint) -> f64 {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
@@ -119,7 +119,6 @@ fn is_finite(point: &MapPoint) -> bool {
     all.all(|number| number.is_finite())
 }
 
-/// Contacts on a bump, with normals.
 fn bump() -> Vec<Contact> {
     let at = |index: usize| [index % 7, index / 7].map(|step| step as f64 / 3.0 - 1.0);
     let contact = |index: usize| {
@@ -190,8 +189,8 @@ fn uncertainties_of_any_size_return_probabilities_or_none() {
     assert_eq!(of(1.0, f64::NAN), None);
 }
 
-/// The name of the error that must be returned for these contacts. `None` if no number is invalid, so that only the fit
-/// itself can find an error.
+/// Name of the error that must be returned for these contacts. `None` if no number is invalid, so that only the fit can
+/// find an error.
 fn expected_error(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
     if contacts.len() < 3 {
         return Some("too-few-contacts");
@@ -220,7 +219,6 @@ fn expected_error(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'stat
 proptest! {
     #![proptest_config(config(200))]
 
-    /// Every method fits bumps of any size whose contacts have position errors of up to a hundredth of the size.
     #[test]
     fn bumps_of_any_size_have_a_curvature_everywhere(
         power in -9.0..9.0_f64,
@@ -285,8 +283,6 @@ proptest! {
 proptest! {
     #![proptest_config(config(24))]
 
-    /// If all lengths are multiplied by a factor, the curvatures are divided by it. The curvatures do not depend on the
-    /// orientation of the patch.
     #[test]
     fn scaled_and_turned_patches_have_scaled_curvatures(
         power in -200..200,
@@ -320,7 +316,7 @@ proptest! {
     }
 
     /// The paraboloid w = (b₁ u² + b₂ v²)/2 has the Gaussian curvature b₁ b₂ and the mean curvature −(b₁ + b₂)/2 at its
-    /// apex. The estimates must be exact for any size, curvature, position and orientation.
+    /// apex.
     #[test]
     fn paraboloids_are_estimated_exactly(
         power in -100.0..100.0_f64,

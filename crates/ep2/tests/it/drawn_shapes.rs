@@ -6,7 +6,6 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::Contact;
 use palpate_sensing::{Channel, Stream};
 
-/// Random numbers that depend on a seed.
 pub(super) struct Random(Stream);
 
 impl Random {
@@ -41,24 +40,20 @@ impl Random {
     }
 }
 
-/// A surface around its pole, where its normal is +z.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Surface {
     Plane,
     Sphere(f64),
     Cylinder(f64),
-    /// The saddle w = −(u² − r v²)/2R. The two values of this variant are R and r.
+    /// The saddle w = −(u² − r v²)/2R with the values R and r.
     Saddle(f64, f64),
-    /// Outer side of a torus. The two values of this variant are the radius of the tube and the radius of the circle on
-    /// which the tube's centre lies.
+    /// Outer side of a torus: radius of the tube, and radius of the circle of the tube's centres.
     Torus(f64, f64),
-    /// The wave w = a sin(2π u / l + phase). The three values of this variant are the amplitude a, the wavelength l and
-    /// the phase.
+    /// The wave w = a sin(2π u / l + phase): amplitude a, wavelength l and phase.
     Wave(f64, f64, f64),
 }
 
 impl Surface {
-    /// Position and normal of the surface at the coordinates u and v.
     pub(super) fn at(&self, u: f64, v: f64) -> (Vector3<f64>, Vector3<f64>) {
         let graph =
             |w: f64, p: f64, q: f64| (Vector3::new(u, v, w), Vector3::new(-p, -q, 1.0).normalize());
@@ -105,7 +100,6 @@ impl Surface {
         }
     }
 
-    /// `count` contacts at random places in a disc with the radius `radius` around the pole.
     pub(super) fn disc(
         &self,
         random: &mut Random,
@@ -176,7 +170,6 @@ pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> V
         .collect()
 }
 
-/// The contacts with reversed normals, as if the fingers touched the inner side of the surface.
 pub(super) fn inside(contacts: &[Contact]) -> Vec<Contact> {
     contacts
         .iter()

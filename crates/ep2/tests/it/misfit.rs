@@ -33,7 +33,6 @@ fn misfit(method: &dyn Method, contacts: &[Contact]) -> MisfitTest {
     method.misfit(&patch, None).unwrap()
 }
 
-/// A saddle whose surface is a quadric.
 const SADDLE: &Surface = &QUADRIC_LIKE[3];
 
 /// Kolmogorov statistic of numbers: the largest distance between their distribution and the uniform distribution, times
@@ -93,8 +92,8 @@ fn p_values_are_uniform_on_a_quadric() {
     }
 }
 
-/// If there are few contacts, only a small part of the noise remains in the residuals. The test must not report this
-/// part as an outlier.
+/// If there are few contacts, only a small part of the noise remains in the residuals. The test must not report it as
+/// an outlier.
 #[test]
 fn few_sound_contacts_seldom_have_a_misfit() {
     for (fingers, contacts_per_finger) in [(3, 2), (3, 3), (3, 4), (4, 4)] {

@@ -8,7 +8,7 @@ use palpate_ep2::{
 };
 use palpate_geometry::ShapeThresholds;
 
-/// For each grid point, the estimated curvature and the true curvature (Gaussian and mean).
+/// For each grid point, the estimated curvature and the true curvature.
 fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
     let contacts = sweep.contacts(surface, trial);
     let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
@@ -26,7 +26,6 @@ fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> V
         .collect()
 }
 
-/// Root mean square errors of the Gaussian curvature K and the mean curvature H.
 fn errors(method: &dyn Method, surface: &Surface, sweep: &Sweep, trials: u64) -> [f64; 2] {
     let all: Vec<_> = (0..trials)
         .flat_map(|trial| found(method, surface, sweep, trial))
@@ -152,8 +151,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Two shares of all grid points and trials. In the first share, the true Gaussian curvature is within 1.96 standard
-/// errors of its estimate. In the second share, the true mean curvature is.
+/// Shares of all grid points and trials in which the true Gaussian curvature, and the true mean curvature, are within
+/// 1.96 standard errors of their estimates.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,
@@ -177,7 +176,7 @@ fn coverage(
 
 #[test]
 fn intervals_contain_the_truth_of_random_surfaces() {
-    // With this number of surfaces, the standard error of the mean coverage is about 1 %.
+    // With this number of surfaces, the mean coverage has a standard error of about 1 %.
     const SURFACES: u64 = 40;
     for noise in [0.005, 0.02, 0.1] {
         let mut sums = [0.0; 2];

@@ -16,8 +16,7 @@ fn methods() -> [Box<dyn Method>; 3] {
     ]
 }
 
-/// The outcome of each method: "result" if it computes all curvatures, otherwise the name of its first error. The
-/// curvatures must be finite.
+/// The outcome of each method: "result" if it computes all curvatures, otherwise the name of its first error.
 fn outcomes(contacts: &[Contact]) -> [&'static str; 3] {
     methods().map(|method| {
         let outcome = Patch::new(contacts, &Vector3::z())
@@ -84,8 +83,8 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
     for outcome in outcomes(&plain(curve)) {
         assert_ne!(outcome, "result");
     }
-    // With normals, the slope across the curve is determined, but not how this slope changes. So the result is very
-    // uncertain.
+    // With normals, the slope across the curve is determined, but not the derivative of this slope. So the curvature is
+    // very uncertain.
     let mut one_finger = sphere();
     one_finger.truncate(10);
     for contact in &mut one_finger {

@@ -154,7 +154,6 @@ pub(crate) const DETAILED: [Surface; 2] = [
     },
 ];
 
-/// Numbers, positions and noise of simulated contacts.
 #[derive(Clone, Copy)]
 pub(crate) struct Sweep {
     pub(crate) fingers: usize,
@@ -174,12 +173,10 @@ impl Sweep {
         }
     }
 
-    /// Contacts on a surface in the square |x|, |y| <= 1.5, with noise.
     pub(crate) fn contacts(&self, surface: &Surface, trial: u64) -> Vec<Contact> {
         self.contacts_on(surface.at, trial)
     }
 
-    /// Contacts of any surface in the square |x|, |y| <= 1.5.
     pub(crate) fn contacts_on(
         &self,
         surface: impl Fn(f64, f64) -> Truth,
@@ -207,7 +204,6 @@ impl Sweep {
     }
 }
 
-/// Positions of a grid of `side` × `side` points in the square |x|, |y| <= 1.
 pub(crate) fn grid(side: usize) -> impl Iterator<Item = (f64, f64)> {
     let place = move |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
     (0..side * side).map(move |index| (place(index / side), place(index % side)))

@@ -165,7 +165,6 @@ fn the_right_shape_is_chosen() {
     assert!(f64::from(wrong) < 0.05 * 120.0, "{confusion:?}");
 }
 
-/// Three fingertips make strokes over a ball with radius 25 mm.
 fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
     noisy(random, &exact, each, 0.05, Some(0.01))
@@ -192,8 +191,8 @@ fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -
     rows.collect()
 }
 
-/// Two logs: one whose readings depend on each other, and a comparable log without dependent readings. The third result
-/// is the smallest accepted coverage.
+/// Two logs: one whose readings depend on each other, and a similar log of independent readings. The third result is
+/// the smallest accepted coverage.
 fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
     if kind < 3 {
         let plain = ball_log(random, 10);
@@ -240,8 +239,8 @@ fn dependent_readings_count_once() {
     }
 }
 
-/// Share of the logs whose interval contains the true mean curvature, and share of the logs whose noise is reported as
-/// correlated.
+/// Share of the logs whose interval contains the true mean curvature, and share of the logs that are reported to have
+/// correlated noise.
 fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 2] {
     let mut shares = [0.0; 2];
     let mut count = 0.0;
@@ -277,8 +276,8 @@ fn surfaces_are_not_fitted_to_correlated_noise() {
     assert!(held > 0.85 && found < 0.1, "{held} {found}");
 }
 
-/// Moves a tenth of the contacts of a log off the surface, and returns their rows. `kind` selects where these contacts
-/// are moved: to one point near the surface, along their normals, or to one point beside the patch.
+/// Moves a tenth of the contacts of a log off the surface, and returns their rows. `kind` selects the new places: one
+/// point near the surface, places along the normals, or one point beside the patch.
 fn with_outliers(random: &mut Random, log: &mut [Contact], kind: u64) -> Vec<usize> {
     let offset = |random: &mut Random| random.between(1.5, 4.0) * random.normal().signum();
     let middle = log[log.len() / 2];

@@ -14,7 +14,7 @@ fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
     })
 }
 
-/// Positions that the readings of a fingertip report on a ball of radius 5 or, if `concave`, in a dish of radius 5.
+/// Positions that a fingertip reports on a ball of radius 5 or, if `concave`, in a dish of radius 5.
 fn readings(tip: &RoundTip, concave: bool, with_normals: bool) -> Vec<Contact> {
     let (radius, side) = if concave { (5.0, -1.0) } else { (5.0, 1.0) };
     let readings = normals().map(|(finger, out)| {
@@ -69,8 +69,7 @@ fn tips_without_normals_determine_the_object() {
             let centre = method.fit(&patch).unwrap().centre().unwrap();
             let found = centre.curvature;
             assert!((found.mean - mean).abs() < 0.004, "{found:?}");
-            // The tip's radius matters: if it is ignored, the reported centres lie on a ball of radius 6 or in a dish
-            // of radius 4.
+            // If the tip's radius is ignored, the centres lie on a ball of radius 6 or in a dish of radius 4.
             let taken = Patch::new(&readings, &Vector3::z()).unwrap();
             let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
             assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");
