@@ -194,13 +194,13 @@ impl Body {
         !matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Whether the model is only an approximation whose errors are larger than the noise of readings.
+    /// Whether the errors of the model itself exceed the usual noise of readings, as in the Gaussian approximation.
     pub(crate) fn is_approximate(&self) -> bool {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Limit of the tables of a bonded layer. It is the ratio of indentation to relative curvature for the widest
-    /// contact in the tables. Fits avoid wider contacts, because each of them must be solved, which is slow.
+    /// Largest ratio of indentation to relative curvature in the tables of a bonded layer; infinite for other bodies.
+    /// Fits avoid wider contacts, because each of them must be solved without a table, which is slow.
     pub(crate) fn end_of_tables(&self) -> f64 {
         let end = match &self.0 {
             Rung::BondedLayer {

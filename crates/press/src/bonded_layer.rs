@@ -28,7 +28,6 @@ use crate::body::Field;
 
 /// Largest radius of a contact that can be solved, relative to the layer's thickness.
 const MAX_RADIUS: f64 = 50.0;
-/// Maximum number of steps of Newton's method. Usually, about four steps are enough.
 const STEPS: usize = 30;
 
 /// An incompressible layer on a rigid base, whose displacements are computed at one depth.
@@ -44,7 +43,6 @@ pub(crate) struct BondedLayer {
     number: usize,
 }
 
-/// Data of one layer that its models for several depths have in common.
 #[derive(Debug)]
 struct Family {
     /// Depths of the models, relative to the thickness of the layer.
@@ -236,8 +234,6 @@ impl BondedLayer {
         })
     }
 
-    /// The contact's radius `a` divided by the thickness. Returns an error if the equations cannot be solved for this
-    /// radius.
     fn scaled(&self, a: f64) -> Result<f64, PressError> {
         let contact = a / self.thickness;
         if contact.is_nan() || contact <= 0.0 {
@@ -263,7 +259,6 @@ impl BondedLayer {
 }
 
 impl LayerContact {
-    /// The indentation divided by the relative curvature, and its derivative with respect to the contact's radius.
     pub(crate) fn indentation(&self) -> [f64; 2] {
         let [indentation, slope, ..] = self.numbers;
         let thickness = self.thickness;

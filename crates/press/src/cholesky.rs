@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// Solution of a linear system; `None` if the matrix is not positive definite or the solution is not finite.
+/// Solves the system `matrix` · x = `right`. Returns `None` if the matrix is not positive definite or x is not finite.
 pub(crate) fn solve<const N: usize>(
     matrix: &SMatrix<f64, N, N>,
     right: &SVector<f64, N>,
@@ -34,7 +34,7 @@ pub(crate) fn inverse<const N: usize>(
     (least > singular).then(|| factor.inverse().component_mul(&outer))
 }
 
-/// Factors of rows and columns that scale the diagonal of a matrix to 1.
+/// Factors by which rows and columns must be multiplied so that the diagonal of the matrix is 1.
 fn scale<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Option<SVector<f64, N>> {
     let scale = SVector::<f64, N>::from_fn(|index, _| matrix[(index, index)].sqrt().recip());
     scale.iter().all(|entry| entry.is_finite()).then_some(scale)

@@ -267,7 +267,6 @@ struct Fit {
 }
 
 struct Problem<'a> {
-    /// Poisson's ratio of the half-space, and the depth of the markers.
     half_space: (f64, f64),
     reading: &'a Reading<'a>,
     /// Standard deviations of the noise of normal and tangential displacements.

@@ -96,7 +96,6 @@ impl<V: View> ImageFit<V> {
         indentation.map_or(Ok(()), Measured::check)
     }
 
-    /// The joint prior of sensor deviations in the form that the equations need; `None` if no joint prior is set.
     fn known(&self) -> Result<Option<FreePrior>, PressError> {
         let prior = self.departure_prior.as_ref();
         prior

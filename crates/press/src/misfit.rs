@@ -19,8 +19,8 @@ const BY_DISTANCE: Range<usize> = 0..5;
 /// Indices of the patterns that also depend on the direction from the contact.
 const BY_DIRECTION: Range<usize> = 5..7;
 
-/// Smallest share of a pattern that the fitted parameters must leave unexplained. A pattern with a smaller share is not
-/// tested, because its unexplained rest is mostly an effect of the model's nonlinearity.
+/// A pattern is tested only if the fitted parameters leave at least this share of it unexplained. A smaller rest is
+/// mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
 /// Displacements of a marker in all tested patterns, one column per pattern. The three rows are the components inward

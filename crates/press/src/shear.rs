@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 use crate::PressError;
 use crate::half_space::Spheroidal;
 
-/// Displacement of a point of the skin per unit of length that the contact shifts. The contact sticks to the skin.
+/// Displacement of a point of the skin if the contact shifts by one unit of length without slip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StuckShift {
     pub(crate) along: f64,

@@ -24,7 +24,7 @@ pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// smaller, the parameter counts as exact, because a fit with such a prior would suffer from rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
-/// The fit parameters that are fitted, with their normal priors.
+/// Which parameters of a press are fitted, and their normal priors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
     /// For each fit parameter, whether it is fitted; `false` for exact parameters.

@@ -16,8 +16,8 @@ use crate::body::Field;
 
 /// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own tables.
 pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
-/// Number of contact radii in a table. A panel (an interval of distances from the contact) has the same number of
-/// distances.
+/// Number of contact radii in a table, and of distances in a panel. A panel is an interval of distances from the
+/// contact.
 const NODES: usize = 16;
 /// Width of a panel within the contact and near it, relative to the layer's thickness. A panel is an interval of
 /// distances from the contact that has its own polynomial.
@@ -106,7 +106,6 @@ impl Table {
         Ok(tables)
     }
 
-    /// The contact with the radius `contact`, which must be in the range of this table.
     pub(super) fn entry(&self, contact: f64) -> Entry {
         let mut row = vec![0.0; self.rows[0].len()];
         self.interpolate(contact, &mut row);

@@ -201,8 +201,8 @@ fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
     coefficients
 }
 
-/// Terms that consist of the coefficients of two series, `curved` and `flat`. The coefficients with the index j are
-/// multiplied by the factor of their series and by (−1)ʲ.
+/// Joins the series `curved` and `flat` to one list of terms. The coefficients with the index j are multiplied by the
+/// factor of their series and by (−1)ʲ.
 fn terms(curved: &[f64], curved_factor: f64, flat: &[f64], flat_factor: f64) -> Vec<Term> {
     let at = |series: &[f64], j: usize| series.get(j).copied().unwrap_or(0.0);
     let count = curved.len().max(flat.len());

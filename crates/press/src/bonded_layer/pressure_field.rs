@@ -98,7 +98,6 @@ fn second_kind(xi: f64, q: &mut [f64]) -> usize {
     top + 1
 }
 
-/// The potential Φ, its derivatives with respect to the spheroidal coordinates ξ and η, and a weighted sum.
 #[derive(Default)]
 struct Sums {
     value: f64,
@@ -154,7 +153,6 @@ fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
 }
 
 impl Sums {
-    /// Inward and outward displacement at a point.
     fn displacement(&self, place: Spheroidal) -> [f64; 2] {
         let Spheroidal {
             xi,

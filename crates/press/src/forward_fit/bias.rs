@@ -45,7 +45,6 @@ impl Problem<'_> {
         outcome(self, (state, sums), covariance, limit, readings)
     }
 
-    /// Goodness of fit at the minimum of chi-squared; `None` if the noise is not stated.
     pub(super) fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
         self.knows_noise()
             .then(|| GoodnessOfFit::new(sums.chi_squared, self.freedom()))
@@ -83,7 +82,7 @@ fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     interval.high.map_or(corrected, |high| corrected.min(high))
 }
 
-/// Step of the second differences of the model, in standard errors of the parameters.
+/// Step of the second differences of the model, in standard errors of the fit parameters.
 const STEP: f64 = 0.3;
 
 /// Relative bias of the estimated relative curvature, to first order. It is the bias of the logarithm of the curvature

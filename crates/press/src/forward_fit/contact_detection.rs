@@ -36,8 +36,6 @@ impl Problem<'_> {
         freedom * libm::expm1(2.0 * odds / freedom)
     }
 
-    /// The error for readings without a detected contact. `improvement` is the decrease of chi-squared by the best
-    /// contact.
     pub(super) fn without_contact(&self, improvement: f64) -> PressError {
         let (squares, each) = at_rest(self);
         let improvement = improvement.max(0.0);

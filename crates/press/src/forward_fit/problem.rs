@@ -40,7 +40,6 @@ pub(super) struct Problem<'a> {
     pub(super) widest: f64,
 }
 
-/// Normal and tangential displacement of one marker in the model, with derivatives with respect to the fit parameters.
 struct Predicted {
     moved: (f64, Vector2<f64>),
     normal_slopes: Unknowns,
@@ -143,7 +142,6 @@ impl<'a> Problem<'a> {
         finite(self.fitted.prior_sums(state).chi_squared + sum.total())
     }
 
-    /// Chi-squared with its derivatives, for the fit parameters `state`.
     pub(super) fn sums(&self, state: &State) -> Result<Sums, PressError> {
         match self.uses_tangential() {
             true => self.sums_of::<true>(state),
@@ -433,8 +431,7 @@ pub(super) struct RobustSum {
 }
 
 impl RobustSum {
-    /// Starts a robust sum, which contains no markers yet. `tolerance` is the tolerance c in standard deviations. If c
-    /// is infinite, all residuals have equal weights.
+    /// `tolerance` is the tolerance c in standard deviations. If it is infinite, all residuals have equal weights.
     pub(super) const fn new(tolerance: f64) -> Self {
         Self {
             limit: tolerance * tolerance,

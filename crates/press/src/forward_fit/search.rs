@@ -52,9 +52,8 @@ pub(super) struct Search<'a> {
     rivals: Vec<State>,
 }
 
-/// Result of the second search, which follows if the first fit shows no contact.
+/// Result of the second search, which follows a fit without a detected contact.
 enum Found<'a> {
-    /// The readings show a contact at another place.
     Contact(Box<(Search<'a>, State, Sums)>),
     /// The readings show no contact, but an indentation is stated, so there must be one. This is the estimate from the
     /// stated indentation.
@@ -433,7 +432,6 @@ impl<'a> Search<'a> {
         self.problem.sums(state)
     }
 
-    /// Whether the estimated noise has changed noticeably since the last call.
     fn is_noise_new(&self, last: &mut Option<[f64; 2]>) -> bool {
         let now = [self.problem.normal_std, self.problem.tangential_std];
         let tolerance = MAX_NOISE_CHANGE.min(MAX_RISE / self.problem.equations() as f64);

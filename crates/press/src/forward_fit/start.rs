@@ -14,15 +14,15 @@ use crate::{Displacement, Place};
 /// Number of markers at which contacts are tried. They are the markers that moved most. Contacts are also tried at the
 /// mean positions of the first two, three and four of these markers.
 const MARKERS: usize = 4;
-/// Distances from the markers at which contacts outside the markers are tried, in units of the markers' scale.
+/// Distances from the markers at which contacts outside the markers are tried, in units of `Markers::scale`.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 /// A contact outside the markers is a start value only if its chi-squared exceeds the smallest chi-squared by less than
 /// this value.
 const MAX_EXCESS: f64 = 50.0;
-/// Contact radii that are tried, in units of the markers' scale. The first entry is a medium radius, which is tried at
+/// Contact radii that are tried, in units of `Markers::scale`. The first entry is a medium radius, which is tried at
 /// all places.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
-/// Number of contact directions for which all radii are tried.
+/// Number of places at which all radii are tried: the most likely places for a contact of medium radius.
 const VIEWS: usize = 3;
 
 /// Start values: the `few` most likely contacts among the markers, and the most likely contact outside the markers. The
@@ -44,7 +44,7 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
 }
 
 /// Tables of displacements for contacts with several radii. The displacements are stored at nodes, which are distances
-/// from the contact. The nodes extend to half the circumference of a sphere whose radius is the markers' scale.
+/// from the contact. The nodes extend to half the circumference of a sphere with the radius `Markers::scale`.
 pub(super) struct Shapes {
     furthest: f64,
     /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` if the
@@ -172,7 +172,6 @@ fn of_shape(
     Some((cost, state))
 }
 
-/// Directions of the markers that moved most, sorted by decreasing displacement.
 fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let normal = problem.reading.normal;
     let mut order: Vec<usize> = (0..normal.len()).collect();

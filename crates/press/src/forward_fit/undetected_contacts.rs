@@ -12,11 +12,9 @@ use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
 
 /// Largest radius of the contacts that are tried, relative to the sensor's radius.
 const MAX_RADIUS: f64 = 0.9;
-/// Contacts with several radii are tried. This is the ratio of each radius to the next larger radius.
+/// Ratio of each tried contact radius to the next larger one.
 const RADIUS_RATIO: f64 = 0.8;
-/// Number of contact radii that are tried.
 const RADII: usize = 32;
-/// Largest number of places at which contacts are tried.
 const MAX_PLACES: usize = 100;
 /// Radius of the widest contact that can remain undetected between neighbouring markers, relative to the distance
 /// between the markers.
@@ -33,7 +31,6 @@ pub(super) struct UndetectedContacts<'p, 'a> {
     found: Vec<Candidate>,
 }
 
-/// A contact that is possible although the readings do not show it.
 #[derive(Clone, Copy)]
 struct Candidate {
     state: State,

@@ -248,7 +248,6 @@ impl<'a, V: View> Problem<'a, V> {
         self.fitted(state, residuals, &pictures, &slopes)
     }
 
-    /// The images of all markers, and their derivatives with respect to the displacements of the discs only.
     pub(super) fn by_displacements(
         &self,
         moved: &[[MarkerDisplacement; 2]],

@@ -269,8 +269,6 @@ impl<V: View> Problem<'_, V> {
         GoodnessOfFit::new(fitted.sums.chi_squared, self.freedom())
     }
 
-    /// The error for images without a detected contact. `improvement` is the decrease of chi-squared by the best
-    /// contact.
     fn no_contact(&self, improvement: f64) -> PressError {
         let at_rest = self.residuals_at_rest();
         match at_rest.and_then(|at_rest| self.squares(&at_rest)) {

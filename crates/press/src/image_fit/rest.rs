@@ -31,8 +31,8 @@ pub struct Rest {
     /// For each marker, the linear dependence of its misalignment on the uncertain common sensor deviations, and the
     /// covariance that the misalignment would have if these deviations were known.
     pub(super) local: Vec<Option<Local>>,
-    /// Images of the markers at rest that the model predicts, and their derivatives. They are for the sensor parameters
-    /// at which the model was linearised.
+    /// Images of the markers at rest that the model predicts, and their derivatives, for the sensor parameters at which
+    /// the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
     pub(super) frame: Arc<RestFrame>,
 }
@@ -126,7 +126,6 @@ impl<V: View> ImageFit<V> {
 #[derive(Clone, Debug)]
 pub(super) struct RestFrame {
     seen: Vec<Option<Seen>>,
-    /// Inverse covariance of each reading; `None` for markers without a reading.
     pub(super) weights: Vec<Option<Matrix4<f64>>>,
 }
 
@@ -148,7 +147,6 @@ impl RestFrame {
 pub(super) struct Resting<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) free: Vec<usize>,
-    /// Joint prior of some uncertain sensor deviations, if there is one.
     pub(super) known: Option<Arc<FreePrior>>,
     pub(super) frame: Arc<RestFrame>,
 }
@@ -221,7 +219,6 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl<V: View> Resting<'_, V> {
-    /// Builds the result of the fit at rest from the parameters `state`, which solve the equations.
     pub(super) fn result(
         &self,
         state: State,

@@ -82,8 +82,8 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// Adds the differences between the parameters of the sensors `to` and `from` (`to` − `from`) to the parameters of
-    /// this sensor.
+    /// Adds the parameters of the sensor `to` minus the parameters of the sensor `from` to the parameters of this
+    /// sensor.
     pub(super) fn shift(&mut self, to: &Self, from: &Self) {
         for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
             *one += to - from;
@@ -134,7 +134,6 @@ pub struct PictureSlopes {
 }
 
 impl PictureSlopes {
-    /// Whether all lists and matrices have the correct sizes for `markers` markers and `departures` sensor deviations.
     pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
         self.pictures.len() == markers
             && self.common.shape() == (NUMBERS * markers, departures)
