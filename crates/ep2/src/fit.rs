@@ -254,7 +254,6 @@ impl Fit {
         Ok((jets.lanes()[0], curvatures.at(0)))
     }
 
-    /// Height and derivatives of the surface at a place (u, v) in the patch's coordinates.
     pub(crate) fn jet(&self, u: f64, v: f64) -> Jet {
         let mut jet = self.spline.jet(u, v);
         if let Some((mean, square)) = &self.mean {
@@ -270,7 +269,6 @@ impl Fit {
         Some(posterior.series(Lanes::from(u)))
     }
 
-    /// Height, derivatives and curvatures at several places `u` on a line of constant v.
     #[inline(always)]
     fn on_line(
         &self,

@@ -180,7 +180,6 @@ fn gap(mut distances: Vec<f64>) -> Option<f64> {
     found.map(|pair| pair[0] * (1.0 + 1e-9))
 }
 
-/// Returns `outliers`, or an error if more than a fifth of the contacts are outliers.
 pub(crate) fn within_share(
     outliers: Vec<Outlier>,
     contacts: usize,

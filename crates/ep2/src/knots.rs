@@ -1,6 +1,5 @@
 //! B-splines of one variable, and their knots.
 
-/// Highest degree of a spline that this module supports.
 pub(crate) const MAX_DEGREE: usize = 5;
 
 /// Values of the `degree + 1` B-splines that are not zero at a place. The remaining entries of the array are 0.

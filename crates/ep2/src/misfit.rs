@@ -25,7 +25,7 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
 /// to rounding errors or to the approximation error of the series.
 const MIN_POSITION_STD: f64 = 1e-4;
-/// Largest ratio of the variance of a surface beside its contacts to the variance of the most probable process.
+/// Largest variance of the surface beside its contacts, relative to the variance of the most probable process.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.
@@ -61,7 +61,6 @@ pub(crate) struct Model<'a> {
     pub(crate) noise: &'a Noise,
     /// Noise of the tested contacts, stated or estimated.
     pub(crate) found: NoiseEstimate,
-    /// Degree of the series that represents the surface.
     pub(crate) degree: usize,
 }
 
@@ -133,7 +132,6 @@ impl Model<'_> {
             .collect())
     }
 
-    /// The contacts' observations, and the fit to them.
     fn refit(
         &self,
         variances: Variances,

@@ -83,7 +83,6 @@ pub(crate) struct Basis {
     intervals: [usize; 2],
     variances: Variances,
     is_known: bool,
-    /// Noise of the contacts of the patch; `None` if it is neither stated nor estimated.
     noise: Option<NoiseEstimate>,
     /// Curvature in the middle of a fit around an implicit quadric that was rejected. This quadric is more probable
     /// than an ordinary quadric, but the contacts deviate from both.

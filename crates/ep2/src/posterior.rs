@@ -19,7 +19,6 @@ const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Posterior {
     square: Square,
-    /// Degree of the polynomials that represent the surface.
     degree: usize,
     /// Coefficients of the mean of each derivative, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,

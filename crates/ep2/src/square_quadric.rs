@@ -319,7 +319,6 @@ impl SquareQuadric {
         })
     }
 
-    /// The quadric as a series of products of Chebyshev polynomials.
     pub(crate) fn series(&self) -> [f64; UNKNOWNS] {
         (SERIES * self.unknowns).into()
     }

@@ -20,7 +20,6 @@ pub(super) struct Equations {
     pub(super) right_sides: Kinds<DVector<f64>>,
     /// Weighted sums of the squared deviations of the observed heights and slopes from the quadric.
     pub(super) squares: Kinds<f64>,
-    /// Number of equations for heights and for slopes.
     pub(super) count: Kinds<usize>,
 }
 

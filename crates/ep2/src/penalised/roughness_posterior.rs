@@ -34,7 +34,6 @@ const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 const AMPLITUDE_POWER: f64 = 4.0;
 /// Number of amplitudes of the roughness on each side of the expected amplitude, over which the posterior is averaged.
 const AMPLITUDE_STEPS: i32 = 6;
-/// Difference between the logarithms of consecutive amplitudes.
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// Exponent of the likelihood of an amplitude and a length, which reduces its weight. The roughness of a real surface
 /// depends on place and direction, unlike the roughness of a surface that is drawn from the process. Therefore the
@@ -68,7 +67,6 @@ pub(super) struct SquareTerm {
     /// Derivative of the surface with respect to m, as coefficients of all products of Chebyshev polynomials except
     /// those that form quadrics.
     pub(super) derivative: DVector<f64>,
-    /// Prior standard deviation of m.
     pub(super) prior: f64,
 }
 
@@ -284,7 +282,8 @@ fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }
 
-/// Mean and covariance of the rough products' coefficients, and mean variance factor, averaged over all candidates.
+/// Averages over all candidates: mean and covariance of the coefficients of the rough products, and mean factor on the
+/// variances.
 struct Mixture {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,

@@ -106,7 +106,6 @@ impl Spectrum {
         filters.collect()
     }
 
-    /// The coefficients of the spline. `filters` contains the filter factors of the modes from [`Spectrum::filters`].
     pub(super) fn coefficients(&self, filters: &[f64]) -> DVector<f64> {
         let in_modes = filters.iter().zip(&self.right).map(|(f, right)| f * right);
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)

@@ -169,7 +169,6 @@ pub(super) struct Search<'a> {
     criterion: Criterion,
     /// Whether the variances of heights and slopes are stated. If they are not, only their ratio is used.
     is_known: bool,
-    /// Logarithms of the smoothing weights that are evaluated.
     places: Vec<f64>,
     sums: Vec<Sums>,
 }

@@ -231,7 +231,6 @@ impl Pose {
 }
 
 impl Deviation {
-    /// Derivative of the normal with respect to the fitted parameter with the index `unknown`.
     pub(super) fn normal_row(&self, unknown: usize) -> Vector3<f64> {
         self.normal_rows.column(unknown).into()
     }

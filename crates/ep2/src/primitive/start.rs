@@ -17,7 +17,6 @@ pub(super) fn middle(cloud: &Cloud) -> Vector3<f64> {
     sum / cloud.places.len().max(1) as f64
 }
 
-/// Poses at which the fit of a shape starts.
 pub(super) fn starts(shape: Shape, cloud: &Cloud) -> Vec<Pose> {
     let middle = middle(cloud);
     let mut moment = Matrix3::zeros();

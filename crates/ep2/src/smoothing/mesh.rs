@@ -24,7 +24,6 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh without interior knots.
     pub(super) fn new(degrees: [usize; 2], domain: [[f64; 2]; 2]) -> Self {
         let knots = [0, 1].map(|axis| {
             let [start, end] = domain[axis];

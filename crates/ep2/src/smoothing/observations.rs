@@ -188,7 +188,6 @@ impl<'a> Observations<'a> {
         sums
     }
 
-    /// Converts the coefficients of the spline to the unit of the heights.
     pub(super) fn in_heights(&self, mut coefficients: Vec<f64>) -> Vec<f64> {
         for coefficient in &mut coefficients {
             *coefficient *= self.units[0];
