@@ -181,7 +181,7 @@ impl Body {
         Ok(Self(Rung::Gaussian { c }))
     }
 
-    /// The constant c of the Gaussian approximation; `None` for other bodies.
+    /// The constant c of the Gaussian approximation (see [`Body::gaussian`]); `None` for other bodies.
     pub fn c(&self) -> Option<f64> {
         match self.0 {
             Rung::Gaussian { c } => Some(c),

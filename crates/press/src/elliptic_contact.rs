@@ -75,7 +75,7 @@ pub struct EllipticContact {
 /// Displacement (length) of a point of the half-space under an elliptic contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EllipticDisplacement {
-    /// Displacement (length) of the point inward, that is, into the soft body.
+    /// Displacement (length) of the point into the soft body.
     pub normal: f64,
     /// Displacements (length) along the longer and the shorter axis of the contact.
     pub along: [f64; 2],

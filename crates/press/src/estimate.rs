@@ -36,7 +36,7 @@ impl Estimated {
     }
 }
 
-/// A 95 % interval. An end is `None` if the readings do not bound the value on that side.
+/// The 95 % interval of an estimated quantity. An end is `None` if the readings do not bound the quantity on that side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end of the interval; `None` if there is no lower bound.

@@ -10,9 +10,9 @@ use crate::PressError;
 /// misalignments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
-    /// Indices of the sensor deviations in ascending order. Their standard deviations must not be 0.
+    /// Indices of the sensor deviations of this prior, in ascending order. Their standard deviations must not be 0.
     pub numbers: Vec<usize>,
-    /// Covariance of the sensor deviations, in the order of their indices and in their units.
+    /// Covariance of the sensor deviations of this prior, in the order of `numbers` and in the units of the deviations.
     pub covariance: DMatrix<f64>,
 }
 

@@ -21,9 +21,10 @@ pub struct Rest {
     pub misalignments: Vec<[f64; 2]>,
     /// Whether each marker has a reading in the frame at rest.
     pub seen: Vec<bool>,
-    /// Chi-squared, including the priors. If the model is correct, its expected value is `freedom`.
+    /// Chi-squared of the fit at rest, including the priors. If the sensor model is correct, its expected value is
+    /// `freedom`.
     pub chi_squared: f64,
-    /// Degrees of freedom of the chi-squared of this fit.
+    /// Number of degrees of freedom of `chi_squared`.
     pub freedom: usize,
     /// Information matrix (inverse covariance) of the uncertain common sensor deviations, from the frame at rest and
     /// the priors.
