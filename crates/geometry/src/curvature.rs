@@ -40,7 +40,7 @@ const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
 /// Standard deviation of an undetermined direction, which is uniform over half a turn: π/√12, rad.
 pub const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;
 
-/// The two principal curvatures, ordered by signed value, and their directions.
+/// The two principal curvatures at a point of a surface, ordered by signed value, and their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipalCurvatures {
     /// Smallest normal curvature, 1/length.
@@ -76,7 +76,7 @@ impl CurvatureForm {
         }
     }
 
-    /// The form as a symmetric matrix.
+    /// The curvature form as a symmetric matrix.
     pub fn matrix(&self) -> Matrix2<f64> {
         Matrix2::new(self.k_uu, self.k_uv, self.k_uv, self.k_vv)
     }
