@@ -2,7 +2,7 @@
 
 use crate::{InvalidSensor, Stream};
 
-/// The distribution of an error.
+/// The distribution of a measurement error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
     /// Uniform distribution. The stated size is the bound of the absolute error.
@@ -12,7 +12,7 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// Draws a random error with this distribution. Its size (bound or standard deviation) is 1.
+    /// Draws a random error with this distribution. The size of the error (its bound or standard deviation) is 1.
     #[inline(always)]
     pub fn draw(self, stream: &mut Stream) -> f64 {
         match self {

@@ -152,7 +152,7 @@ impl Pads {
         self.offset
     }
 
-    /// The same pads, but the first contact is at the centre of a pad.
+    /// The same array of pads, but with the first contact at the centre of a pad.
     pub fn centred(&self) -> Self {
         Self {
             offset: PadOffset::Centred,

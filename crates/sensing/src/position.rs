@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// The axes along which a position has an error.
+/// The axes along which a measured position has an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PositionAxes {
     /// The position has errors along x, y and z. The three errors are independent and have the same size.
@@ -41,7 +41,7 @@ impl PositionError {
         })
     }
 
-    /// Distribution of the error.
+    /// Distribution of the position error.
     pub const fn distribution(&self) -> Distribution {
         self.distribution
     }

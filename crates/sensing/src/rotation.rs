@@ -54,7 +54,8 @@ impl Encoder {
     }
 }
 
-/// Independent errors of ω_x and ω_y, in proportion to the rate of rotation (1996 paper, section 4.1.1).
+/// Independent errors of the components ω_x and ω_y of the angular velocity, in proportion to the angular speed (1996
+/// paper, section 4.1.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularVelocityError {
     distribution: Distribution,
@@ -75,7 +76,7 @@ impl AngularVelocityError {
         })
     }
 
-    /// Distribution of the error.
+    /// Distribution of the error of the angular velocity.
     pub const fn distribution(&self) -> Distribution {
         self.distribution
     }
