@@ -27,9 +27,9 @@ pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curvature {
-    /// Gaussian curvature, 1/length².
+    /// Gaussian curvature at the place, 1/length².
     pub gaussian: f64,
-    /// Mean curvature, 1/length.
+    /// Mean curvature at the place, 1/length.
     pub mean: f64,
     /// Standard errors of Gaussian and mean curvature, if the method computes them.
     pub uncertainty: Option<Uncertainty>,

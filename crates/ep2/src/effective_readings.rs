@@ -42,7 +42,7 @@ const MAX_ABSORBED_SHARE: f64 = 0.3;
 /// one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistinctContacts {
-    /// One contact for each run, that is, for each group of merged rows: the mean of the rows. The contacts are in the
+    /// One contact per run, which is a group of merged rows of the log: the mean of these rows. The contacts are in the
     /// order of the runs' first rows.
     pub contacts: Vec<Contact>,
     /// For each row of the log, the index of its contact in `contacts`.

@@ -16,7 +16,7 @@ pub enum Ep2Error {
         "{contacts} contact(s) give {equations} equation(s); the method needs at least 3 contacts and {needed} equations"
     )]
     TooFewContacts {
-        /// Number of contacts.
+        /// Number of contacts in the patch.
         contacts: usize,
         /// Number of equations: one per contact, or three per contact with a normal.
         equations: usize,
@@ -60,7 +60,7 @@ pub enum Ep2Error {
     /// All contacts are at one point.
     #[error("all {contacts} contacts lie on one point, within {}", Number::rounded(*extent))]
     Coincident {
-        /// Number of contacts.
+        /// Number of contacts in the patch.
         contacts: usize,
         /// Largest difference between a coordinate of a contact and the same coordinate of the mean contact (length).
         extent: f64,
@@ -72,7 +72,7 @@ pub enum Ep2Error {
         Number::rounded(*spread)
     )]
     Collinear {
-        /// Number of contacts.
+        /// Number of contacts in the patch.
         contacts: usize,
         /// Root-mean-square spread of the contacts across the line, divided by their spread along the line.
         spread: f64,
@@ -97,7 +97,7 @@ pub enum Ep2Error {
     )]
     NoPlane {
         /// Root-mean-square spread of the contacts across the plane, divided by their smaller spread within the plane.
-        /// If the contacts have normals: one minus the length of the mean normal.
+        /// If the contacts have normals, it is 1 minus the length of the mean normal.
         spread: f64,
     },
     /// The outward direction is nearly parallel to the patch's plane, so it does not determine which side of the plane
@@ -131,9 +131,9 @@ pub enum Ep2Error {
          unknowns are determined"
     )]
     Undetermined {
-        /// Number of contacts.
+        /// Number of contacts in the patch.
         contacts: usize,
-        /// Number of independent combinations of the unknowns that are determined.
+        /// Number of independent combinations of the unknowns that the contacts determine.
         rank: usize,
         /// Number of unknowns of the method.
         unknowns: usize,
@@ -157,7 +157,7 @@ impl Ep2Error {
         Ok(())
     }
 
-    /// The stable name of this kind of error.
+    /// The stable name of this kind of error in files and messages.
     pub fn name(&self) -> &'static str {
         self.into()
     }

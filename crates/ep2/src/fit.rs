@@ -38,7 +38,8 @@ pub trait Method {
 pub struct Fit {
     /// The patch's frame. Its scale is the unit of length of the spline.
     pub frame: PatchFrame,
-    /// The rectangle that contains the contacts: smallest and largest u, then smallest and largest v.
+    /// The rectangle that contains the contacts, in the patch's frame: smallest and largest u, then smallest and
+    /// largest v.
     pub domain: [[f64; 2]; 2],
     /// The surface as a height w(u, v) over the plane of the patch. If `mean` is not `None`, the spline is only the
     /// deviation of the surface from this quadric.
@@ -60,22 +61,24 @@ pub struct Fit {
     pub status: Option<Status>,
 }
 
-/// A place on the fitted surface, in the frame of the readings.
+/// A point of the fitted surface, in the frame of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapPoint {
     /// Position of the point.
     pub position: Point3<f64>,
-    /// The unit normal, out of the object.
+    /// The unit normal of the surface at the point, out of the object.
     pub normal: Vector3<f64>,
-    /// Gaussian and mean curvature.
+    /// Gaussian and mean curvature at the point.
     pub curvature: Curvature,
-    /// Smallest normal curvature, 1/length; positive where the surface is convex.
+    /// Smallest normal curvature at the point, 1/length; positive where the surface is convex.
     pub k_min: f64,
-    /// Largest normal curvature, 1/length.
+    /// Largest normal curvature at the point, 1/length.
     pub k_max: f64,
-    /// Unit tangent along `k_min`, with an arbitrary sign; at an umbilic, any direction.
+    /// Unit tangent along the direction of `k_min`, with an arbitrary sign. At an umbilic (equal curvatures), any
+    /// direction.
     pub direction_of_min: Vector3<f64>,
-    /// Unit tangent along `k_max`, with an arbitrary sign; at an umbilic, any direction.
+    /// Unit tangent along the direction of `k_max`, with an arbitrary sign. At an umbilic (equal curvatures), any
+    /// direction.
     pub direction_of_max: Vector3<f64>,
     /// Shape index, in [−1, 1]: +1 for a convex cap, −1 for a cup; `None` where the surface is flat.
     pub shape_index: Option<f64>,
@@ -158,7 +161,7 @@ impl Fit {
             .collect()
     }
 
-    /// The surface in the middle of the patch.
+    /// The point of the fitted surface in the middle of the patch.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if the surface exceeds the range of doubles.
@@ -193,7 +196,7 @@ impl Fit {
         Ok(result)
     }
 
-    /// The surface on a grid of `side` × `side` points that extends over the contacts; u changes slowest.
+    /// The fitted surface on a grid of `side` × `side` points over the rectangle of the contacts; u varies slowest.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`]; [`Ep2Error::BadSetting`] if there are more than 2048 points along a side.

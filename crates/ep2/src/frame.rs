@@ -1,4 +1,4 @@
-//! The frame of a patch, in which the patch is a graph.
+//! The frame of a patch, in which the patch is a graph w(u, v).
 
 use std::f64::consts::PI;
 

@@ -31,7 +31,7 @@ pub(crate) const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 const MAX_PLACES: usize = 5000;
 const MEDIAN_ITERATIONS: usize = 40;
 
-/// Reason for which a contact is left out.
+/// Reason for which a contact is left out of a fit.
 #[derive(Clone, Copy, Debug, IntoStaticStr, PartialEq, Eq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum OutlierReason {
@@ -45,7 +45,7 @@ pub enum OutlierReason {
     Misfit,
 }
 
-/// A contact that is left out, and the reason.
+/// A contact that is left out of a fit, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
     /// Index of the contact in the log, counted from 0.
@@ -65,7 +65,7 @@ fn is_lost(contact: &Contact) -> bool {
     contact.normal == Some(Vector3::zeros()) && coords == Vector3::repeat(coords.x)
 }
 
-/// Contacts without gross outliers.
+/// The contacts of a log without gross outliers.
 #[derive(Clone, Debug)]
 pub struct SoundContacts {
     /// The gross outliers that were found.

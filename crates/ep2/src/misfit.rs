@@ -31,13 +31,14 @@ const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// position errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
 
-/// Goodness of fit and misfits of contacts. If there are more than 2,000 contacts, an evenly spaced selection of them
-/// is tested.
+/// Goodness of fit and misfits of the contacts of a patch. If there are more than 2,000 contacts, an evenly spaced
+/// selection of them is tested.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MisfitTest {
-    /// Goodness of fit; `None` if the noise is not stated.
+    /// Goodness of fit of the contacts; `None` if the noise is not stated.
     pub goodness: Option<GoodnessOfFit>,
-    /// Ways in which the contacts contradict the model; none if the noise is estimated from fewer than 10 contacts.
+    /// Ways in which the contacts contradict the fitted model. The list is empty if the noise is estimated from fewer
+    /// than 10 contacts.
     ///
     /// A wrong radius of round tips, or a common gain of all positions, causes no misfit, because the readings then fit
     /// another surface.

@@ -15,7 +15,7 @@ const MIN_WIDTH_RATIO: f64 = 1e-6;
 /// a graph.
 const MAX_TILT_DEG: f64 = 85.0;
 
-/// One contact of a finger.
+/// A contact between a finger and the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Number of the finger. The contacts of one finger must be in the order in which the finger made them.
@@ -30,7 +30,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// A contact of weight 1.
+    /// A contact with the weight 1.
     pub const fn new(finger: usize, position: Point3<f64>, normal: Option<Vector3<f64>>) -> Self {
         Self {
             finger,
@@ -198,7 +198,7 @@ impl Patch {
         (thinned, step)
     }
 
-    /// Number of equations: one per contact, or three if the contacts have normals.
+    /// Number of equations for a fit: one per contact, or three if the contacts have normals.
     pub fn equations(&self) -> usize {
         self.samples.len() * if self.has_normals() { 3 } else { 1 }
     }

@@ -64,29 +64,30 @@ impl ShapeError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Shape {
-    /// The shape is a plane.
+    /// A plane.
     Plane,
-    /// The shape is a sphere.
+    /// A sphere.
     Sphere,
     /// A circular cylinder.
     Cylinder,
 }
 
 impl Shape {
-    /// Name of the shape.
+    /// Name of the shape in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// An estimate with its 95 % interval. An end of the interval is `None` if the interval is not bounded there.
+/// Estimated curvature or radius with its 95 % interval. An end of the interval is `None` if the interval is not
+/// bounded there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizeEstimate {
-    /// The estimate; `None` if the contacts do not determine it.
+    /// The estimated value; `None` if the contacts do not determine it.
     pub value: Option<f64>,
-    /// Standard error of the estimate; `None` if the noise or the estimate is not determined.
+    /// Standard error of the value; `None` if the noise or the value is not determined.
     pub std: Option<f64>,
-    /// Lower and upper end of the 95 % interval.
+    /// Lower and upper end of the 95 % interval of the value.
     pub interval95: [Option<f64>; 2],
 }
 
@@ -129,9 +130,8 @@ pub struct ShapeFit {
     pub curvature: SizeEstimate,
     /// Radius of the object, length. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
-    /// Position of the shape. For a sphere, it is the centre; for a cylinder, the point of the axis nearest to the
-    /// contacts; for a plane, its point nearest to the middle of the contacts. `None` if the contacts do not determine
-    /// the size.
+    /// Centre of a sphere, point of a cylinder's axis nearest to the contacts, or point of a plane nearest to the
+    /// middle of the contacts. `None` if the contacts do not determine the size of the shape.
     pub place: Option<Point3<f64>>,
     /// Standard errors of the coordinates of `place`.
     pub place_std: Option<[f64; 3]>,
@@ -139,16 +139,16 @@ pub struct ShapeFit {
     pub foot: (Point3<f64>, Vector3<f64>),
     /// Axis of a cylinder or normal of a plane; `None` for a sphere.
     pub direction: Option<Vector3<f64>>,
-    /// Standard error of the direction, rad. The direction has two angles; this is the larger of their standard errors.
+    /// Standard error of `direction`, rad. A direction has two angles; this is the larger of their standard errors.
     pub direction_std_rad: Option<f64>,
     /// Root mean square distance of the contacts (without outliers) from the shape, length.
     pub rms_misfit: f64,
-    /// P-value of the shape: the probability that contacts on such a shape would fit worse.
+    /// P-value of the fit: the probability that contacts on an object with exactly this shape would fit worse.
     pub p_value: f64,
     /// Noise of the contacts. It is correct only if the object has the fitted shape. `None` if there are too few
     /// contacts.
     pub noise: Option<NoiseEstimate>,
-    /// Number of independent readings.
+    /// Number of independent readings among the contacts.
     pub readings: EffectiveReadings,
     /// Contacts that the fit did not use.
     pub outliers: Vec<Outlier>,
@@ -163,7 +163,7 @@ impl ShapeFit {
         self.radius.value.is_some()
     }
 
-    /// Number of fitted parameters.
+    /// Number of fitted parameters of the shape.
     pub const fn unknowns(&self) -> usize {
         match self.shape {
             Shape::Plane => 3,

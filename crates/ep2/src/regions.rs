@@ -11,7 +11,7 @@ const LEAST_COHERENCE: f64 = 0.1;
 /// A map that is divided into regions of one shape class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
-    /// Index of the region of each point of the map.
+    /// For each point of the map, the index of its region in `regions`.
     pub of_point: Vec<usize>,
     /// The regions, sorted by area, largest first.
     pub regions: Vec<Region>,
@@ -33,7 +33,7 @@ pub struct Region {
     /// Unit vector of the mean direction of largest curvature, with an arbitrary sign. `None` if the points have no
     /// common direction, as on a sphere.
     pub direction_of_max: Option<Vector3<f64>>,
-    /// Measure of how well the directions of the points agree, from 0 to 1.
+    /// Agreement of the points' directions of largest curvature, from 0 (none) to 1 (parallel).
     pub coherence: f64,
 }
 

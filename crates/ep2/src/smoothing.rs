@@ -62,7 +62,8 @@ impl SmoothingSpline {
     }
 }
 
-/// Result of a fit: whether the sum of squared residuals equals the required sum, and if not, the reason.
+/// Result of the fit of a smoothing spline: whether the sum of squared residuals equals the required sum and, if not,
+/// why.
 #[derive(Clone, Copy, Debug, Eq, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Status {

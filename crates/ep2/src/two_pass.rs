@@ -1,5 +1,5 @@
-//! The method of the 1996 paper. A smoothing spline is fitted to the contacts. A second spline is fitted to points of
-//! the first spline and of its tangents.
+//! The method of the 1996 paper: a smoothing spline is fitted to the contacts, and a second spline is fitted to points
+//! of the first spline and of its tangents.
 
 use palpate_statistics::BadSetting;
 

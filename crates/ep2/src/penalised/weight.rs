@@ -1,4 +1,4 @@
-//! Selects the smoothing weight λ.
+//! Selects the smoothing weight λ of a penalised spline.
 
 use std::f64::consts::LN_2;
 
@@ -29,7 +29,7 @@ const EXPECTED_MARGIN: f64 = 5.0;
 /// difference of logarithms.
 const MAX_EXPECTED: f64 = 16.0;
 
-/// A criterion by which the smoothing weight is chosen.
+/// A criterion by which the smoothing weight of a penalised spline is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. It rarely

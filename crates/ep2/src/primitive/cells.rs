@@ -1,5 +1,5 @@
-//! Divides contacts into cells, which are groups of neighbouring contacts. If most residuals within a cell have the
-//! same sign, they are a misfit of the shape and not noise.
+//! Divides contacts into cells, which are groups of neighbouring contacts. If most residuals in a cell have the same
+//! sign, the shape does not fit the contacts, and the residuals are not only noise.
 
 use nalgebra::Vector3;
 use palpate_statistics::ratio_tail;

@@ -1,4 +1,4 @@
-//! Intervals of the curvature and the radius of a shape.
+//! Intervals of the curvature and the radius of a fitted shape.
 
 use palpate_statistics::student_half_width;
 

@@ -1,4 +1,4 @@
-//! Choice of the most probable shape.
+//! Chooses the most probable of the shapes that were fitted to contacts.
 
 use nalgebra::{Matrix2, SymmetricEigen};
 

@@ -1,4 +1,4 @@
-//! Upper triangular band matrices, computed by orthogonal transformations.
+//! Upper triangular band matrices of least-squares problems, computed by orthogonal transformations.
 
 /// Number of rows of a block that are processed together. The number of rows is rounded up to a multiple of this value
 /// by rows of zeros.
