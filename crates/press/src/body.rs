@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::bonded_layer::{BondedLayer, ENDS, LayerContact};
 use crate::{PressError, half_space};
 
-/// Displacements at distances from the contact above this value (length) are set to 0.
+/// At distances (length) from the contact above this value, displacements are set to 0.
 const MAX_DISTANCE: f64 = 1e50;
 
 /// A model of the soft body. It computes the displacement of the skin, at the depth of the markers, in a press.
@@ -49,7 +49,7 @@ enum Rung {
 /// The two methods by which contacts with a bonded layer are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
-    /// Interpolation in tables of solved contacts, which is faster for many contacts.
+    /// Interpolation in tables of solved contacts; faster for many contacts.
     Tables,
     /// Solution of the equations for each contact, which is faster for few contacts and more accurate.
     Solved,

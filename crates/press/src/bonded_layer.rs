@@ -45,7 +45,7 @@ pub(crate) struct BondedLayer {
 
 #[derive(Debug)]
 struct Family {
-    /// Depths of the models, relative to the thickness of the layer.
+    /// Depths at which the models compute displacements, relative to the layer's thickness.
     depths: Vec<f64>,
     /// Tables for the ranges of contact radii, with one table for each depth. The tables of a range are computed when
     /// they are first needed.

@@ -157,11 +157,11 @@ impl ForwardFit {
     }
 }
 
-/// Standard errors to first order, computed from the covariance of the fitted parameters.
+/// Holds the covariance of the fitted parameters, from which standard errors are computed to first order.
 struct Stds(Square);
 
 impl Stds {
-    /// The standard errors; `None` if the readings do not determine all parameters.
+    /// `None` if the readings do not determine all fitted parameters.
     fn new(hessian: &Square) -> Option<Self> {
         let inverse = hessian.try_inverse()?;
         let is_finite = inverse.iter().all(|part| part.is_finite());

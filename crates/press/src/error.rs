@@ -1,4 +1,4 @@
-//! Errors of presses.
+//! Errors of computations on presses, and of fits to their readings.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};

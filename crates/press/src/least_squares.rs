@@ -6,9 +6,9 @@ use crate::state::State;
 use crate::unknowns::{Fitted, Square, Sums, UNKNOWNS, Unknowns};
 use crate::{Body, Contact, PressError, Skin};
 
-/// A least-squares problem for the parameters of a press.
+/// The least-squares problem of a press: readings, fit parameters and their priors.
 pub(crate) trait LeastSquares {
-    /// Fit parameters, with chi-squared and its derivatives for these parameters.
+    /// Values of the fit parameters, with chi-squared and its derivatives there.
     type Fit: Clone;
     /// Limit for singular information matrices: a matrix is inverted only if the smallest diagonal entry of its scaled
     /// Cholesky factor exceeds this value.
@@ -28,7 +28,7 @@ pub(crate) trait LeastSquares {
 
     fn fitted(&self) -> &Fitted;
 
-    /// Number of markers that the fit uses, and number of equations for each of these markers.
+    /// Number of markers that the fit uses, and number of equations per marker.
     fn used(&self) -> [usize; 2];
 
     /// Whether some of the noise is estimated from the residuals.

@@ -289,7 +289,7 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
 /// displacements of the contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
-/// Values of a contact from which the derivatives of displacements are computed.
+/// Values of a contact that are needed for the derivatives of displacements.
 pub(crate) struct PressSlopes {
     pub(crate) curvature: f64,
     pub(crate) indentation: f64,

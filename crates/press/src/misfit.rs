@@ -92,7 +92,7 @@ impl Noise {
         }
     }
 
-    /// P-value of the decrease `explained` of chi-squared, which patterns in the residuals cause.
+    /// P-value of `explained`, the decrease of chi-squared by patterns in the residuals, if this is the noise.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -104,8 +104,8 @@ impl Noise {
     }
 }
 
-/// Weighted sums over the readings of products of two values. One value is from a pattern. The other value is a
-/// derivative with respect to a fit parameter, a value of a pattern, or a residual.
+/// Weighted sums over the readings. Each term is the value of a pattern multiplied by another value: a derivative with
+/// respect to a fit parameter, the value of a pattern, or a residual.
 pub(crate) struct PatternSums {
     pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
     pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,

@@ -4,7 +4,7 @@ use palpate_statistics::chi_squared_tail;
 
 use crate::PressError;
 
-/// Significance level of the test whether the markers moved.
+/// Significance level of the test of whether the markers moved.
 const SIGNIFICANCE_LEVEL: f64 = 1e-6;
 
 /// Returns the error for a press without a detected contact, in which the fitted contact decreases chi-squared by

@@ -7,11 +7,11 @@ use crate::cholesky::solve;
 use crate::state::State;
 
 pub(crate) const UNKNOWNS: usize = 6;
-/// Index of the logarithm of the relative curvature.
+/// Index of the logarithm of the relative curvature in the fit parameters.
 pub(crate) const CURVATURE: usize = 0;
-/// Index of the contact's displacement along the first axis at the contact.
+/// Index of the contact's displacement along its first axis, in the fit parameters.
 pub(crate) const ALONG: usize = 1;
-/// Index of the contact's displacement along the second axis at the contact.
+/// Index of the contact's displacement along its second axis, in the fit parameters.
 pub(crate) const ACROSS: usize = 2;
 pub(crate) const INDENTATION: usize = 3;
 /// Index of the first of the two fit parameters that depend on the kind of fit.
@@ -24,7 +24,7 @@ pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// smaller, the parameter counts as exact, because a fit with such a prior would suffer from rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
-/// Which parameters of a press are fitted, and their normal priors.
+/// States which parameters of a press are fitted, and contains their normal priors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
     /// For each fit parameter, whether it is fitted; `false` for exact parameters.
@@ -67,7 +67,7 @@ impl Fitted {
     }
 }
 
-/// Chi-squared with its derivatives with respect to the fit parameters.
+/// Chi-squared of a fit, with its derivatives with respect to the fit parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) chi_squared: f64,

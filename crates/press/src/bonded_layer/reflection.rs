@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 use super::pressure::{Pressure, wavenumbers};
 use crate::body::Field;
 
-/// A term e^{−x} is negligible for x above this value.
+/// A term e^{−x} counts as negligible if x exceeds this value.
 const NEGLIGIBLE: f64 = 36.0;
 
 /// Difference between the displacements of half-space and layer at the surface, relative to the half-space: 1 − (sinh
@@ -71,7 +71,7 @@ pub(super) struct Waves {
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
 
-/// One term of a sum over wavenumbers: a wave with one wavenumber.
+/// One term of a sum over wavenumbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) wavenumber: f64,

@@ -13,7 +13,7 @@ use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 /// Outliers are tested only if the ratio of the estimated noise to the largest displacement is at least this value.
 /// Smaller noise may only be the rounding of the readings.
 const ROUNDING: f64 = 1e-3;
-/// Smallest number of degrees of freedom for tests with estimated noise.
+/// Tests with estimated noise need at least this number of degrees of freedom.
 const MIN_FREEDOM: usize = 8;
 
 /// Smallest share of a reading's noise that must remain in the reading's residual. Below this share, the fit follows

@@ -121,7 +121,6 @@ impl<'a> Problem<'a> {
         if self.uses_tangential() { 3 } else { 1 }
     }
 
-    /// Positions of all markers relative to a place on the skin.
     pub(super) fn sights(&self, place: &Place) -> Vec<Sight> {
         let markers = self.reading.markers;
         let places = markers.places().iter();
@@ -494,7 +493,7 @@ impl Problem<'_> {
         (0..self.kept.len()).map(square).sum()
     }
 
-    /// Chi-squared of the unused markers, computed as if there were no contact.
+    /// Chi-squared of the markers that the fit does not use, computed as if there were no contact.
     pub(super) fn left_out(&self) -> f64 {
         let mut sum = RobustSum::new(self.tolerance);
         for marker in (0..self.kept.len()).filter(|&marker| !self.kept[marker]) {

@@ -48,7 +48,7 @@ pub(super) struct Search<'a> {
     find_tangential: bool,
     /// The largest displacement in the reading, length.
     largest: f64,
-    /// Fit parameters at all minima of chi-squared that were found from different start values.
+    /// Fit parameters at all minima of chi-squared that fits from different start values found.
     rivals: Vec<State>,
 }
 
@@ -274,7 +274,7 @@ impl<'a> Search<'a> {
             |one: &usize, other: &usize| reading.normal[*other].total_cmp(&reading.normal[*one]);
         chosen.select_nth_unstable_by(MAX_START_MARKERS, by_displacement);
         let mut others = chosen.split_off(MAX_START_MARKERS);
-        // Multiples of the golden ratio are spread evenly, also over the rows of a grid.
+        // Multiples of the golden ratio are spread evenly, also over the rows of a grid of markers.
         others.retain(|&marker| (marker as f64 * GOLDEN_RATIO).fract() < share);
         chosen.append(&mut others);
         let markers = reading.markers.subset(&chosen);

@@ -53,7 +53,7 @@ pub(super) struct Shapes {
 }
 
 impl Shapes {
-    /// Number of intervals between the nodes at which displacements are tabulated.
+    /// Number of intervals between the nodes, which are the tabulated distances from the contact.
     const INTERVALS: f64 = 64.0;
 
     pub(super) fn new(problem: &Problem<'_>, radii: &[f64]) -> Self {
@@ -198,7 +198,7 @@ fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     directions
 }
 
-/// Directions of places outside the markers, on the side where displacements are larger.
+/// Directions of places outside the markers, on the side of the larger displacements.
 fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let directions = || {
         let places = problem.reading.markers.places().iter();

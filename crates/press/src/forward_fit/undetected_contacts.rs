@@ -10,7 +10,7 @@ use crate::least_squares::LeastSquares;
 use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
 
-/// Largest radius of the contacts that are tried, relative to the sensor's radius.
+/// Largest radius of the tried contacts, relative to the sensor's radius.
 const MAX_RADIUS: f64 = 0.9;
 /// Ratio of each tried contact radius to the next larger one.
 const RADIUS_RATIO: f64 = 0.8;
@@ -168,7 +168,7 @@ impl UndetectedContacts<'_, '_> {
     }
 }
 
-/// Distance from the marker at `place` to the nearest other marker.
+/// Distance from the marker at `place` to its nearest neighbour.
 fn neighbour(problem: &Problem<'_>, place: &crate::Place) -> f64 {
     let distances = problem
         .sights(place)

@@ -16,7 +16,7 @@ pub struct DeparturePrior {
     pub covariance: DMatrix<f64>,
 }
 
-/// A [`DeparturePrior`], converted to the form of the equations for a frame at rest.
+/// A [`DeparturePrior`] in the form of the equations for a frame at rest.
 pub(super) struct FreePrior {
     /// For each sensor deviation of the prior, its position in the list of all uncertain sensor deviations.
     places: Vec<usize>,

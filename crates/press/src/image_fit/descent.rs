@@ -8,9 +8,9 @@ use super::view::{NUMBERS, View};
 use crate::{GoodnessOfFit, PressError};
 
 const MAX_STEPS: usize = 200;
-/// Damping of the first step, relative to the information in the priors.
+/// Levenberg–Marquardt damping of the first step, relative to the information in the priors.
 const DAMPING: f64 = 1.0;
-/// A search ends if its damping exceeds this value.
+/// A search ends if its Levenberg–Marquardt damping exceeds this value.
 const MAX_DAMPING: f64 = 1e9;
 /// An exact search ends after a step that decreases chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;

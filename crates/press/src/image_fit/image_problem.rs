@@ -1,4 +1,4 @@
-//! Chi-squared of the images of a press, and its derivatives.
+//! Chi-squared of the images of a press, and its derivatives with respect to the fit parameters.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ pub(super) struct Problem<'a, V> {
     pub(super) fitted: Fitted,
     /// Indices of the used markers, which are visible at rest and in the press and are not outliers.
     pub(super) counting: Vec<usize>,
-    /// Square root of the weight of each used marker in the robust fit.
+    /// For each used marker, the square root of its weight in the robust fit.
     pub(super) trust: Vec<f64>,
     /// Corrections of the disc displacements for the difference between the fitted and the nominal depths of the discs.
     /// They are computed together with the weights.

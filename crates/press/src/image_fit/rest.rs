@@ -1,4 +1,4 @@
-//! Fits the sensor's parameters to the markers at rest.
+//! Fits the sensor's parameters to the image of the markers at rest.
 
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ impl Rest {
     }
 }
 
-/// Uncertainty of a marker's misalignment after the fit of the frame at rest.
+/// Uncertainty of the misalignment of one marker after the fit of the frame at rest.
 #[derive(Clone, Debug)]
 pub(super) struct Local {
     pub(super) follows: OMatrix<f64, U2, Dyn>,
@@ -85,7 +85,7 @@ impl<V: View> ImageFit<V> {
         self.resting(frame.into())?.rest()
     }
 
-    /// Inverse covariance of each marker's reading; `None` for markers without a reading.
+    /// For each marker, the inverse covariance of its reading; `None` for markers without a reading.
     fn weights(&self, seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
         let good = seen.len() == self.markers.places().len();
         PressError::unless_good("readings", seen.len() as f64, good, "one for each marker")?;

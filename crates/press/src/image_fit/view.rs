@@ -17,7 +17,7 @@ pub(super) const SIZE: usize = 3;
 
 /// Step of numerical derivatives with respect to sensor deviations, in standard deviations of the sensor deviation.
 const DEPARTURE_STEP: f64 = 1e-2;
-/// Step of numerical derivatives with respect to misalignments, rad.
+/// Step of numerical derivatives with respect to the misalignments of discs, rad.
 const MISALIGNMENT_STEP: f64 = 1e-6;
 /// Step of numerical derivatives with respect to displacements, as a share of the skin's radius.
 const DISPLACEMENT_STEP: f64 = 1e-6;
@@ -71,7 +71,7 @@ pub struct SensorState<'a> {
     pub misalignments: &'a [[f64; 2]],
 }
 
-/// Upper limit of a misalignment, rad.
+/// Upper limit of the misalignment between a marker's two discs, rad.
 pub(super) const MAX_MISALIGNMENT: f64 = 0.5;
 
 /// The parameters of a sensor: sensor deviations that are common to all markers, and misalignments.

@@ -88,7 +88,7 @@ fn shifts_out_of_range_are_refused() {
     }
 }
 
-/// A number in the given range; with a probability of 1/8, any double.
+/// A number in the range `range`; with a probability of 1/8, any double.
 fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }

@@ -7,7 +7,7 @@ use palpate_press::{
 
 use crate::sensor::{RADIUS, Readings, along, at, exactly, fit_of, half_space, published};
 
-/// Curvatures (1/mm) of dishes, a plane and balls.
+/// Curvatures (1/mm) of the pressed objects: dishes, a plane and balls.
 const OBJECTS: [f64; 6] = [
     -1.0 / 80.0,
     -1.0 / 25.0,

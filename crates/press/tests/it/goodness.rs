@@ -1,4 +1,4 @@
-//! Goodness of fit of presses.
+//! Tests the goodness of fit of presses.
 
 use palpate_press::{ForwardFit, Interval};
 

@@ -1,4 +1,4 @@
-//! Errors for presses that are impossible, and for readings without information.
+//! Tests the errors for presses that are impossible, and for readings without information.
 
 use palpate_press::{
     Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,

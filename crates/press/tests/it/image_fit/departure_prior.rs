@@ -1,4 +1,4 @@
-//! Fits whose camera was calibrated from a frame at rest.
+//! Tests fits whose camera was calibrated from a frame at rest.
 
 use nalgebra::DMatrix;
 use palpate_press::DeparturePrior;

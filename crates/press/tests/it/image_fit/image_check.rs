@@ -1,4 +1,4 @@
-//! Goodness of fit and misfits of image fits.
+//! Tests the goodness of fit and the misfits of image fits.
 
 use palpate_press::{Body, Contact, Measured, PressError, PressEstimate, Rest};
 use palpate_sensing::{Channel, Stream};

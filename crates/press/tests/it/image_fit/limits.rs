@@ -13,11 +13,11 @@ const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
 
 #[derive(Clone, Copy)]
 struct Press {
-    /// Unit of length. The radius of the skin is 20 units.
+    /// Unit of length of the press. The radius of the skin is 20 units.
     unit: f64,
     /// Standard deviations of the uncertain sensor parameters, as in [`Ideal::fit`].
     known: [f64; 5],
-    /// Stated standard deviations of the noise, relative to [`STDS`].
+    /// Standard deviations of the noise that are stated to the fit, relative to [`STDS`].
     stated: f64,
     object: f64,
     /// Position of the contact along x, in multiples of `unit`.
