@@ -268,7 +268,7 @@ pub enum InvalidThresholds {
     },
 }
 
-/// The text ` ({number²})` for a message; empty if the square overflows.
+/// The square of `number` as the text ` ({number²})` for a message; empty if it overflows.
 fn square(number: f64) -> String {
     let square = number * number;
     match square.is_finite() {

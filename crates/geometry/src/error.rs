@@ -1,4 +1,4 @@
-//! The error types of surfaces, and checks of their parameters.
+//! The error types of surfaces, and checks of the surfaces' parameters.
 
 use std::ops::RangeInclusive;
 

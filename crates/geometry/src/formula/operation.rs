@@ -14,7 +14,7 @@ pub(super) enum Unary {
     Power(f64),
     /// The power |a|^c with a constant c >= 2. It is twice differentiable even at a = 0, although |a| is not.
     AbsPower(f64),
-    /// The power c^a with a constant c > 0.
+    /// The power c^a of a constant c > 0.
     Exponential(f64),
     Sin,
     Cos,

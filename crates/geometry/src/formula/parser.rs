@@ -55,7 +55,7 @@ struct Parser<'a> {
     parameters: &'a BTreeMap<String, f64>,
     used: BTreeSet<&'a str>,
     lexer: Lexer<'a>,
-    /// The next token, its place in the text, and the place of the previous token.
+    /// The next token of the formula. The next fields are its place and the place of the previous token.
     token: Token<'a>,
     span: Span,
     previous: Span,
@@ -78,7 +78,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// Parses the whole text. Returns the program and the names of the parameters in it.
+    /// Parses the whole formula. Returns its program and the names of its parameters.
     fn formula(mut self) -> Result<(Program, BTreeSet<&'a str>)> {
         let expression = self.expression(0)?;
         match self.token {
@@ -108,7 +108,7 @@ impl<'a> Parser<'a> {
         Ok(left)
     }
 
-    /// The next token if it is an operator, with its binding powers to the left and right.
+    /// The next token if it is an operator, with its left and right binding powers.
     fn operator(&self) -> Result<Option<(Binary, u8, u8)>> {
         Ok(Some(match self.token {
             Token::Plus => (Binary::Add, 1, 2),

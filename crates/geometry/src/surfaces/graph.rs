@@ -360,7 +360,7 @@ impl<H: Height> Surface for Graph<H> {
     ) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
         let mut foot = Foot::new(self, point, start)?;
-        // This condition is true if `z` is NaN or a square has overflowed.
+        // True if `z` is NaN, or if a square has overflowed.
         if !foot.half_square.is_finite() {
             return Err(none);
         }

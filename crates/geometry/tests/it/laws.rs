@@ -46,7 +46,7 @@ struct Place<'a, S> {
     specimen: &'a Specimen,
     at: Parameters,
     geometry: ChartGeometry,
-    /// Differences between two lengths up to this value count as rounding errors.
+    /// Differences of lengths up to this value count as rounding errors.
     tiny: f64,
 }
 

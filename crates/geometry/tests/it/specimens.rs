@@ -26,7 +26,7 @@ pub(crate) struct Specimen {
     pub(crate) solid: Solid,
 }
 
-/// Parameters on a grid of 9 by 9 points that avoids round numbers.
+/// Chart parameters on a grid of 9 by 9 points that avoids round numbers.
 fn grid([u0, u1]: [f64; 2], [v0, v1]: [f64; 2]) -> Vec<Parameters> {
     let along = |from: f64, to: f64, i: i32| from + (to - from) * (f64::from(i) + 0.43) / 9.0;
     let pairs = (0..9).flat_map(|i| (0..9).map(move |j| (i, j)));

@@ -30,7 +30,7 @@ impl Tree {
         }
     }
 
-    /// The expression as text with parentheses around everything.
+    /// The expression as text, with parentheses around every part.
     fn explicit(&self) -> String {
         match self {
             Self::Leaf(text) => (*text).into(),
