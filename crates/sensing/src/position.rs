@@ -1,4 +1,4 @@
-//! Error of a measured position.
+//! Errors of measured positions.
 
 use nalgebra::{Point3, Vector3};
 

@@ -1,4 +1,4 @@
-//! Error of a measured surface normal.
+//! Errors of measured surface normals.
 
 use nalgebra::{Vector2, Vector3};
 

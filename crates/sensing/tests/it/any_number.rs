@@ -8,7 +8,7 @@ use palpate_sensing::{
 };
 use proptest::prelude::*;
 
-/// A double with any bit pattern, or a number of ordinary size.
+/// Any double, or a number of ordinary size.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),

@@ -1,4 +1,4 @@
-//! Readings of pad arrays.
+//! Tests the readings of pad arrays.
 
 use nalgebra::Vector2;
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
