@@ -111,7 +111,7 @@ mod tests {
             [at(a, b - step), at(a, b + step)],
         ];
         for (axis, [low, high]) in neighbours.iter().enumerate() {
-            // The rows of `slopes` are the derivatives of all products of Chebyshev polynomials.
+            // The rows of `slopes` are the derivatives of the products of Chebyshev polynomials.
             let slopes = derivative(degree, axis)
                 .apply_to_rows(&DMatrix::identity(count(degree), count(degree)));
             for (product, parts) in slopes.row_iter().enumerate() {

@@ -12,7 +12,7 @@ use crate::patch::FingerMap;
 /// Largest distance between consecutive contacts of a finger that count as one reading, relative to the length of a
 /// long step.
 const REST_SHARE: f64 = 0.1;
-/// Quantile of the step lengths that is used as the length of a long step.
+/// This quantile of the step lengths is the length of a long step.
 const LONG_STEP_QUANTILE: f64 = 0.9;
 /// Smallest ratio between two successive step lengths (sorted by size) that counts as a gap. Steps below the gap belong
 /// to a resting finger, steps above it to a moving finger.

@@ -222,7 +222,7 @@ impl Fit {
         Ok(result)
     }
 
-    /// The columns of a grid, in groups of neighbouring columns that are computed together.
+    /// The columns of a grid of points, in groups of neighbouring columns that are computed together.
     fn columns(&self, side: usize) -> Vec<Columns> {
         let columns: Vec<(f64, Local)> = places(self.domain[0], side)
             .map(|u| (u, Local::of(&self.spline.u, u)))
@@ -322,7 +322,7 @@ impl Fit {
     }
 }
 
-/// Neighbouring columns of a grid that are within the same interval between knots.
+/// Neighbouring columns of a grid of points that are in the same interval between knots.
 struct Columns {
     /// Coordinate u of each column. If there are fewer than [`LANES`] columns, the last one is repeated.
     places: [f64; LANES],

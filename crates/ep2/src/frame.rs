@@ -95,9 +95,9 @@ struct Cloud {
     /// Largest difference between a coordinate of a contact and the same coordinate of the mean contact. It is the unit
     /// of length of `spreads`.
     extent: f64,
-    /// Principal axes as columns, sorted by ascending spread of the contacts.
+    /// Principal axes of the contacts as columns, sorted by ascending spread along them.
     axes: Matrix3<f64>,
-    /// Root-mean-square spreads along the principal axes, ascending, in units of `extent`.
+    /// Root-mean-square spreads of the contacts along the principal axes, ascending, in units of `extent`.
     spreads: [f64; 3],
 }
 
@@ -150,7 +150,7 @@ impl Cloud {
         })
     }
 
-    /// The direction of the mean of the unit normals; `None` if a contact has no normal.
+    /// The direction of the mean of the contacts' unit normals; `None` if a contact has no normal.
     fn mean_normal(&self, contacts: &[Contact]) -> Result<Option<Vector3<f64>>, Ep2Error> {
         let mut sum = Vector3::zeros();
         for contact in contacts {
@@ -166,7 +166,7 @@ impl Cloud {
         Ok(Some(sum.normalize()))
     }
 
-    /// The normal of the principal plane. It points to the side of `outward`.
+    /// The normal of the contacts' principal plane, on the side of `outward`.
     fn plane_normal(&self, outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
         let spread = self.spreads[0] / self.spreads[1];
         if spread > MOST_SPREAD_ACROSS {
@@ -264,7 +264,7 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
     Some(axis * sense.signum())
 }
 
-/// The unit tangent along `direction`, unless `direction` is parallel to `normal`.
+/// The unit tangent nearest to `direction`; `None` if `direction` is parallel to `normal`.
 fn tangent(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     let projected = direction - normal * normal.dot(direction);
     (projected.norm() > 1e-6 * direction.norm()).then(|| projected.normalize())

@@ -18,7 +18,7 @@ const MAX_DISTANCE_RATIO: f64 = 6.0;
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
 /// Two consecutive distances in ascending order are separated by a gap if their ratio is at least this value.
 const MIN_GAP_RATIO: f64 = 1.5;
-/// Smallest number of positions among which a gap is searched.
+/// Smallest number of positions for which a gap between their distances is searched.
 const MIN_PLACES_WITH_GAP: usize = 20;
 /// Contacts beyond a gap are outliers if they are in blocks of at most this mean number of consecutive rows. Longer
 /// blocks are strokes.

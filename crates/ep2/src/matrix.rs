@@ -31,7 +31,7 @@ impl SparseMap {
         }
     }
 
-    /// The map as a matrix, with a row for each input coefficient.
+    /// This linear map as a matrix, with a row for each input coefficient.
     pub(crate) fn matrix(&self) -> DMatrix<f64> {
         self.apply_to_rows(&DMatrix::identity(self.from, self.from))
     }
@@ -112,7 +112,7 @@ mod tests {
             let b = &a * weights;
             let mut sum = DMatrix::identity(rows, rows);
             add_symmetric(&mut sum, &a, &b);
-            // The entries are whole numbers, so there are no rounding errors.
+            // All entries are whole numbers, so there are no rounding errors.
             let expected = DMatrix::identity(rows, rows) + &a * b.transpose();
             assert_eq!(sum, expected, "{rows} x {columns}");
             let last = columns.min(3);

@@ -58,7 +58,7 @@ pub(crate) struct Model<'a> {
     /// A quadric near the fitted surface. The tests use deviations from this quadric instead of heights, because the
     /// rounding errors of the deviations are smaller.
     pub(crate) quadric: &'a SquareQuadric,
-    /// Noise of the contacts, as the caller of the fit stated it.
+    /// Noise of the contacts that the caller of the fit stated.
     pub(crate) noise: &'a Noise,
     /// Noise of the tested contacts, stated or estimated.
     pub(crate) found: NoiseEstimate,
@@ -74,7 +74,7 @@ struct Variances {
 /// Observations of a contact (height and slopes), transformed such that their errors are independent and have variance
 /// 1.
 struct Weighted {
-    /// Deviations of the observations from the quadric.
+    /// Deviations of the observed height and slopes from the quadric.
     values: DVector<f64>,
     /// Derivatives of the observations with respect to the factors of the quadric and the process.
     slopes: DMatrix<f64>,

@@ -1,4 +1,4 @@
-//! Noise of the contacts: stated or estimated.
+//! Noise of a patch's contacts: stated or estimated.
 
 use crate::{Ep2Error, Patch, PatchFrame};
 

@@ -20,14 +20,14 @@ const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 pub(crate) struct Posterior {
     square: Square,
     degree: usize,
-    /// Coefficients of the mean of each derivative, in the order of [`products`].
+    /// Coefficients of the posterior mean of each derivative, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,
     /// Coefficients of the covariance of each pair of derivatives, for twice the degree of the surface. The products
     /// T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
 }
 
-/// Values of the Chebyshev polynomials in u at several places.
+/// Values of the Chebyshev polynomials in u, from degree 0 on, at several places.
 pub(crate) type Series = Vec<Lanes>;
 
 impl Posterior {

@@ -33,17 +33,17 @@ use triangle::Triangle;
 /// A diagonal entry of the triangularised equations counts as zero if the ratio of its square to the largest square is
 /// at most this value.
 const RANK_TOLERANCE: f64 = 1e-16;
-/// Residuals count as rounding errors below this value, relative to the heights.
+/// Residuals count as rounding errors if their ratio to the heights is below this value.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Settings of a smoothing spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SmoothingSpline {
-    /// Degrees of the spline in u and v, from 1 to [`MAX_DEGREE`].
+    /// Degrees of the spline in u and in v, from 1 to [`MAX_DEGREE`].
     pub(crate) degrees: [usize; 2],
     /// Required sum of squared weighted residuals, called `s` in the description of this module; at least 0.
     pub(crate) smoothing: f64,
-    /// Largest number of interior knots along u and along v.
+    /// Largest numbers of interior knots along u and along v.
     pub(crate) most_knots: [usize; 2],
     /// Largest accepted difference between the sum of squared residuals and `smoothing`, relative to `smoothing`.
     pub(crate) tolerance: f64,

@@ -54,7 +54,7 @@ impl Local {
 }
 
 impl Jet<Lanes> {
-    /// Joins the jets of several places into one jet with lanes.
+    /// Joins one jet per place to one jet with lanes.
     pub(crate) fn side_by_side(jets: &[Jet; LANES]) -> Self {
         let all =
             |part: fn(&Jet) -> f64| Lanes::from(std::array::from_fn(|lane| part(&jets[lane])));

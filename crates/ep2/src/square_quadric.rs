@@ -121,7 +121,7 @@ struct SquareTerm {
 }
 
 impl SquareQuadric {
-    /// The quadric that fits the patch best. `known` is the stated noise.
+    /// The quadric that fits the patch best. `known` is the stated noise of the contacts.
     pub(crate) fn of(patch: &Patch, square: &Square, known: &Noise) -> Result<Self, Ep2Error> {
         if patch.equations() < UNKNOWNS {
             return Err(Ep2Error::TooFewContacts {

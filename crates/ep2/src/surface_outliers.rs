@@ -14,11 +14,12 @@ use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
 const MIN_CONTACTS: usize = 24;
-/// Smallest ratio of the number of contacts to the number of coefficients of a polynomial.
+/// A polynomial of more than the smallest degree is fitted only if there are at least this number of contacts per
+/// coefficient.
 const MIN_CONTACTS_PER_COEFFICIENT: usize = 3;
 const DEGREES: RangeInclusive<usize> = 2..=MAX_DEGREE;
 const MAX_DEGREE: usize = 4;
-/// Number of coefficients of a polynomial of the largest degree.
+/// Number of coefficients of a polynomial with the largest degree.
 const COUNT: usize = count(MAX_DEGREE);
 const MAX_CONTACTS: usize = 2000;
 /// Largest weight of a contact that represents a rest of a finger. The weight is a number of contacts.
@@ -30,11 +31,11 @@ const MAX_CHANGE: f64 = 0.03;
 /// A contact has no weight at the start of a fit if its distance from the median place along u or v exceeds the median
 /// distance by more than this factor. Otherwise a distant outlier would determine the polynomial.
 const MAX_START_RATIO: f64 = 3.0;
-/// Residual, as a number of standard deviations, from which Tukey's biweight is 0.
+/// Tukey's biweight is 0 if the residual exceeds this number of standard deviations.
 const BIWEIGHT: f64 = 4.685;
 /// A contact is a suspect if its residual exceeds this number of standard deviations.
 const SUSPECT: f64 = 4.5;
-/// Ratio of a standard deviation to the median absolute deviation.
+/// Standard deviation of a normal distribution, divided by its median absolute deviation.
 const STD_PER_MEDIAN: f64 = 1.4826;
 /// Smallest standard deviation that is assumed for heights, relative to half the patch's side, and for slopes.
 const MIN_STD: f64 = 1e-6;

@@ -71,7 +71,7 @@ pub(super) struct SquareTerm {
 }
 
 impl SeriesProblem<'_> {
-    /// The amplitude of the roughness with the largest prior probability.
+    /// The amplitude of the roughness that has the largest prior probability.
     fn expected_amplitude(&self, quadric: &[f64; UNKNOWNS]) -> f64 {
         let ratio = match self.square_term {
             Some(_) => EXPECTED_AMPLITUDE_ABOUT_IMPLICIT,
@@ -104,9 +104,10 @@ struct Process {
 /// A process with one correlation length and one amplitude, as one term of the average.
 struct Candidate {
     square_amplitude: f64,
-    /// Triangular factors of the matrix 1 + amplitude² × information of the process.
+    /// Triangular factors of the matrix 1 + amplitude² × information, where the information of the contacts is in the
+    /// basis of the modes.
     factors: Factors,
-    /// For each mode, the posterior mean of the mode's factor.
+    /// For each mode, the posterior mean of its random factor.
     mean: Vec<f64>,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.

@@ -1,4 +1,4 @@
-//! The normal equations of a series of Chebyshev polynomials.
+//! The normal equations of a series of Chebyshev polynomials that describes a surface.
 
 use nalgebra::{DMatrix, DVector};
 

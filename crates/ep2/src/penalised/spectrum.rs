@@ -25,7 +25,7 @@ pub(super) struct Spectrum {
     /// Roughness of each mode, in ascending order: the mode's diagonal entry in UᵀPU, where P is the matrix of the
     /// penalty. The roughness is 0 for the modes of quadrics.
     pub(super) roughness: Vec<f64>,
-    /// Right side of the normal equations, as one value per mode.
+    /// Right side of the normal equations, transformed to the modes: one value per mode.
     pub(super) right: Vec<f64>,
     pub(super) square: f64,
     pub(super) equations: f64,

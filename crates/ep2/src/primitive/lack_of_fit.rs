@@ -25,7 +25,7 @@ const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
 const MAX_CONTACTS: usize = 20_000;
-/// Largest number of contacts from which the range of the coordinates is computed.
+/// Largest number of contacts from which the range of the contacts' coordinates is computed.
 const BASIS_CONTACTS: usize = 2000;
 /// Number of consecutive contacts in a block. For many contacts, the correlation of residuals is estimated from some of
 /// the blocks.

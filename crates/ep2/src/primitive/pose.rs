@@ -25,7 +25,7 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// Every contact whose index is a multiple of `step`.
+    /// A cloud of only those contacts whose index is a multiple of `step`.
     pub(super) fn thinned(&self, step: usize) -> Self {
         Self {
             places: self.places.iter().copied().step_by(step).collect(),
@@ -33,7 +33,7 @@ impl Cloud {
         }
     }
 
-    /// Only the contacts for which `is_used` is true.
+    /// A cloud of only those contacts for which `is_used` is true.
     pub(super) fn selected(&self, is_used: &[bool]) -> Self {
         let select = |all: &[Vector3<f64>]| {
             let pairs = all.iter().zip(is_used);
@@ -51,7 +51,7 @@ impl Cloud {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     pub(super) shape: Shape,
-    /// A point of the surface, at which the axes are defined.
+    /// A point of the shape's surface, at which the axes are defined.
     pub(super) point: Vector3<f64>,
     /// The axes a and b along the surface and the normal n, as rows.
     pub(super) axes: Matrix3<f64>,
@@ -212,7 +212,7 @@ impl Pose {
         Self::new(self.shape, point, normal, self.axis(0), self.curvature)
     }
 
-    /// The same surface, but the opposite side is outside.
+    /// The same surface with inside and outside exchanged.
     pub(super) fn reversed(&self) -> Self {
         let curvature = -self.curvature;
         Self::new(
@@ -242,7 +242,7 @@ pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
-    /// Numbers of summed distances and of summed components of normals.
+    /// Number of distances and number of components of normals in the sums.
     pub(super) counts: [f64; 2],
 }
 

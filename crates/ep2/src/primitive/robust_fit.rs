@@ -27,7 +27,7 @@ const MIN_SENSOR_SHARE: f64 = 0.05;
 const RANK_TOLERANCE: f64 = 1e-12;
 /// Largest number of contacts in the preliminary fits, which compute the start of the final fit.
 const START_CONTACTS: usize = 600;
-/// Number of subsets of contacts from which a robust fit starts.
+/// Number of subsets of contacts whose poses are start values of a robust fit.
 const SUBSETS: u64 = 60;
 /// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
@@ -37,7 +37,7 @@ const SUBSET_ITERATIONS: usize = 15;
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;
-/// Largest number of contacts from which the limits for outliers are computed.
+/// Largest number of contacts from which the limits of outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
 /// A fit that leaves out more than a fifth of the contacts counts only if its variance is below this share of the
 /// variance of the fit to all contacts. Then the contacts have too many outliers.
@@ -356,7 +356,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     let Some(pose) = through_most(&plain.solution.pose, thinned) else {
         return plain;
     };
-    // A fit to all contacts that starts from the pose of the subset may have a smaller deviance than the first fit.
+    // A fit to all contacts that starts at the pose through the subset may have a smaller deviance than the fit
+    // `plain_all`.
     let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
     if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
         plain = grown(other, cloud, stated);

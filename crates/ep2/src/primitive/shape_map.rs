@@ -1,4 +1,4 @@
-//! Maps of fitted shapes: points with their curvature.
+//! Computes maps of fitted shapes, that is, points of the shapes with their curvature.
 
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::UNKNOWN_DIRECTION_STD;

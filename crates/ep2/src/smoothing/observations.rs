@@ -4,7 +4,7 @@ use super::mesh::Mesh;
 use super::triangle::{Block, Triangle};
 use crate::knots::{Basis, Knots};
 
-/// A height at a place of the plane, with a weight.
+/// A point (u, v) with a measured height w and a weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WeightedPoint {
     pub(crate) u: f64,
@@ -19,11 +19,11 @@ pub(crate) struct WeightedPoint {
 /// Points with the values of the B-splines at these points.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Units of the heights and of the weights in the computation.
+    /// Units in which the computation measures heights and weights.
     units: [f64; 2],
     /// For each point, the B-splines in u and in v that are not zero there.
     bases: Vec<[LocalBasis; 2]>,
-    /// Indices of the points, sorted by panel (rectangle between knots).
+    /// Indices of the points, sorted by panel. A panel is a rectangle between knots.
     order: Vec<usize>,
 }
 
@@ -47,7 +47,7 @@ impl LocalBasis {
 #[derive(Clone, Copy, Default)]
 pub(super) struct IntervalSums {
     pub(super) squares: f64,
-    /// Sum of the squared residuals, each multiplied by the point's coordinate.
+    /// Sum over these points of the squared residual times the point's coordinate along the axis.
     pub(super) moments: f64,
 }
 

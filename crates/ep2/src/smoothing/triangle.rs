@@ -12,7 +12,7 @@ const VANISHING: f64 = 1e-280;
 ///
 /// The block is stored column by column.
 pub(super) struct Block {
-    /// Number of entries of a row, not counting the right-hand side.
+    /// Number of entries of a row, without the right-hand side.
     width: usize,
     rows: usize,
     /// Largest number of rows of the block, as a number of groups of [`LANES`] rows.
@@ -113,7 +113,7 @@ impl Triangle {
         self.rows[row * stride..][..stride].fill(0.0);
     }
 
-    /// The diagonal entries, which are never negative.
+    /// The diagonal entries of the triangle, which are never negative.
     pub(super) fn diagonal(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().step_by(self.band + 1).copied()
     }

@@ -277,7 +277,6 @@ fn the_noise_is_estimated() {
         let normal = noise.normal_std_rad.unwrap().to_degrees();
         assert!((normal - 2.0).abs() < 0.2, "{noise:?}");
     }
-    // The estimator uses the stated noise instead of an estimate of the noise.
     let known = Penalised {
         noise: Noise {
             position_std: Some(0.5),

@@ -16,7 +16,7 @@ pub(crate) struct Surface {
 /// A random surface: a quadric plus two waves.
 pub(crate) struct Waves {
     quadric: [f64; 3],
-    /// Amplitude, wave numbers along x and y, and phase.
+    /// For each wave, its amplitude, its wave numbers along x and y, and its phase.
     waves: [[f64; 4]; 2],
 }
 
