@@ -164,7 +164,6 @@ const fn derivatives<T: Copy>(jet: &Jet<T>) -> [T; DERIVATIVES] {
     [jet.u, jet.v, jet.uu, jet.uv, jet.vv]
 }
 
-/// The factor 1/D with D = 1 + p² + q², where p and q are the slopes.
 #[inline(always)]
 fn per_d(p: Lanes, q: Lanes) -> Lanes {
     Lanes::ONE / (p * p + q * q + 1.0)

@@ -221,8 +221,6 @@ impl IndependentFit {
         ((square / f64::max(count, 1.0)).sqrt(), times)
     }
 
-    /// Stores the given correlations in this fit, and multiplies the variances of the surface by `variance` if it
-    /// exceeds 1.
     fn with(mut self, [position, normal]: [f64; 2], variance: f64) -> Self {
         self.readings.position_correlation = position;
         self.readings.normal_correlation = normal;

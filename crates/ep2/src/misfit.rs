@@ -176,8 +176,6 @@ impl Model<'_> {
         self.fit.jet(sample.u, sample.v)
     }
 
-    /// Observations of a contact, transformed such that their errors are independent and have variance 1; `None` if
-    /// numbers are beyond the range of doubles.
     fn weighted(
         &self,
         sample: &Sample,

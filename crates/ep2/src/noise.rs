@@ -127,7 +127,6 @@ impl Variances {
         MIN_STD * MIN_STD / self.heights
     }
 
-    /// Standard deviations that correspond to these variances, in the contacts' unit of length.
     pub(crate) fn estimate(&self, patch: &Patch) -> NoiseEstimate {
         NoiseEstimate {
             position_std: self.heights.sqrt() * patch.frame.scale(),

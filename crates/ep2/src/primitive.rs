@@ -226,7 +226,6 @@ impl Scaled {
     }
 }
 
-/// A fit of one shape to the contacts without outliers, with the test of this fit.
 struct Candidate {
     solution: Solution,
     lack: LackOfFit,

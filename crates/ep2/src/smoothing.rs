@@ -36,7 +36,6 @@ const RANK_TOLERANCE: f64 = 1e-16;
 /// Residuals count as rounding errors if their ratio to the heights is below this value.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Settings of a smoothing spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SmoothingSpline {
     /// Degrees of the spline in u and in v, from 1 to [`MAX_DEGREE`].

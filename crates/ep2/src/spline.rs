@@ -54,7 +54,6 @@ impl Local {
 }
 
 impl Jet<Lanes> {
-    /// Joins one jet per place to one jet with lanes.
     pub(crate) fn side_by_side(jets: &[Jet; LANES]) -> Self {
         let all =
             |part: fn(&Jet) -> f64| Lanes::from(std::array::from_fn(|lane| part(&jets[lane])));
@@ -68,7 +67,6 @@ impl Jet<Lanes> {
         }
     }
 
-    /// Splits a jet with lanes into one jet per place.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> [Jet; LANES] {
         let [w, u, v, uu, uv, vv] =

@@ -332,7 +332,6 @@ impl SquareQuadric {
         0.5 * (uu * uu + 2.0 * uv * uv + vv * vv)
     }
 
-    /// The coefficients of the spline that equals this quadric.
     pub(crate) fn spline_coefficients(&self, a: &Knots, b: &Knots) -> Vec<f64> {
         (0..a.functions() * b.functions())
             .map(|index| coefficient(&self.unknowns, a, b, index))

@@ -161,7 +161,6 @@ impl ForwardFit {
 struct Stds(Square);
 
 impl Stds {
-    /// `None` if the readings do not determine all fitted parameters.
     fn new(hessian: &Square) -> Option<Self> {
         let inverse = hessian.try_inverse()?;
         let is_finite = inverse.iter().all(|part| part.is_finite());

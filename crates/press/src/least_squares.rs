@@ -31,7 +31,6 @@ pub(crate) trait LeastSquares {
     /// Number of markers that the fit uses, and number of equations per marker.
     fn used(&self) -> [usize; 2];
 
-    /// Whether some of the noise is estimated from the residuals.
     fn estimates_noise(&self) -> bool {
         false
     }
@@ -70,10 +69,6 @@ pub(crate) trait LeastSquares {
         })
     }
 
-    /// Covariance of the fit parameters.
-    ///
-    /// # Errors
-    /// [`PressError::Undetermined`] if the readings do not determine all fit parameters.
     fn covariance(&self, sums: &Sums) -> Result<Square, PressError> {
         let free = PressError::Undetermined { what: Self::FREE };
         inverse(&sums.hessian, Self::SINGULAR).ok_or(free)

@@ -118,8 +118,6 @@ impl Equations {
         self.count.slopes > 0
     }
 
-    /// Weighted sums of squared residuals of the heights and of the slopes, for the spline with the coefficients
-    /// `deviation`.
     pub(super) fn residuals(&self, deviation: &DVector<f64>) -> Kinds<f64> {
         let residual = |gram: &DMatrix<f64>, right: &DVector<f64>, square: f64| {
             (square - 2.0 * deviation.dot(right) + deviation.dot(&(gram * deviation))).max(0.0)

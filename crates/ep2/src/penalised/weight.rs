@@ -200,7 +200,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The smoothing weight with the smallest score (see [`Self::score`]).
     pub(super) fn best(&self) -> Choice {
         let scores: Vec<f64> = self.sums.iter().map(|sums| self.score(sums)).collect();
         let best = (0..NODES)
@@ -230,7 +229,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Smallest value of −2 ln(likelihood) among the evaluated smoothing weights.
     pub(super) fn least_deviance(&self) -> f64 {
         let deviances = self.sums.iter().map(|sums| self.deviance(sums));
         deviances.fold(f64::INFINITY, f64::min)
@@ -262,7 +260,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Derivative of [`Self::score`] with respect to the logarithm of the smoothing weight.
     fn slope(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             let degrees = self.spectrum.equations - UNKNOWNS as f64;

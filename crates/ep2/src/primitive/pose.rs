@@ -25,7 +25,6 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// A cloud of only those contacts whose index is a multiple of `step`.
     pub(super) fn thinned(&self, step: usize) -> Self {
         Self {
             places: self.places.iter().copied().step_by(step).collect(),
@@ -33,7 +32,6 @@ impl Cloud {
         }
     }
 
-    /// A cloud of only those contacts for which `is_used` is true.
     pub(super) fn selected(&self, is_used: &[bool]) -> Self {
         let select = |all: &[Vector3<f64>]| {
             let pairs = all.iter().zip(is_used);
@@ -212,7 +210,6 @@ impl Pose {
         Self::new(self.shape, point, normal, self.axis(0), self.curvature)
     }
 
-    /// The same surface with inside and outside exchanged.
     pub(super) fn reversed(&self) -> Self {
         let curvature = -self.curvature;
         Self::new(

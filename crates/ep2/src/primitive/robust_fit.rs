@@ -272,7 +272,6 @@ fn inverse(gram: &Gram) -> Gram {
 }
 
 impl Solution {
-    /// A solution that contains only the pose, as the start of a fit.
     fn of(pose: Pose) -> Self {
         Self {
             pose,

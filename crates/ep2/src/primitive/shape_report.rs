@@ -182,7 +182,6 @@ fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
     }
 }
 
-/// Derivatives of the position that [`place`] returns, with respect to the fitted parameters.
 fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
     let mut all = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     all.set_column(3, &pose.axis(2));

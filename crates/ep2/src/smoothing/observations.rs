@@ -107,7 +107,6 @@ impl<'a> Observations<'a> {
         (point.w / self.units[0], point.weight / self.units[1])
     }
 
-    /// The least-squares equations of the spline, converted to triangular form.
     pub(super) fn triangle(&self, mesh: &Mesh) -> Triangle {
         let band = mesh.band();
         let mut triangle = Triangle::new(mesh.coefficients(), band);

@@ -251,7 +251,6 @@ impl<'a> Search<'a> {
         Ok(Interval::UNBOUNDED)
     }
 
-    /// Whether two fits ended at the same minimum of chi-squared.
     fn is_same(&self, one: &State, other: &State) -> bool {
         let near = |contact: Contact<'_>| {
             let markers = self.problem.reading.markers;

@@ -132,7 +132,6 @@ impl<V: View> Resting<'_, V> {
         (0..self.markers()).map(own).collect()
     }
 
-    /// Sum of squared residuals of all markers. Each marker contributes at most the outlier threshold.
     fn robust(&self, minimum: &Minimum) -> f64 {
         let own = self.own_costs(&minimum.state, &minimum.pictures);
         let own = own.into_iter().flatten().map(|square| square.min(WRONG));

@@ -339,7 +339,6 @@ impl<'a, V: View> Problem<'a, V> {
         is_solved.then_some(shared).ok_or(PressError::OutOfRange)
     }
 
-    /// Sum of the squared residuals, without the part that changes of the common sensor deviations can explain.
     pub(super) fn own_squares(&self, residuals: &Residuals) -> Result<f64, PressError> {
         Ok(residuals.norm_squared() - self.shared(residuals)?.norm_squared())
     }

@@ -187,7 +187,6 @@ fn update_sensor<V: View + Clone>(
     Ok(best)
 }
 
-/// A robust fit, whose result changes only slightly because of a few outliers.
 fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, PressError> {
     let starts = problem.starts()?;
     let mut best: Option<FitState> = None;
@@ -244,7 +243,6 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     Ok(best)
 }
 
-/// Excludes outliers from the fit, and returns the numbers of the excluded markers.
 fn drop_wrong<V: View>(
     problem: &mut Problem<'_, V>,
     best: &FitState,

@@ -40,8 +40,6 @@ impl<V: View> Problem<'_, V> {
         departures.ok_or(PressError::OutOfRange)
     }
 
-    /// Linearises the model again, at the sensor that fits both frames best according to the fit `best`. Returns
-    /// `false` if this sensor is impossible.
     pub(super) fn update_sensor(&mut self, best: &FitState) -> Result<bool, PressError> {
         let sensor = self.updated_sensor(&best.residuals)?;
         Ok(self.linearise_at(sensor))

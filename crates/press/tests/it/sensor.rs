@@ -75,7 +75,6 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// Displacements of the markers by a contact at the coordinates `at`, without noise.
     pub(crate) fn of(markers: &Markers, contact: &Contact<'_>, at: [f64; 2]) -> Self {
         let moved = markers.displacements(contact, at);
         Self {

@@ -108,7 +108,6 @@ fn another_body_is_found() {
     }
 }
 
-/// The markers move outward or in alternating directions, which no press can cause.
 #[test]
 fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
