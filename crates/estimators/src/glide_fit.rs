@@ -183,7 +183,6 @@ impl GlideFit {
         }
     }
 
-    /// Text that describes the method and its settings.
     fn description(&self) -> String {
         match self {
             Self::Penalised(Penalised {

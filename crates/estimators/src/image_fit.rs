@@ -10,7 +10,7 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step of the discs' depth, relative to the sensor's radius, for derivatives that are computed by finite differences.
+/// Step of the discs' depth for finite differences, as a share of the sensor's radius.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 

@@ -79,8 +79,8 @@ impl ImageEstimator {
         })
     }
 
-    /// Residual displacement of each marker. The displacement predicted from the estimated press is subtracted from the
-    /// displacement estimated from the marker's own image.
+    /// Residual displacement of each marker: the displacement that is estimated from the marker's own image, minus the
+    /// displacement that is predicted from the estimated press.
     pub fn beyond(
         &self,
         pictures: &MarkerImages,

@@ -134,7 +134,7 @@ pub const fn baseline(config: Baseline) -> Prior {
     }
 }
 
-/// Prior of a factor that is expected to be 1. Its standard deviation is `std`.
+/// Prior of a factor with the expected value 1 and the standard deviation `std`.
 pub fn within(std: f64) -> Prior {
     if std > 0.0 {
         Prior::Within(std)

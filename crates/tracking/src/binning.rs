@@ -48,7 +48,6 @@ impl BinnedFrame {
         }
     }
 
-    /// Number of pixels in a bin.
     pub(crate) fn pixels(&self) -> usize {
         self.bin * self.bin
     }

@@ -28,7 +28,6 @@ use crate::{CalibrationError, Change, Marker, Track};
 pub struct Equidistant {
     centre_px: [f64; 2],
     px_per_rad: f64,
-    /// The odd terms in θ³ and θ⁵ of the lens; `None` if the lens has no odd terms.
     terms: Option<OddTerms>,
 }
 
@@ -196,8 +195,8 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, angles cannot be
-/// determined from distances.
+/// Smallest allowed slope dr/dθ of a lens (image distance r over angle θ), relative to its slope on the axis. If the
+/// slope is smaller, angles cannot be determined from distances.
 const MIN_SLOPE: f64 = 0.01;
 /// Maximum number of Newton steps. A step that would leave the bracket is replaced by a bisection.
 const MAX_STEPS: usize = 64;
@@ -207,12 +206,11 @@ const MAX_STEPS: usize = 64;
 struct OddTerms {
     k3: f64,
     k5: f64,
-    /// Largest angle, at most half a turn, up to which the distance from the image's centre increases.
+    /// Largest angle from the axis (at most half a turn) up to which the distance from the image's centre increases.
     max_angle: f64,
 }
 
 impl OddTerms {
-    /// The terms with the coefficients `k3` and `k5`, which may have any finite size.
     fn new(k3: f64, k5: f64) -> Self {
         let terms = Self {
             k3,
@@ -248,8 +246,8 @@ impl OddTerms {
         [term(1.0, 1.0), term(3.0, 5.0)]
     }
 
-    /// The angle from the axis for a distance from the image's centre. `scaled` is this distance divided by the focal
-    /// length. The result is `None` if no valid place has this distance.
+    /// The angle from the axis at which the image has a given distance from its centre. `scaled` is this distance
+    /// divided by the focal length. `None` if no valid place has this distance.
     fn angle(self, scaled: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_angle);
         let distance = |angle: f64| angle * self.stretches(angle)[0];

@@ -75,7 +75,6 @@ pub struct Field {
     triangulation: DelaunayTriangulation<Site>,
 }
 
-/// A marker in the triangulation.
 #[derive(Clone, Copy, Debug)]
 struct Site {
     at: Point2<f64>,
@@ -174,8 +173,7 @@ impl Field {
         (x + y + found.normal).is_finite().then_some(found)
     }
 
-    /// Interpolation weights of the markers at a point. The list is empty if the point is outside the markers' convex
-    /// hull.
+    /// Interpolation weights of the markers at a point; empty if the point is outside the markers' convex hull.
     fn weights(&self, point: Point2<f64>) -> Vec<(usize, f64)> {
         // A single marker is treated separately, because its triangulation has no edges.
         if let [marker] = self.markers[..] {
@@ -226,7 +224,6 @@ impl Field {
         }
     }
 
-    /// The weighted mean of the markers' displacements. The result has the place `place`.
     fn mean(&self, place: [f64; 2], weights: impl Iterator<Item = (usize, f64)>) -> Displaced {
         let mut sum = [0.0; 4];
         for (marker, weight) in weights {
@@ -275,8 +272,8 @@ impl Field {
     }
 }
 
-/// A place as a point of the triangulation. Very small coordinates are replaced by 0, because the triangulation rejects
-/// them.
+/// A place on the skin as a point of the triangulation. Very small coordinates are replaced by 0, because the
+/// triangulation rejects them.
 fn site(place: [f64; 2]) -> Point2<f64> {
     let [x, y] = place.map(|one| if one.abs() < 1e-30 { 0.0 } else { one });
     Point2::new(x, y)
@@ -287,7 +284,6 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Markers on a 5 × 5 grid, all without displacement.
     fn still() -> Vec<Displaced> {
         let place = |index: i32| [index % 5, index / 5].map(|step| f64::from(step) * 0.1 - 0.2);
         (0..25)

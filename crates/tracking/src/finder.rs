@@ -41,8 +41,8 @@ impl Found {
 const MIN_SIDE: u32 = 16;
 /// Largest width and height of a frame, px.
 const MAX_SIDE: u32 = 32_768;
-/// Number of bins along the diameter of the image circle. Even the smallest accepted markers are found at this
-/// resolution.
+/// Number of bins along the diameter of the image circle. Even the smallest accepted markers are found with bins of
+/// this size.
 const BINS_PER_DIAMETER: f64 = 256.0;
 /// Largest accepted number of connected shapes in a frame.
 const MAX_SHAPES: usize = 16_384;
@@ -151,7 +151,6 @@ impl Finder {
         )
     }
 
-    /// Measures the selected shapes. Returns only the shapes that are markers.
     fn measure(
         &mut self,
         frame: &RgbImage,
@@ -203,7 +202,7 @@ impl Finder {
     }
 }
 
-/// Side of the bins in which markers are searched, px. `circle_px` is the diameter of the image circle.
+/// Side (px) of the bins in which markers are searched. `circle_px` is the diameter of the image circle.
 fn bin(circle_px: f64) -> usize {
     ((circle_px / BINS_PER_DIAMETER) as usize)
         .clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))

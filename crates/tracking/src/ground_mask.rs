@@ -30,12 +30,11 @@ pub enum Ground {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GroundMask {
     pub(crate) frame: BinnedFrame,
-    /// For each bin, whether it shows the sensor.
     pub(crate) inside: Vec<bool>,
     /// Top-hat transform of the frame: for each bin, the difference between its brightness and the brightness of the
     /// background around it.
     pub(crate) top_hat: Vec<u8>,
-    /// For each bin, whether it shows the background, that is, neither a marker nor the surroundings of a marker.
+    /// For each bin, whether it shows only background: no marker, and nothing near a marker.
     pub(crate) is_ground: Vec<bool>,
     middles: Vec<bool>,
     plane: Vec<u8>,
@@ -43,8 +42,8 @@ pub(crate) struct GroundMask {
 }
 
 impl GroundMask {
-    /// Marks the bins that show the sensor. They are the bins inside the rim or, if no rim was found, the bins inside
-    /// the circle.
+    /// Marks the bins that show the sensor: the bins inside the rim or, if no rim was found, the bins inside the
+    /// circle.
     pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
         let circle = mask.coarse(self.frame.bin);
         let band = RIM_BAND * circle.radius_px;
@@ -61,7 +60,6 @@ impl GroundMask {
         }
     }
 
-    /// Estimates whether the background is bright or dark.
     pub(crate) fn estimate_ground(&self) -> Ground {
         let (mut dark, mut bright) = ([0; 256], [0; 256]);
         let share = share_of(self.frame.pixels());
@@ -98,7 +96,7 @@ impl GroundMask {
     }
 
     /// Computes the top-hat transform. The structuring element is a square of `2 half + 1` bins a side. On a bright
-    /// background, the result is divided by the brightness of the background.
+    /// background, the result of a bin is divided by the brightness of the background.
     pub(crate) fn set_top_hat(&mut self, ground: Ground, mask: &Mask, half: usize) {
         self.set_plane(ground);
         let size = [self.frame.width, self.frame.height];
@@ -137,7 +135,6 @@ impl GroundMask {
         is_clear.then_some(classes)
     }
 
-    /// Marks the bins that show the background, that is, neither a marker nor the surroundings of a marker.
     pub(crate) fn set_is_ground(&mut self, limit: u8, selection: &Selection) {
         self.is_ground.clear();
         self.is_ground.extend(
@@ -158,7 +155,6 @@ impl GroundMask {
         }
     }
 
-    /// For each row of the full-resolution frame, the first and the last column that show the sensor.
     pub(crate) fn rows(&self, height: usize) -> Vec<(i32, i32)> {
         let bin = self.frame.bin;
         let mut rows = Vec::with_capacity(height);
@@ -183,8 +179,8 @@ fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// For each brightness of the background (0 to 255), a factor in units of 1/65,536. The factor converts a brightness
-/// difference to a share of the background's light, in units of 1/255. The factor is 0 if the background is too dark.
+/// For each brightness of the background (0 to 255), the factor (in units of 1/65,536) that converts a brightness
+/// difference to a share of the background's light (in units of 1/255). The factor is 0 if the background is too dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < MIN_GROUND_BRIGHTNESS {
@@ -195,16 +191,11 @@ fn scales() -> [u32; 256] {
     })
 }
 
-/// Two classes of pixels, background and markers, and the grey value that separates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Classes {
-    /// Limit between the classes. Pixels above this value belong to markers.
     pub(crate) limit: u8,
-    /// Mean value of the background pixels.
     pub(crate) ground: f64,
-    /// Standard deviation of the values of the background pixels.
     pub(crate) ground_std: f64,
-    /// Mean value of the marker pixels.
     pub(crate) markers: f64,
 }
 
@@ -257,7 +248,7 @@ fn weighted(histogram: &[u32]) -> f64 {
         .sum()
 }
 
-/// The value of a histogram below which the share `share` of all counts lies.
+/// Grey value below which the share `share` of all pixels of a histogram lies.
 pub(crate) fn quantile(histogram: &[u32; 256], share: f64) -> u8 {
     let count: u64 = histogram.iter().map(|&count| u64::from(count)).sum();
     let wanted = share * count as f64;

@@ -20,16 +20,15 @@ const MIN_VISIBLE: f64 = 0.8;
 /// Length of the arcs into which the image circle is divided, in bins. The rim is visible along an arc if a point of
 /// the rim lies on it.
 const STEP: f64 = 4.0;
-/// The two terms of the largest accepted distance of a rim point from the circle. The first term is in bins, and the
-/// second term is a multiple of the circle's radius.
+/// Largest accepted distance of a rim point from the circle: the sum of a constant (in bins) and a share of the
+/// circle's radius.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
-/// Number of circles that are tried. Each of them goes through three points of the rim.
+/// Number of circles through three points of the rim that are tried.
 const TRIES: usize = 64;
 /// Largest number of rim points that are used.
 const MAX_POINTS: usize = 256;
 
 impl Mask {
-    /// The circle around a whole frame.
     pub(crate) fn whole(width: u32, height: u32) -> Self {
         let [x, y] = [width, height].map(|side| (f64::from(side) - 1.0) / 2.0);
         Self {
@@ -38,8 +37,8 @@ impl Mask {
         }
     }
 
-    /// Returns the circle if its centre is in a frame of `width` columns and `height` rows and its radius is positive
-    /// and finite. Otherwise returns an error.
+    /// Checks that the circle's centre is in a frame of `width` columns and `height` rows, and that its radius is
+    /// positive and finite.
     pub(crate) fn check(self, width: u32, height: u32) -> Result<Self, TrackingError> {
         let [x, y] = self.centre_px;
         let within = (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
@@ -72,7 +71,7 @@ impl Mask {
         }
     }
 
-    /// The circle in the coordinates of bins. A bin has `bin` pixels a side.
+    /// This circle in the coordinates of bins, which have `bin` pixels a side.
     pub(crate) fn coarse(&self, bin: usize) -> Self {
         let bin = bin as f64;
         Self {
@@ -93,7 +92,7 @@ impl Mask {
     }
 
     /// The circle on which the rim lies; `None` unless the rim is visible along most of this circle. A ring of markers
-    /// is not accepted, because it has gaps.
+    /// has gaps, so it is not accepted.
     pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
@@ -214,8 +213,8 @@ impl Circle {
     }
 }
 
-/// The rim of the sensor in a frame. For each row and each column, it contains the first and the last bin whose colour
-/// differs from the colour of the frame's corners.
+/// The rim of the sensor in a frame. For each row and each column of bins, it contains the first and the last bin whose
+/// colour differs from the colour of the frame's corners.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rim {
     rows: Vec<Option<[usize; 2]>>,
@@ -289,9 +288,9 @@ impl Rim {
     }
 }
 
-/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. This
-/// colour difference is computed from the differences within the corners. Both results are sums over the pixels of a
-/// bin. The result is `None` unless at least three corners have the same colour.
+/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. The limit
+/// follows from the differences within the corners. Both are sums over the pixels of a bin. `None` unless at least
+/// three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);
@@ -339,7 +338,6 @@ fn mean(values: &[[f64; 3]]) -> [f64; 3] {
         .map(|colour| values.iter().map(|value| value[colour]).sum::<f64>() / values.len() as f64)
 }
 
-/// The largest of the absolute differences between the red, green and blue values of two colours.
 fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter()
         .zip(b)

@@ -40,13 +40,11 @@ type Terms = SVector<f64, 15>;
 pub(crate) struct Lighting {
     centre: [f64; 2],
     radius: f64,
-    /// Coefficients of the polynomial of each colour (red, green, blue), in the order of [`POWERS`].
     terms: [Terms; 3],
     /// Standard deviation of the noise of each colour of a pixel, in levels (0 to 255).
     pub(crate) noise: f64,
 }
 
-/// One colour of the background around a place: its value, slopes and second derivatives at this place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local {
     value: f64,
@@ -68,7 +66,6 @@ impl Local {
     }
 }
 
-/// Averages of the background over one patch.
 struct Patch {
     count: f64,
     terms: Terms,
@@ -76,7 +73,7 @@ struct Patch {
 }
 
 impl Lighting {
-    /// Fits the light to the bins that show the background, that is, for which `ground` is true.
+    /// Fits the light to the bins for which `ground` is true, that is, which show the background.
     pub(crate) fn fit(binned: &BinnedFrame, ground: &[bool], mask: &Mask) -> Self {
         let mut lighting = Self {
             centre: mask.centre_px,
@@ -104,7 +101,6 @@ impl Lighting {
         lighting
     }
 
-    /// Value and derivatives of one colour of the background at the place `place` in the frame.
     pub(crate) fn about(&self, place: [f64; 2], colour: usize) -> Local {
         let [x, y] = [0, 1].map(|axis| (place[axis] - self.centre[axis]) / self.radius);
         let power = |base: f64, power: i32| match power {

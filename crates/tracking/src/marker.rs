@@ -108,7 +108,6 @@ impl Track {
 }
 
 impl Change {
-    /// Whether all numbers of the marker are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let [x, y] = self.shift_px;
         [x, y, self.hue_turns, self.growth]

@@ -12,16 +12,16 @@ const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
 /// yellow overlap.
 const MIN_CHROMA: f64 = 0.2;
 /// Error of the light of a pixel on a marker's edge. It is the light's relative standard deviation multiplied by the
-/// marker's radius in px. The light has this error for two reasons: the edge crosses the pixel grid differently at
-/// every place, and the light of a pixel is assigned to its middle. The value was measured on discs with radii of 8 to
-/// 26 px, with pixels that integrate the light over their area.
+/// marker's radius in px. The reasons are that the edge crosses the pixel grid differently at every place, and the
+/// light of a pixel is assigned to its middle. The value was measured on discs with radii of 8 to 26 px, with pixels
+/// that integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
 /// Share of the error variance of edge pixels that is due to errors which are equal in all colours. The rest is due to
 /// errors that differ between colours.
 const COMMON_SHARE: f64 = 0.5;
 
-/// The marker with the sums `sums` over its pixels. The result is `None` if the hue is outside the range of markers, or
-/// if a number is out of range.
+/// The marker whose pixels have the sums `sums`. `None` if the hue is outside the range of markers, or if a number is
+/// out of range.
 pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
@@ -47,7 +47,6 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
     })
 }
 
-/// Weights of red, green and blue light in the centroid of a marker.
 pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     match ground {
         Ground::Bright => [0.0, 1.0, 1.0],

@@ -61,11 +61,10 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// Distance from each marker at rest to its nearest neighbour, px.
+    /// Distance (px) from each marker at rest to its nearest neighbour at rest.
     spacing: Vec<f64>,
-    /// Neighbours of each marker at rest, sorted by increasing distance.
     around: Vec<Vec<usize>>,
-    /// For each marker at rest, the index of the matched pressed marker; `None` if the marker at rest is not matched.
+    /// Index of the pressed marker that is matched with each marker at rest; `None` if there is no match.
     pairs: Vec<Option<usize>>,
 }
 
@@ -98,15 +97,13 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// First step: matches a marker at rest and a pressed marker if each is the nearest marker to the other.
     fn match_nearest(&mut self) {
         let places: Vec<[f64; 2]> = self.rest.iter().map(|marker| marker.centroid_px).collect();
         self.pair(&places, FIRST_GATE);
     }
 
-    /// Matches markers at rest with pressed markers. `places` contains the expected place of each marker at rest. A
-    /// marker at rest may be matched with a pressed marker near its expected place. Their distance is at most `gate`
-    /// times the distance from the marker at rest to its nearest neighbour.
+    /// Matches each marker at rest with a pressed marker near its expected place in `places`. Their distance is at most
+    /// `gate` times the distance from the marker at rest to its nearest neighbour.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
@@ -127,8 +124,8 @@ impl<'a> Matching<'a> {
         self.pairs = pairs;
     }
 
-    /// Second step: removes matches whose displacement differs from the displacements of the neighbours. Then matches
-    /// all markers again at their predicted places.
+    /// Removes matches whose displacement differs from the displacements of the neighbours. Then matches all markers
+    /// again at their predicted places.
     fn match_predicted(&mut self) {
         let is_outlier = |at: usize| {
             let moves = self.displacement(at).zip(self.expected_move(at));
@@ -159,7 +156,6 @@ impl<'a> Matching<'a> {
             .then(|| [0, 1].map(|axis| median(moves.iter().map(|moved| moved[axis]).collect())))
     }
 
-    /// Predicted place of a marker in the pressed frame.
     fn place(&self, at: usize) -> [f64; 2] {
         let moved = self
             .expected_move(at)
@@ -237,7 +233,6 @@ impl<'a> Matching<'a> {
             .map(|(other, _)| other)
     }
 
-    /// Finds lost markers that were split into two pieces in the pressed frame.
     fn split(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             let reach = REACH * self.spacing[at];
@@ -276,8 +271,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Whether the marker `whole` may consist of two parts: its size is approximately the sum of their sizes, and its
-    /// centroid is approximately their common centroid.
+    /// Whether the marker `whole` may consist of two parts: whether its size is about the sum of the parts' sizes, and
+    /// its centroid about their common centroid.
     fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
         let size = parts[0].1 + parts[1].1;
         let centre = [0, 1]
@@ -289,7 +284,6 @@ impl<'a> Matching<'a> {
     }
 }
 
-/// Combines two pieces into one marker.
 fn combine(pieces: [Marker; 2]) -> Marker {
     let [a, b] = pieces;
     let size_px2 = a.size_px2 + b.size_px2;
@@ -310,7 +304,6 @@ fn pairs_of(items: &[usize]) -> impl Iterator<Item = [usize; 2]> {
     (0..items.len()).flat_map(move |a| (a + 1..items.len()).map(move |b| [items[a], items[b]]))
 }
 
-/// Indices of the `count` other markers that are nearest to `marker`.
 fn nearest(markers: &[Marker], marker: &Marker, count: usize) -> Vec<usize> {
     let mut others: Vec<(usize, f64)> = markers
         .iter()

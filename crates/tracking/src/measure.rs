@@ -27,28 +27,24 @@ const MAX_DIFFERENCE: f64 = 0.15;
 /// background or adds to a dark background.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Number of pixels in the window.
     pub(crate) count: f64,
     /// Sum of the offsets of the pixels from the origin `middle`, px.
     pub(crate) place: [f64; 2],
     /// Sum over the pixels of the light of each colour. On a bright background, this light is the absorbed share of the
     /// background's light. On a dark background, it is the added light as a share of full scale.
     pub(crate) light: [f64; 3],
-    /// First moment of each colour about the origin `middle`, px: the sum over the pixels of light multiplied by
-    /// offset.
+    /// First moment of each colour about the origin `middle`, px: the sum, over all pixels, of the light multiplied by
+    /// the pixel's offset.
     pub(crate) moment: [[f64; 2]; 3],
     /// Sums of red, green and blue over the pixels that determine the hue. On a bright background, these are all pixels
     /// of the window. On a dark background, they are the pixels of the shape, because the other pixels only add noise.
     pub(crate) hue_light: [f64; 3],
-    /// Mean hue of the saturated pixels, turns; `None` if there are none.
+    /// Mean hue of the marker's saturated pixels, turns; `None` if no pixel is saturated.
     pub(crate) mean_hue: Option<f64>,
-    /// Origin from which offsets are measured, px.
     pub(crate) middle: [f64; 2],
-    /// Variances of the pixels, from which the errors of the marker are computed.
     pub(crate) errors: PixelErrors,
 }
 
-/// Variances of the pixels of a window, and the sums from which the errors of the marker are computed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelErrors {
     /// Sums of 1, x, y, x², xy and y² over the pixels of the window, where x and y are offsets from `middle`.
@@ -57,11 +53,9 @@ pub(crate) struct PixelErrors {
     pub(crate) pixel: [f64; 3],
     /// Variance of an error that is equal for all pixels of the window, for each colour, in squared shares of light.
     pub(crate) common: [f64; 3],
-    /// Radius of a circle that has the area of the marker, px.
     pub(crate) radius_px: f64,
 }
 
-/// A frame, with the light of its background.
 pub(crate) struct Scene<'a> {
     pub(crate) frame: &'a RgbImage,
     pub(crate) ground: Ground,
@@ -69,11 +63,9 @@ pub(crate) struct Scene<'a> {
     pub(crate) rows: &'a [(i32, i32)],
     pub(crate) lighting: &'a Lighting,
     pub(crate) bin: usize,
-    /// Diameter of a typical marker, px.
     pub(crate) diameter_px: f64,
 }
 
-/// A shape, with the windows of pixels around it and the indices of its neighbours.
 struct Patch {
     middle: [f64; 2],
     radius: f64,
@@ -87,9 +79,7 @@ struct Patch {
 /// Rule for a pixel that lies in the windows of two neighbouring markers.
 #[derive(Clone, Copy, PartialEq)]
 enum Contested {
-    /// The pixel belongs to the nearer marker.
     Nearest,
-    /// The pixel belongs to neither marker.
     Nobody,
 }
 
@@ -103,8 +93,8 @@ struct Offset {
 }
 
 impl Scene<'_> {
-    /// Sums over the window of each shape. The sums are corrected for the difference between the fitted light and the
-    /// actual background around the shape.
+    /// Sums over the window of each shape, corrected for the difference between the fitted light and the actual
+    /// background around the shape.
     pub(crate) fn measure(&self, shapes: &[Shape]) -> Vec<Sums> {
         let mut patches: Vec<Patch> = shapes.iter().map(|shape| self.patch(shape)).collect();
         let reach = self.reach(&mut patches);
@@ -146,7 +136,6 @@ impl Scene<'_> {
         }
     }
 
-    /// Enlarges the windows by `reach` px, and finds the neighbours of each marker.
     fn grow(&self, patches: &mut [Patch], reach: i32) {
         for patch in patches.iter_mut() {
             patch.window = patch.hull.grown(reach, self.rows);
@@ -172,8 +161,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance by which markers extend beyond their shapes, px. At this distance from the shapes, the mean signal of
-    /// several markers ends.
+    /// Distance (px) by which markers extend beyond their shapes: the distance at which the mean signal of several
+    /// markers falls below [`END_SIGNAL`].
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
@@ -216,7 +205,7 @@ impl Scene<'_> {
     }
 
     /// Calls `pixel` for each pixel of `outer` that is not in `inner` and does not belong to a neighbour. The arguments
-    /// of `pixel` are the offset from the marker's middle and the shares of light.
+    /// of `pixel` are the pixel's offset from the marker's middle (two numbers) and its shares of light.
     fn for_each_pixel(
         &self,
         patches: &[Patch],
@@ -343,8 +332,6 @@ impl Scene<'_> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// Sums of the colours over the pixels of the shape alone, without its surroundings, and the number of these
-    /// pixels.
     fn core(&self, patches: &[Patch], at: usize) -> ([f64; 3], f64) {
         let mut sums = [0.0f32; 4];
         self.for_each_pixel(
@@ -363,8 +350,8 @@ impl Scene<'_> {
         ([red, green, blue], count)
     }
 
-    /// Difference between the fitted light and the background in the ring around a window. The difference is computed
-    /// twice. The second time, pixels that differ too much from the first result are excluded.
+    /// Difference between the fitted light and the background in the ring around a window. It is computed twice; the
+    /// second time, without the pixels that differ too much from the first result.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();

@@ -4,7 +4,6 @@
 //! doubled until two overlapping windows cover `n` pixels. Along columns and along rows, the image is compared with a
 //! shifted copy of itself. No transposition is needed, and all operations use whole vectors.
 
-/// Buffers that are reused for each opening.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Opening {
     here: Vec<u8>,
@@ -39,7 +38,6 @@ impl Opening {
         &self.here
     }
 
-    /// Replaces each pixel by the minimum or maximum over a square around it.
     fn pass<E: Extreme>(&mut self, width: usize, half: usize) {
         let pitch = width + 2 * half;
         self.padded.clear();
@@ -63,7 +61,7 @@ impl Opening {
 }
 
 /// Replaces every element of `line` by the minimum or maximum of itself and of the next `window - 1` elements at
-/// distances of `stride`. Removes the last `stride (window - 1)` elements, which have too few elements after them.
+/// distances of `stride`. Then removes the last `stride (window - 1)` elements, which have too few elements after them.
 fn slide<E: Extreme>(line: &mut Vec<u8>, spare: &mut Vec<u8>, stride: usize, window: usize) {
     let mut have = 1;
     while have < window {
@@ -108,7 +106,8 @@ mod tests {
     use super::*;
 
     /// The opening by its definition. The value of a square is the smallest brightness inside the square. The opening
-    /// at a place is the largest value among the squares that contain the place and have an allowed middle.
+    /// at a place is the largest value among the squares that contain the place and whose middle is marked in
+    /// `middles`.
     fn by_definition(
         plane: &[u8],
         width: usize,

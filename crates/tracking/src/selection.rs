@@ -2,12 +2,10 @@
 
 use crate::shapes::{Run, Shape, join};
 
-/// Shapes that may be markers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Selection {
     /// Completely visible shapes.
     pub(crate) whole: Vec<Shape>,
-    /// Shapes that the edge of the image circle or of the frame cuts off.
     pub(crate) cut: Vec<Shape>,
     /// Diameter of a typical marker, in bins.
     pub(crate) diameter: f64,
@@ -31,7 +29,6 @@ const MIN_FILL: f64 = 0.7;
 const STEEP: f64 = 0.6;
 
 impl Selection {
-    /// All shapes: first the complete shapes, then the shapes that are cut off.
     pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
         self.whole.iter().chain(&self.cut)
     }
@@ -151,8 +148,8 @@ fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> V
     vec![shape]
 }
 
-/// The pieces of a shape whose values are above the share [`STEEP`] of the 90 % quantile of its values. In this way,
-/// the shade around a marker is removed.
+/// The pieces of a shape whose values are above the share [`STEEP`] of the 90 % quantile of its values. This removes
+/// the shade around a marker.
 fn steep(shape: &Shape, plane: &[u8], width: usize) -> Vec<Shape> {
     let mut values: Vec<u8> = shape.values(plane, width).collect();
     let high = values.len() * 9 / 10;
@@ -173,7 +170,6 @@ fn above(shape: &Shape, plane: &[u8], width: usize, limit: u8) -> Vec<Run> {
     runs
 }
 
-/// Appends the next pixel, in the order of rows and columns. It extends the last run or begins a new run.
 fn push_pixel(runs: &mut Vec<Run>, row: usize, column: usize) {
     match runs.last_mut() {
         Some(last) if last.row == row && last.last + 1 == column => last.last = column,

@@ -22,7 +22,6 @@ pub(crate) struct Shape {
     pub(crate) runs: Vec<Run>,
 }
 
-/// Form of a shape, computed from its second moments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Form {
     pub(crate) middle: [f64; 2],
@@ -171,7 +170,6 @@ fn find(parents: &mut [usize], mut at: usize) -> usize {
     at
 }
 
-/// Joins two trees of the union-find forest. The earlier of their roots becomes the root of both.
 fn unite(parents: &mut [usize], a: usize, b: usize) {
     let (a, b) = (find(parents, a), find(parents, b));
     parents[a.max(b)] = a.min(b);

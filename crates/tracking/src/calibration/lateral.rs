@@ -168,7 +168,8 @@ impl LateralCalibration {
     }
 }
 
-/// Length of the point's known displacement, and the component of its shift in the direction of this displacement, px.
+/// Length of the point's known displacement, and the component (px) of the image's shift in the direction of this
+/// displacement.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
     let length = libm::hypot(x, y);
@@ -181,7 +182,8 @@ fn along(point: &LateralPoint) -> [f64; 2] {
     [length, along_x * shift_x + along_y * shift_y]
 }
 
-/// A fit of both coefficients of the ratio p₀ + p₁ u, where u is the normal displacement.
+/// Fit of p₀ and p₁, where p₀ + p₁ u is the ratio of the centroid's shift (px) to the tangential displacement, and u is
+/// the normal displacement.
 struct WithIndentation {
     coefficients: [f64; 2],
     stds: Option<[f64; 2]>,
@@ -190,7 +192,7 @@ struct WithIndentation {
 }
 
 impl WithIndentation {
-    /// Fits both coefficients; `None` if the normal displacements do not determine them, for example if all are equal.
+    /// Fits p₀ and p₁; `None` if the normal displacements do not determine both, for example if all are equal.
     fn fit(along: &[[f64; 2]], normal: &[f64]) -> Option<Self> {
         let largest = |numbers: &mut dyn Iterator<Item = f64>| {
             numbers.fold(0.0, |largest: f64, one| largest.max(one.abs()))

@@ -31,12 +31,9 @@ pub struct Line {
     pub count: usize,
 }
 
-/// Names of the displacement and the signal of a fit. Messages contain these names.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
-    /// Kind of the displacement: normal or tangential.
     pub(super) displacement: &'static str,
-    /// Name of the signal.
     pub(super) signal: &'static str,
 }
 
@@ -81,7 +78,6 @@ pub(super) fn fit(
 }
 
 impl Line {
-    /// Returns the line if all its numbers are finite and its slope is not zero; otherwise returns an error.
     pub(super) fn checked(self) -> Result<Self, CalibrationError> {
         let optional = [self.slope_std, self.intercept, self.residual_std];
         if !self.slope.is_normal() {
@@ -101,7 +97,7 @@ impl Line {
 }
 
 /// The largest magnitude of the displacements, and the largest magnitude of the signals. Returns an error if the points
-/// do not determine a slope.
+/// (displacement, signal) do not determine a slope.
 fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError> {
     finite(points.iter().map(|point| &point[..]))?;
     if points.len() < 2 {

@@ -140,7 +140,7 @@ impl NormalCalibration {
         }
     }
 
-    /// The signal from which the displacement is computed, for the change of a marker's image.
+    /// Weighted sum of the hue change and the nearness, from which the displacement is computed.
     fn signal(&self, change: &Change) -> f64 {
         signal(self.weights, change.hue_turns, nearness(change.growth))
     }

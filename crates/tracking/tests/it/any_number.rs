@@ -109,7 +109,7 @@ proptest! {
         }
     }
 
-    /// Markers in separate squares of a grid have a displacement field in their convex hull, whatever their
+    /// Markers in separate squares of a grid define a displacement field in their convex hull, whatever their
     /// displacements are.
     #[test]
     fn markers_apart_have_a_field(

@@ -116,7 +116,7 @@ fn the_published_hue() {
     let line = fitted.with_intercept.unwrap();
     assert_line(&line, [0.0258, 0.85, 0.154], [1e-4, 0.01, 0.001]);
     assert_eq!((line.count, fitted.range), (39, [0.0929, 1.264]));
-    // The expected standard errors were computed with another program.
+    // These expected standard errors were computed with another program.
     assert_abs_diff_eq!(line.slope_std.unwrap(), 0.00179, epsilon = 1e-5);
     assert_abs_diff_eq!(line.intercept.unwrap(), -0.00127, epsilon = 1e-5);
     assert_abs_diff_eq!(line.residual_std.unwrap(), 0.1579, epsilon = 1e-4);
@@ -141,8 +141,8 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// The expected slope of 7.0 px/mm was read off the published figure independently. The expected R² of 0.99 is stated
-/// in the paper.
+/// The expected slope of the line, 7.0 px/mm, was read off the published figure independently. The expected R² of 0.99
+/// is stated in the paper.
 #[test]
 fn the_published_shift() {
     let fitted = LateralCalibration::fit(&shift_points()).unwrap();

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use palpate_tracking::{Displaced, Field, FieldError};
 
-/// A field of markers at `places`, with displacements from −1 to 1.
 fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     let markers = places.into_iter().enumerate().map(|(index, place)| {
         let phase = index as f64;
@@ -17,8 +16,7 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Positions around (x, y). Their distances from (x, y) range from less than the rounding error to clearly larger
-/// values.
+/// Positions around (x, y), at distances from less than the rounding error to clearly larger values.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {

@@ -16,7 +16,7 @@ fn away(marker: &Marker, place: [f64; 2]) -> f64 {
     )
 }
 
-/// Root mean square errors of the found markers: of the centroid (px), of the hue (turns) and of the size (relative).
+/// Root mean square errors of the found markers in the centroid (px), of the hue (turns) and of the size (relative).
 /// Each true marker must be found exactly once, and no other marker may be found.
 fn errors(found: &[Marker], truth: &[Truth], reach: f64) -> [f64; 3] {
     assert_eq!(found.len(), truth.len());

@@ -16,7 +16,6 @@ fn marker(place: [f64; 2], number: u32) -> Marker {
     }
 }
 
-/// A triangular lattice of 90 markers, with random deviations of their positions.
 fn lattice(random: &mut Random) -> Vec<Marker> {
     (0..90)
         .map(|number| {
@@ -31,7 +30,7 @@ fn lattice(random: &mut Random) -> Vec<Marker> {
         .collect()
 }
 
-/// Moves the markers away from a point by at most `most`, as a press moves the skin.
+/// Moves the markers away from the point (190, 130) by at most `most`, as a press moves the skin.
 fn pressed(rest: &[Marker], most: f64) -> Vec<Marker> {
     let width = 2.5 * SPACING;
     rest.iter()
