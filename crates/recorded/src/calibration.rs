@@ -26,10 +26,9 @@ struct Located<P> {
     line: Option<usize>,
 }
 
-/// Calibration points: stated displacements of markers, and the measured changes of the markers' images.
+/// Calibration points: stated displacements of markers, and the measured changes of these markers' images.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibrationPoints {
-    /// Name of the file that contains the points, for messages.
     file: String,
     unit: Option<LengthUnit>,
     normal: Vec<Located<NormalPoint>>,
@@ -61,8 +60,8 @@ const SHIFT: Column = CALIBRATIONS[4];
 const SERIES: Column = CALIBRATIONS[5];
 const MARKER: Column = CALIBRATIONS[6];
 
-/// Largest change of hue, turns. A larger change would be ambiguous, because hues that differ by a whole turn are
-/// equal.
+/// Largest change of a marker's hue, turns. A larger change would be ambiguous, because hues that differ by a whole
+/// turn are equal.
 const MAX_TURN: f64 = 0.5;
 
 /// Reads a table of stated displacements and measured changes of a marker's image. For normal displacements, the
@@ -132,7 +131,6 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
     Ok(points)
 }
 
-/// Columns to read, chosen by the names in the header.
 fn columns(header: &Header<'_>) -> Vec<Column> {
     let has = |column: Column| header.has(&column);
     let mut columns = Vec::new();
@@ -240,7 +238,6 @@ pub fn frame_calibration_points(
     Ok((points, markers))
 }
 
-/// A calibration point that was measured in frames. It has no series and no line in a file.
 const fn located<P>(point: P) -> Located<P> {
     Located {
         point,
@@ -249,7 +246,8 @@ const fn located<P>(point: P) -> Located<P> {
     }
 }
 
-/// Size of the change of a marker's image. The marker with the largest change is assumed to be under the contact.
+/// Size of the change of a marker's image in the feature that `known` selects. The marker with the largest change is
+/// assumed to be under the contact.
 fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),
@@ -298,7 +296,7 @@ pub fn calibrate(
 }
 
 /// Number of points that repeat an earlier point. Normal and tangential points are counted separately, and the larger
-/// number is returned. If less than half of the points of a kind are repeated, the number for this kind is 0.
+/// number is returned. It is 0 for a kind of which less than half of the points are repeated.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);
@@ -311,8 +309,7 @@ fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) 
     of_normal.max(of_lateral)
 }
 
-/// The unit of lengths that the headers of the files or the setting `length_unit` state. Returns an error if they state
-/// different units.
+/// Unit of lengths that the headers of the files or the setting `length_unit` state. Different units are an error.
 fn agreed_unit(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
@@ -331,7 +328,6 @@ fn agreed_unit(
     Ok(stated.map(|(unit, _)| unit).unwrap_or_default())
 }
 
-/// Returns an error if a file lacks a column that the setting `from` needs.
 fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedError> {
     for one in points.iter().filter(|one| !one.normal.is_empty()) {
         let missing = match from {
@@ -346,7 +342,6 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
     Ok(())
 }
 
-/// All calibration points of one kind (normal or tangential), from all files together.
 struct Pooled<'a, P> {
     points: Vec<P>,
     /// For each point: name of its file, number of its series, and line in the file.
@@ -366,8 +361,8 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         Self { points, sources }
     }
 
-    /// Number of points whose `numbers` repeat an earlier point of the same series. Points at rest are not counted; a
-    /// point is at rest if its first four numbers are 0. The result is 0 if less than half of all points are repeated.
+    /// Number of points whose `numbers` repeat an earlier point of the same series. Points at rest, whose first four
+    /// numbers are 0, are not counted. The result is 0 if less than half of all points are repeated.
     fn copies(&self, numbers: impl Fn(&P) -> [f64; 5]) -> usize {
         let all = self.points.iter().zip(&self.sources);
         let moved = all.filter_map(|(point, (_, series, _))| {
@@ -384,8 +379,8 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         }
     }
 
-    /// Calls `fit` with the points of each series. Returns the name and the result of each series, in the order in
-    /// which the series first appear. The list is empty if there is only one series.
+    /// Calls `fit` with the points of each series. Returns the name and the result of each series, in order of first
+    /// appearance. Returns an empty list if there is only one series.
     fn series(
         &self,
         fit: impl Fn(&[P]) -> Result<Fitted, CalibrationError>,

@@ -27,9 +27,7 @@ const HEADER: &str = "\
 #[serde(deny_unknown_fields)]
 struct CalibrationFile {
     length_unit: LengthUnit,
-    /// Number of markers in the frame at rest from which the sensor was calibrated.
     markers: Option<usize>,
-    /// Mean hue of the markers at rest, turns.
     hue_turns: Option<f64>,
     normal: Option<NormalPart>,
     lateral: Option<LateralCalibration>,
@@ -41,7 +39,7 @@ struct NormalPart {
     from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Smallest and largest stated displacement of the points that were fitted.
+    /// Smallest and largest stated displacement of the fitted points.
     range: [f64; 2],
     per_marker: bool,
     line: Line,
@@ -126,7 +124,6 @@ mod tests {
         parse_calibration(&RecordedFile::new("calibration.toml", text.into()))
     }
 
-    /// Example of a calibration that has all optional parts.
     fn full() -> Calibration {
         let steps = || (0..8).map(|step| 0.1 * f64::from(step));
         let normal = |marker: usize| {

@@ -16,9 +16,11 @@ pub struct CalibrationReport {
     pub calibration: Calibration,
     /// Unit of all lengths of the calibration.
     pub length_unit: LengthUnit,
-    /// Name of each series and its lines for normal displacements; empty if there is only one series.
+    /// For each series: its name, and the lines that were fitted to its normal displacements. Empty if there is only
+    /// one series.
     pub(super) normal: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// Name of each series and its lines for tangential displacements; empty if there is only one series.
+    /// For each series: its name, and the lines that were fitted to its tangential displacements. Empty if there is
+    /// only one series.
     pub(super) lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// Number of points that repeat an earlier point exactly; 0 if less than half of the points are repeated.
     pub(super) copies: usize,
@@ -49,14 +51,15 @@ impl Fitted {
     }
 }
 
-/// Largest accepted residual of a calibration, relative to the largest displacement. A larger residual causes a
+/// Largest accepted rms residual of a calibration, relative to the largest displacement. A larger residual causes a
 /// warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
 /// Largest accepted increase of R² when an intercept is added to the fitted line. A larger increase causes a warning.
 const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
-/// Largest accepted relative difference between the slopes of the series. A larger difference causes a warning.
+/// Largest accepted relative difference between the slopes of the lines that are fitted to single series. A larger
+/// difference causes a warning.
 const MAX_SPREAD: f64 = 0.2;
 
 impl CalibrationReport {
@@ -204,7 +207,6 @@ const fn feature(from: NormalFrom) -> &'static str {
     }
 }
 
-/// Words for the description of fitted lines in the report.
 struct Words {
     title: String,
     /// Unit of the signal with a slash, such as `turns/`; empty if the signal is a length.
@@ -266,7 +268,6 @@ fn ends(numbers: &[f64]) -> [f64; 2] {
     [low, high]
 }
 
-/// Text of a number with `count` significant figures.
 fn figures(number: f64, count: usize) -> String {
     let exponent = format!("{number:.*e}", count - 1);
     let rounded = exponent.parse().unwrap_or(number);

@@ -45,7 +45,6 @@ pub fn calibrate_camera(
     at_rest.map(|at_rest| at_rest.camera).map_err(fail)
 }
 
-/// Whether the frame determines all odd terms of the lens that the fit of `camera` contains.
 fn is_determined(camera: &CameraEstimate) -> bool {
     let stds = [camera.k3_std, camera.k5_std].into_iter().zip(TERM_STDS);
     let mut fitted = stds.filter_map(|(std, before)| Some((std?, before)));
@@ -54,18 +53,17 @@ fn is_determined(camera: &CameraEstimate) -> bool {
 
 /// Markers of a layout, matched with the markers that were found in a frame at rest.
 pub(super) struct MarkersAtRest {
-    /// The camera that was fitted to the markers.
     pub(super) camera: CameraEstimate,
-    /// Warning if markers of the layout are missing in the frame.
+    /// Warning, if markers of the layout are missing in the frame.
     pub(super) missing: Option<Warning>,
-    /// Image of each marker of the layout; `None` if it is not completely in the frame.
+    /// Image of each marker of the layout; `None` if the marker is not completely in the frame.
     pub(super) pictures: Vec<Option<Seen>>,
-    /// Index of each marker of the layout in the list of markers found in the frame; `None` if it was not found.
+    /// Index of each marker of the layout in the list of markers found in the frame; `None` if the marker was not
+    /// found.
     pub(super) found: Vec<Option<usize>>,
 }
 
 impl MarkersAtRest {
-    /// Matches the markers found in a frame with the layout of the nominal sensor.
     pub(super) fn of(
         nominal: &NominalSensor<'_>,
         found: &Found,
@@ -84,7 +82,7 @@ impl MarkersAtRest {
             })
         };
         // First try to fit both odd terms of the lens, then only k3, then none of them, until the frame determines all
-        // fitted terms.
+        // terms that are fitted.
         for free in (1..=TERM_STDS.len()).rev() {
             if let Ok(at_rest) = with_terms(free)
                 && is_determined(&at_rest.camera)

@@ -61,7 +61,6 @@ pub struct CameraEstimate {
 }
 
 impl CameraEstimate {
-    /// Converts the covariance of the camera's parameters to a matrix.
     pub(super) fn covariance(&self) -> DMatrix<f64> {
         let size = self.covariance.len();
         DMatrix::from_fn(size, size, |row, column| self.covariance[row][column])
@@ -135,16 +134,15 @@ pub fn parse_camera(file: &RecordedFile) -> Result<CameraEstimate, RecordedError
     Ok(camera)
 }
 
-/// Whether a TOML file with this text contains a camera (rather than a calibration of markers).
 pub(super) fn is_camera(text: &str) -> bool {
     let table: toml::Table = text.parse().unwrap_or_default();
     let mut keys = ["place", "turn_deg", "px_per_rad", "centre_px"].iter();
     keys.all(|key| table.contains_key(*key))
 }
 
-/// Largest accepted relative difference between a stated standard error and the standard error that follows from the
-/// covariance. Small differences occur, because the covariance of `px_per_rad` is relative to the scale from which the
-/// fit started, not to the estimated scale.
+/// Largest accepted relative difference between a standard error in the file and the standard error that follows from
+/// the covariance in the file. Small differences occur, because the covariance of `px_per_rad` is relative to the scale
+/// from which the fit started, not to the estimated scale.
 const ROUNDING: f64 = 0.1;
 
 fn check(camera: &CameraEstimate) -> Result<(), String> {

@@ -41,7 +41,6 @@ const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
     ("k5", Some("")),
 ];
 
-/// A camera with the uncertainty of its parameters.
 pub(super) struct CameraPrior<'a> {
     pub(super) geometry: CameraGeometry,
     /// Prior standard deviation of each sensor parameter. A [`Departure`] has entries in the same order.
@@ -49,13 +48,12 @@ pub(super) struct CameraPrior<'a> {
     /// Joint prior of the camera's parameters from a calibration: their differences from the nominal values, and the
     /// covariance of these differences. `None` without a calibration.
     pub(super) departure_prior: Option<DeparturePrior>,
-    /// Name of the calibration file; `None` if the study states the camera.
     file: Option<&'a str>,
     unit: &'static str,
 }
 
 impl<'a> CameraPrior<'a> {
-    /// Prior of the camera's parameters: from the calibration file if one is given, otherwise from the study.
+    /// Prior of the camera's parameters from the calibration file or, without a file, from the study.
     pub(super) fn of(
         nominal: &NominalSensor<'_>,
         options: &'a PictureOptions,
@@ -129,8 +127,8 @@ impl<'a> CameraPrior<'a> {
         let (own, found) = (numbers(&self.geometry), numbers(&geometry_of(at_rest)));
         let scales = scales(at_rest);
         let found_covariance = at_rest.covariance();
-        // Compare only the parameters that the frame determines. Odd terms of the lens that it does not determine come
-        // last and are left out.
+        // Compare only the parameters that the frame determines. The odd terms of the lens that the frame does not
+        // determine come last and are left out.
         let count = found_covariance.nrows();
         let own_covariance = self.covariance().resize(count, count, 0.0);
         let std = |covariance: &DMatrix<f64>, entry: usize| {
@@ -143,7 +141,7 @@ impl<'a> CameraPrior<'a> {
         let is_alone = pull(worst) > MAX_PULL;
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // The warning states both values. Round them to a tenth of their difference, because they could look equal
+        // The warning states both values. Round both to a tenth of their difference, because they could look equal
         // after coarser rounding.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
@@ -167,8 +165,8 @@ impl<'a> CameraPrior<'a> {
         let apart = DVector::from_fn(count, |entry, _| {
             (own[entry] - found[entry]) / scales[entry]
         });
-        // The parameters are correlated, so all together may contradict the frame although each single one agrees with
-        // it. Therefore test them jointly.
+        // The parameters are correlated, so together they may contradict the frame although each single parameter
+        // agrees with it. Therefore test them jointly.
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));
@@ -198,7 +196,6 @@ impl<'a> CameraPrior<'a> {
         )
     }
 
-    /// Covariance of the differences between the camera's parameters and their nominal values.
     fn covariance(&self) -> DMatrix<f64> {
         match &self.departure_prior {
             Some(prior) => prior.covariance.clone(),

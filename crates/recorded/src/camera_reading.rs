@@ -108,7 +108,6 @@ impl FrameReader {
     }
 }
 
-/// Displacements of the markers, and the press. Both are computed by a fit to the images.
 type ImageReading = (CameraReading, TrackedPress);
 
 /// Scatter of the markers at rest above which the frames may be encoded by sRGB, although they were read as linear. In
@@ -116,7 +115,7 @@ type ImageReading = (CameraReading, TrackedPress);
 /// exceeds 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
-/// Scatter of the markers at rest: ratio of their residuals to the noise. It is infinite if `read` is an error.
+/// Scatter of the markers at rest (ratio of their residuals to their noise); infinite if `read` is an error.
 fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     let Ok((_, press)) = read else {
         return f64::INFINITY;
@@ -153,8 +152,8 @@ fn linearised(
 const MAX_HUE_DIFFERENCE: f64 = 0.01;
 
 /// Compares the hue of the markers at rest with the hue in the calibration. If only the linearised frames have this
-/// hue, returns the tracks of the linearised frames, and a warning. Returns `None` if the original frames already have
-/// this hue, or if the calibration does not state it.
+/// hue, the function returns the tracks of the linearised frames, and a warning. Returns `None` if the original frames
+/// already have this hue, or if the calibration does not state it.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if the hue differs and the calibration uses hues.
@@ -190,7 +189,7 @@ fn of_calibration(
     Err(RecordedError::readings(&rest.file, message))
 }
 
-/// Warning that frames were linearised, because the markers at rest fit the `reference` only after this conversion.
+/// Warning that the frames were linearised, because the markers at rest fit the `reference` only after this conversion.
 fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     let text = format!(
         "the markers of {} fit the {reference} only if the pixels are encoded by sRGB, so both frames were linearised \
@@ -214,7 +213,6 @@ fn slope_share(calibration: &Calibration) -> f64 {
 /// causes a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
-/// Displacements of the tracked markers.
 #[derive(Clone, Debug)]
 pub(super) struct CameraReading {
     source: ReadingSource,
@@ -223,9 +221,7 @@ pub(super) struct CameraReading {
     has_tangential: bool,
     counts: TrackCounts,
     field: Field,
-    /// Warnings about the frames and the camera's scale.
     warnings: Vec<Warning>,
-    /// Relative standard error of the calibrated slope of normal displacements.
     slope_share: f64,
 }
 
@@ -311,7 +307,7 @@ impl CameraReading {
         })
     }
 
-    /// Readings with displacements that were computed by a fit to the images, in the order of the tracks. `radius` is
+    /// Readings from displacements that were computed by a fit to the images, in the order of the tracks. `radius` is
     /// the radius of the skin.
     pub(super) fn of(
         frames: &FramePair,
@@ -333,7 +329,6 @@ impl CameraReading {
         })
     }
 
-    /// Row of the table of readings for the tracked marker with the index `marker`, counted from 0.
     pub(super) fn row(&self, marker: usize) -> Row {
         Row {
             row: marker + 1,
@@ -348,8 +343,6 @@ impl CameraReading {
         misfit_warning(misfit, &self.source, self.unit)
     }
 
-    /// Combines the report of the object with the tracking counts, the outward displacement of the markers and the
-    /// warnings about the frames.
     pub(super) fn tracked_press(&self, mut object: PressReport) -> TrackedPress {
         object.warnings.extend(self.warnings.iter().cloned());
         let outward = self.field.outward().filter(|_| self.has_tangential);
@@ -408,7 +401,6 @@ impl CameraReading {
         })
     }
 
-    /// Estimates the curvature of the object.
     fn estimate(&self, options: &PressOptions) -> Result<TrackedPress, RecordedError> {
         let markers = self.field.markers();
         let tangential = markers.iter().map(|marker| marker.tangential).collect();
@@ -426,7 +418,6 @@ impl CameraReading {
     }
 }
 
-/// Source of the readings computed from two frames.
 fn source(frames: &FramePair, file: Option<String>) -> ReadingSource {
     file.map_or_else(ReadingSource::arrays, |name| {
         // The markers are in the lines from 2 on, because line 1 of the file is the header.

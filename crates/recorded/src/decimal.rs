@@ -22,17 +22,16 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     }
 }
 
-/// Detects the decimal sign of the numbers in a table.
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
-    /// The first number in the table with a comma that can only be a decimal comma; `None` if there is none.
+    /// First number in the table with a comma that can only be a decimal comma.
     comma: Option<String>,
-    /// The first number in the table with a decimal point; `None` if there is none.
+    /// First number in the table with a decimal point.
     point: Option<String>,
 }
 
 impl DecimalSign {
-    /// Stores `text`, a number of the table, if it shows which decimal sign the table uses.
+    /// Stores `text`, a number of the table, if this number shows which decimal sign the table uses.
     pub(super) fn add(&mut self, text: &str) {
         let first = match () {
             () if text.contains('.') => &mut self.point,

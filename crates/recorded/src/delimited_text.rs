@@ -71,8 +71,8 @@ impl<'a> DelimitedText<'a> {
         Ok((table, header))
     }
 
-    /// Calls `take` for every row that is not blank. Each row is one line, because quotation marks that are still open
-    /// at the end of a line were rejected before.
+    /// Calls `take` for every row that is not blank. Each row is one line, because a quotation mark that is still open
+    /// at the end of a line was rejected before.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let (mut fields, mut before) = (StringRecord::new(), None);
         for (row, line) in self.text.rows_after(0).skip(self.heading) {
@@ -126,7 +126,6 @@ fn reader<'t>(text: Text<'_>, part: &'t str, delimiter: Delimiter) -> csv::Reade
         .from_reader(part.as_bytes())
 }
 
-/// Splits a line into its fields.
 fn split(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
     if delimiter == Delimiter::Space {
         return line.split_whitespace().collect();
@@ -135,7 +134,7 @@ fn split(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
     records.next().and_then(Result::ok).unwrap_or_default()
 }
 
-/// Splits a text into fields at its commas. A field that contains a comma must be in quotation marks.
+/// Splits a text at its commas into fields. A field that contains a comma must be in quotation marks.
 pub(super) fn fields(text: &str) -> Result<Vec<String>, csv::Error> {
     let mut fields = Vec::new();
     for record in reader(Text::of(text), text, Delimiter::Comma).records() {
@@ -153,8 +152,8 @@ pub(super) fn tidy(field: &str) -> &str {
     unquoted.unwrap_or(field)
 }
 
-/// Finds the delimiter from the header and the rows. For a table with a single column, which has no delimiter, it
-/// returns the comma.
+/// Finds the delimiter from the header and the rows. The comma for a table with a single column, which needs no
+/// delimiter.
 fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimiter, String> {
     let fields = |line: &str, delimiter| split(text, line, delimiter).len();
     let rows = || text.rows_after(header_line).map(|(row, _)| row);
@@ -186,11 +185,11 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
     Ok(possible.first().copied().unwrap_or(Delimiter::Comma))
 }
 
-/// Whether the first row consists of numbers separated by spaces, and has as many numbers as the header has names.
+/// Whether the first row consists of numbers separated by spaces, as many as the header has names.
 fn has_spaces(names: usize, row: &str) -> bool {
     let mut numbers = row.split_whitespace();
     let is_spaced = !row.contains('\t') && names > 1 && row.split_whitespace().count() == names;
-    // A decimal comma stands within a number.
+    // A comma inside a number is a decimal comma.
     let is_number =
         |one: &str| !one.ends_with(',') && one.replacen(',', ".", 1).parse::<f64>().is_ok();
     is_spaced && numbers.all(is_number)

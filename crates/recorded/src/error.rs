@@ -47,13 +47,11 @@ pub enum RecordedError {
 }
 
 impl RecordedError {
-    /// An error that concerns all readings of a file together.
     pub(super) fn readings(file: impl Into<String>, message: impl Into<String>) -> Self {
         let (file, message) = (file.into(), message.into());
         Self::Readings { file, message }
     }
 
-    /// An error in a line of a file.
     pub(super) fn line(file: &str, line: usize, message: impl Into<String>) -> Self {
         let (file, message) = (file.to_owned(), message.into());
         Self::Line {
@@ -64,8 +62,8 @@ impl RecordedError {
     }
 }
 
-/// Adds a reference to `palpate explain` to a message. A message about an invalid setting is not changed, because it
-/// needs no explanation.
+/// Adds a reference to `palpate explain` to a message, but not to a message about an invalid setting, which needs no
+/// explanation.
 pub(super) fn explained(message: String, kind: &str) -> String {
     match kind {
         "bad-setting" => message,
@@ -73,7 +71,6 @@ pub(super) fn explained(message: String, kind: &str) -> String {
     }
 }
 
-/// The index in brackets; an empty text if the index is empty.
 fn brackets(index: &[usize]) -> String {
     let index: Vec<String> = index.iter().map(usize::to_string).collect();
     match index.is_empty() {

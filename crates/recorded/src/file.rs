@@ -67,7 +67,6 @@ impl RecordedFile {
         }
     }
 
-    /// An error for a line of the file.
     pub(super) fn fail(&self, line: usize, message: impl Into<String>) -> RecordedError {
         RecordedError::line(&self.name, line, message)
     }

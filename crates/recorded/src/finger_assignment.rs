@@ -3,17 +3,17 @@
 use nalgebra::Point3;
 use palpate_statistics::Number;
 
-/// A step leads from one contact to the next. A step between two fingers must be at least this multiple of the median
-/// length of all steps.
+/// Smallest length of a step (from one contact to the next) between two fingers, as a multiple of the median length of
+/// all steps.
 const MIN_JUMP: f64 = 3.0;
 /// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;
 /// Advice that ends a message, in case the contacts were assigned to the wrong fingers.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
 
-/// Returns the finger of each contact, and a note on how the fingers were determined. If the file has blank lines, they
-/// separate the fingers; `after_gaps` contains the rows that follow a blank line. Otherwise, the fingers are separated
-/// by steps that are much longer than all other steps.
+/// Returns the index of the finger of each contact, and a note on how the fingers were determined. If the file has
+/// blank lines, these separate the fingers; `after_gaps` contains the rows that follow a blank line. Otherwise, the
+/// fingers are separated by steps that are much longer than all other steps.
 pub(super) fn assign_fingers(
     places: &[Point3<f64>],
     after_gaps: &[usize],
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn contacts_without_jumps_are_of_one_finger() {
-        // The steps grow gradually, so no limit separates long steps from short ones.
+        // These steps grow gradually, so no limit separates long steps from short ones.
         let (found, note) = fingers(&[0.0, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0]);
         assert_eq!(found, [0; 7]);
         assert!(note.contains("one finger"), "{note}");

@@ -29,7 +29,6 @@ pub struct Frame {
 /// Largest side of a frame, px. Larger frames are rejected before they are decoded.
 const LARGEST_SIDE: u32 = 8192;
 
-/// Formats of frames, with their names.
 const FORMATS: [(ImageFormat, &str); 5] = [
     (ImageFormat::Png, "PNG"),
     (ImageFormat::Jpeg, "JPEG"),
@@ -190,7 +189,7 @@ pub struct TrackCounts {
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
-    /// Whether enough markers of the frame at rest were found in the pressed frame. If not, the frames come from
+    /// Whether enough markers of the frame at rest were found in the pressed frame. If not, the frames come from two
     /// different sensors.
     const fn are_of_one_sensor(&self) -> bool {
         2 * self.tracked >= self.at_rest
@@ -212,10 +211,10 @@ impl TrackCounts {
     }
 }
 
-/// Smallest median shift of the markers, px, that causes the warning that all markers moved in the same way.
+/// Smallest median shift of the markers (px) from rest to press that causes the warning that all markers moved in the
+/// same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// Smallest median shift of the markers, relative to the scatter of their shifts, that causes the warning that all
-/// markers moved in the same way.
+/// The same limit, relative to the scatter of the shifts.
 const MIN_COMMON_RATIO: f64 = 2.5;
 /// Smallest number of markers for which a common motion is computed.
 const MIN_MARKERS: usize = 8;
@@ -223,7 +222,6 @@ const MIN_MARKERS: usize = 8;
 /// Difference of green levels (0 to 255) that has the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
-/// Finds the markers in a frame.
 pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
     let refused = |error: TrackingError| RecordedError::readings(&frame.file, error.to_string());
     Finder::default().find(&frame.image).map_err(refused)
@@ -282,13 +280,11 @@ impl FramePair {
         }
     }
 
-    /// Number of markers at rest that are completely inside the frame.
     pub(super) fn at_rest(&self) -> usize {
         let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
         at_rest.count()
     }
 
-    /// Mean hue of the markers at rest, turns from 0 to 1.
     pub(super) fn hue_at_rest(&self) -> f64 {
         let angles = self.found[0]
             .markers
@@ -300,7 +296,7 @@ impl FramePair {
         (libm::atan2(sin, cos) / TAU).rem_euclid(1.0)
     }
 
-    /// Index and change of the marker whose image changed most, that is, with the largest absolute value of `strength`.
+    /// Index and `strength` of the marker with the largest absolute value of `strength`.
     pub(super) fn strongest(
         &self,
         strength: impl Fn(&Track) -> Option<f64>,
@@ -371,8 +367,8 @@ impl FramePair {
         self.tracks.iter().filter_map(Track::change)
     }
 
-    /// The median shift of the markers and the median distance between neighbouring markers. `None` unless the shift is
-    /// larger than a quarter of the distance.
+    /// The median shift of the markers and the median distance between neighbouring markers. `None` unless the shift
+    /// exceeds a quarter of this distance.
     fn moved_together(&self) -> Option<(f64, f64)> {
         let shifts = self.changes().map(|change| {
             let [x, y] = change.shift_px;
@@ -432,8 +428,8 @@ impl FramePair {
         })
     }
 
-    /// Change of the logarithm of the diameter for the marker whose size changed most. `None` unless this marker shrank
-    /// clearly more than the other markers changed. If this marker shrank, the two frames may be swapped.
+    /// Change of the logarithm of the diameter for the marker whose size changed most, if this marker shrank clearly
+    /// more than the other markers changed. The two frames are then probably swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

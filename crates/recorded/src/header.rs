@@ -6,12 +6,11 @@ use palpate_study::readings::{
 
 use super::table_format::pair;
 
-/// A column name in the header of the file.
 pub(super) struct Heading<'a> {
     name: &'a str,
-    /// The name without the unit in brackets, normalised by [`spelt`].
+    /// The column name without the unit in brackets, normalised by [`spelt`].
     base: String,
-    /// The unit in brackets; `None` if the name has none.
+    /// Unit in brackets, if the column name has one.
     bracket: Option<&'a str>,
     /// Component of a quaternion that this column contains. It is recognised by its name (`quat_x`), or because the
     /// file has all four columns `rx` to `rw`.
@@ -56,14 +55,12 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Index of a column in the file, and the unit in the column's name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) index: usize,
     pub(super) unit: Option<ColumnUnit>,
 }
 
-/// Column names of a file, and the names that the user assigned to palpate's columns.
 pub(super) struct Header<'a> {
     headings: Vec<Heading<'a>>,
     names: &'a ColumnNames,
@@ -87,7 +84,6 @@ impl<'a> Header<'a> {
         Self { headings, names }
     }
 
-    /// Name of a column as it is written in the file.
     pub(super) fn name(&self, index: usize) -> &'a str {
         self.headings[index].name
     }
@@ -104,7 +100,7 @@ impl<'a> Header<'a> {
         Some(self.name(place.index))
     }
 
-    /// Name of the first column of times; `None` if the file has none.
+    /// Name of the file's first column of times; `None` if the file has no times.
     pub(super) fn time(&self) -> Option<&'a str> {
         let is_time = |heading: &&Heading<'_>| {
             let mut words = heading.base.split('_').enumerate();
@@ -119,8 +115,8 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Value for the setting `columns`, as pairs of names separated by commas. The names that the columns `columns`
-    /// have in the file are assigned to the columns `others`.
+    /// Value for the setting `columns`, as pairs of names separated by commas. It assigns the names that `columns` have
+    /// in the file to the columns `others`.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
         let pairs = columns
             .iter()
@@ -129,7 +125,6 @@ impl<'a> Header<'a> {
         pairs.collect::<Vec<_>>().join(",")
     }
 
-    /// Whether the user assigned a name in the file to at least one of `columns`.
     pub(super) fn is_assigned(&self, columns: &[Column]) -> bool {
         columns.iter().any(|column| self.assigned(column).is_some())
     }
@@ -169,7 +164,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of the column that has palpate's own name in the file; `None` if the file has no such column.
+    /// Place of a column whose name in the file is palpate's own name; `None` if the file has no such column.
     fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
         let is_assigned = |heading: &Heading<'_>| {
             let mut names = self.names.values();
@@ -330,7 +325,6 @@ impl<'a> Header<'a> {
         message
     }
 
-    /// Indices of the columns in the file that palpate does not read.
     fn free(&self, places: &[Place]) -> Vec<usize> {
         let is_free = |index: &usize| {
             let mut taken = places.iter();
@@ -339,8 +333,8 @@ impl<'a> Header<'a> {
         (0..self.headings.len()).filter(is_free).collect()
     }
 
-    /// Note for the user: some columns that were not read have names that resemble optional columns. The note contains
-    /// the value of the setting `columns` with which palpate reads them. `None` if there are no such columns.
+    /// Note about unread columns whose names resemble optional columns. It states the value of the setting `columns`
+    /// with which palpate reads them. `None` if there are no such columns.
     pub(super) fn unread(&self, may: &[Column], places: &[Place]) -> Option<String> {
         let pairs = self.optional(may, &mut self.free(places));
         (!pairs.is_empty()).then(|| {
@@ -349,8 +343,8 @@ impl<'a> Header<'a> {
         })
     }
 
-    /// Assignments for optional columns, as pairs of names. A quantity is assigned only if the file has an unused,
-    /// similar name for each column of the quantity.
+    /// Assignments for optional columns, as pairs of names. The columns of a quantity are assigned only if the file has
+    /// an unused, similar name for each of them.
     fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<String> {
         let quantity = |column: &Column| match column.stem().rsplit_once('_') {
             Some((quantity, axis)) if axis.len() == 1 => quantity,
@@ -368,7 +362,8 @@ impl<'a> Header<'a> {
         pairs.collect()
     }
 
-    /// Proposed assignments for the missing columns; `None` if no unused name in the file is similar to one of them.
+    /// Proposed assignments for the missing columns; `None` if no unused name in the file is similar to the name of a
+    /// missing column.
     fn proposed(&self, missing: &[Column], free: &mut Vec<usize>) -> Option<Vec<String>> {
         let mut pair_of = |column: &Column| {
             let similar = |&index: &usize| is_similar(column, &self.headings[index]);
@@ -387,8 +382,8 @@ impl<'a> Header<'a> {
         pair(key, heading.name)
     }
 
-    /// Assigns the unused columns of the file to the missing columns, in the order of the file. `None` if the unit of
-    /// an unused column does not fit.
+    /// Assigns the unused columns of the file to the missing columns, one by one in the order of the file. `None` if
+    /// the unit of an unused column does not fit.
     fn only_pairs(&self, missing: &[Column], free: &[usize]) -> Option<Vec<String>> {
         let pairs = missing.iter().zip(free).map(|(column, &index)| {
             let heading = &self.headings[index];
@@ -401,7 +396,7 @@ impl<'a> Header<'a> {
         pairs.collect()
     }
 
-    /// Whether the file has, for each of these columns, a column with the same name or with a similar name.
+    /// Whether the file has a column with the same or a similar name for each of `columns`.
     pub(super) fn offers(&self, columns: &[Column]) -> bool {
         let places = columns
             .iter()
@@ -417,7 +412,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// The setting `columns` with these pairs, as a shell reads it.
+/// The setting `columns` with these pairs of names, quoted for a shell.
 fn setting(pairs: &[String]) -> String {
     let pairs = pairs.join(",").replace('\'', "'\\''");
     format!("setting `columns` '{pairs}'")
@@ -437,8 +432,8 @@ pub(super) fn has_unit(word: &str) -> bool {
     .any(|measure| measure.unit(word).is_some())
 }
 
-/// Whether the unit of a column with this measure may be missing. Lengths then have the unit of other columns or of a
-/// setting. Times need no unit, because they are only compared with each other.
+/// Whether a column of this measure may have no unit. Lengths then have the unit of other columns or of a setting.
+/// Times need no unit, because they are only compared with each other.
 const fn has_no_need(measure: Measure) -> bool {
     matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
 }
@@ -454,12 +449,12 @@ fn no_unit(name: &str, column: &Column) -> String {
 
 fn unknown_unit(name: &str, unit: &str, measure: Measure) -> String {
     format!(
-        "column `{name}`: `{unit}` is none of its units ({})",
+        "column `{name}` cannot have the unit `{unit}`; possible units: {}",
         measure.units()
     )
 }
 
-/// Unit at the end of a column name, such as `mm` in `pos_x_mm`. The name is not one of palpate's names.
+/// Unit at the end of a column name, such as `mm` in `pos_x_mm`. Only for names that are not palpate's own.
 fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
     let Some((_, last)) = heading.base.rsplit_once('_') else {
         return Ok(None);
@@ -486,8 +481,8 @@ fn is_quaternion(heading: &Heading<'_>) -> bool {
     heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
 }
 
-/// Whether a name in the file may mean the column `column`. The name must have no unit, or a unit of the column's
-/// quantity. It must also contain all words of the column's name, or the column's quantity and axis.
+/// Whether a name in the file may mean the column `column`. The name in the file must have no unit, or a unit of the
+/// column's quantity. It must also contain all words of palpate's name, or the quantity and the axis of the column.
 pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     // A component of a quaternion must not be proposed for a column that contains an angle.
     let is_angle =
@@ -497,7 +492,7 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
         return false;
     }
     let words: Vec<&str> = heading.base.split('_').collect();
-    // The axis of a rotation is not its vector.
+    // A column with the axis of a rotation is not a column of the rotation vector.
     if words.contains(&"axis") && !column.stem().starts_with("axis") {
         return false;
     }
@@ -527,7 +522,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         Some((quantity, axis)) => (quantity, axis),
         None => ("", column.stem()),
     };
-    // Words that are units are removed. A number is kept, because it is an index here, although "1" is also a unit.
+    // Remove words that are units. A number is kept, because it is an index here, although "1" is also a unit.
     let is_no_unit = |word: &&&str| {
         column.measure.unit(word).is_none() || words.len() == 1 || word.parse::<u8>().is_ok()
     };
@@ -541,7 +536,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         _ => "2",
     };
     let says = |quantity: &str| {
-        // Arrays have names in the plural.
+        // Arrays have names in the plural: remove their ending.
         let is_start = |word: &&str| {
             let word = word.strip_suffix('s').unwrap_or(word);
             word.len() > 2 && quantity.starts_with(word)
@@ -568,7 +563,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     };
     let letters: &[&str] = match quantity {
         "" => {
-            // A position may have the prefix p. Any other single letter denotes another quantity.
+            // A position may have the prefix p. Any other prefix of a single letter denotes another quantity.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
             return !OTHERS.split(' ').any(says)
                 && rest.iter().all(is_place)

@@ -20,16 +20,14 @@ use super::press_options::PictureOptions;
 use super::press_report::{PressReport, Row};
 use super::press_warnings::{indentation_check, large_contact, left_out, stated_indentation};
 
-/// Warning text for images with uneven light or blur.
 const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected for markers at \
      rest; they change when markers move, which may cause other warnings";
 
-/// Factor by which all uncertainties of JPEG frames are multiplied. The compression changes all markers in a similar
-/// way, so its errors do not average out. The factor was found by experiments. With a factor of 2, 19 of 20 intervals
-/// from frames of quality 92 and 95 contained the true curvature. However, only 6 of 12 intervals from frames with
-/// subsampled colours contained it. With a factor of 3, all intervals contained it.
+/// Factor by which all uncertainties of estimates from JPEG frames are multiplied. The compression changes all markers
+/// in a similar way, so its errors do not average out. The factor was found by experiments. With a factor of 2, 19 of
+/// 20 intervals from frames of quality 92 and 95 contained the true curvature. However, only 6 of 12 intervals from
+/// frames with subsampled colours contained it. With a factor of 3, all intervals contained it.
 const JPEG_FACTOR: f64 = 3.0;
-/// Warning text for JPEG frames.
 const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all markers in a similar way, so all \
      uncertainties are tripled; a format without loss, such as PNG, avoids this";
 
@@ -116,7 +114,6 @@ pub(super) fn estimate_images(
     Ok((reading, press))
 }
 
-/// Markers of a layout, matched with the tracked markers.
 struct Matched {
     /// For each marker of the layout, the index of its track; `None` if the marker has no track.
     tracks: Vec<Option<usize>>,
@@ -126,8 +123,8 @@ struct Matched {
 }
 
 impl Matched {
-    /// Builds the match. A marker at rest has the same index as its track, because the first tracks belong to the
-    /// markers at rest, in the same order.
+    /// A marker at rest has the same index as its track, because the first tracks belong to the markers at rest, in the
+    /// same order.
     fn of(tracks: Vec<Option<usize>>, tracked: &FramePair) -> Self {
         let is_tracked = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
@@ -139,7 +136,6 @@ impl Matched {
     }
 }
 
-/// The two frames of a press, with the nominal sensor and the matched markers.
 struct Scene<'a> {
     frames: [&'a Frame; 2],
     options: &'a PictureOptions,
@@ -149,7 +145,6 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Images of the matched markers in the pressed frame.
     fn images(&self) -> MarkerImages {
         let tracks = self.matched.tracks.iter();
         let tracks: Vec<Option<Track>> = tracks
@@ -208,7 +203,6 @@ impl Scene<'_> {
         Ok(of_press.iter().zip(residuals).map(sum).collect())
     }
 
-    /// Displacements of the markers that were found in both frames.
     fn reading(
         &self,
         moved: &[Option<MarkerDisplacement>],
@@ -227,7 +221,6 @@ impl Scene<'_> {
         CameraReading::of(self.tracked, &displaced, (radius, self.options.unit), file)
     }
 
-    /// The report of the press, with the warnings about it.
     fn report(
         &self,
         scaled: &ScaledFit,
@@ -289,14 +282,14 @@ impl Scene<'_> {
     }
 }
 
-/// A fit of a press to images of the markers. If the residuals are larger than the stated errors explain, the stated
-/// errors are multiplied by a factor, which is called the scatter.
+/// A fit of a press to images of the markers. If the residuals are larger than the stated errors explain, these stated
+/// errors are multiplied by a factor, the scatter.
 struct ScaledFit {
     method: ImageEstimator,
     pictures: MarkerImages,
     /// The estimate. Its goodness of fit is computed with the stated errors multiplied by the scatter at rest only.
     estimate: PressEstimate,
-    /// Contradictions between the images and the model. The tests use the stated errors multiplied by the scatter at
+    /// Contradictions between the images and the model. Their tests use the stated errors multiplied by the scatter at
     /// rest only.
     misfits: Vec<Misfit>,
     /// Scatter at rest, and scatter in the press. The scatter is the factor on the stated errors that explains the
@@ -358,7 +351,6 @@ impl ScaledFit {
         })
     }
 
-    /// Compares a stated indentation with the indentation that is estimated from the images alone.
     fn check_indentation(
         &self,
         indentation: Option<Measured>,

@@ -14,7 +14,7 @@ use palpate_estimators::{ImageModel, marker_image};
 
 /// Largest accepted difference between a disc parameter and its nominal value, in prior standard deviations.
 const MAX_DEPARTURE: f64 = 6.0;
-/// Indices of the disc parameters in a [`Departure`], and their names in messages.
+/// Indices of the disc parameters in a [`Departure`], with the names of the parameters in messages.
 const DISCS: [(usize, &str); 10] = [
     (0, "depth of the magenta discs"),
     (1, "depth of the yellow discs"),
@@ -44,15 +44,14 @@ const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
 /// Largest accepted reduced χ². If it is larger, the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
-/// If the reduced χ² of the fit is above this value, the uncertainties are multiplied by the square root of the reduced
-/// χ².
+/// Largest reduced χ² of the fit for which the uncertainties are not increased. If it is larger, they are multiplied by
+/// its square root.
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
 /// Start values of the camera's height that are tried in addition to the nominal height. The values are differences
 /// from the nominal height, in prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
-/// Possible causes, for the message that a frame does not contain the layout.
 const CAUSES: &str = "possible causes: the frame is from another layout or camera; its pixels are encoded by sRGB (then use setting `srgb`); the camera differs from `place`, `turn_deg` or `field_deg` of the study's `scene.sensor`; or the discs are misaligned by more than `scene.probe.discs.misalignment`";
 /// Maximum number of fits. Each fit starts at the result of the previous fit.
 const MAX_FITS: usize = 12;
@@ -62,9 +61,8 @@ const MIN_DECREASE: f64 = 1e-3;
 /// For each marker of the layout: its index in the list of found markers, and its image. `None` if it was not found.
 type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
 
-/// Markers found in a frame, in the order of the layout.
 pub(super) struct Matched {
-    /// Index of each marker of the layout in the list of found markers; `None` if it was not found.
+    /// Index of each marker of the layout in the list of found markers; `None` if the marker was not found.
     pub(super) found: Vec<Option<usize>>,
     pub(super) images: Vec<Option<Seen>>,
     rest: Rest,
@@ -100,7 +98,8 @@ impl Matched {
             })
     }
 
-    /// Matches the markers in several rough rounds and a final round, starting from `optics`.
+    /// Matches the found markers with the markers of the layout, starting from the camera in `optics`. Rough rounds
+    /// improve the camera; the final round has tighter limits.
     fn about(
         nominal: &NominalSensor<'_>,
         optics: Optics,
@@ -168,7 +167,6 @@ impl Matched {
         ["places", "hues", "sizes"][most.unwrap_or(0)]
     }
 
-    /// The camera that was fitted to the markers.
     pub(super) fn camera(
         &self,
         nominal: &NominalSensor<'_>,
@@ -236,7 +234,8 @@ impl Matched {
         let camera = optics.camera();
         let turn = pose.turn_rad();
         let terms = camera.lens().odd_terms().unwrap_or_default();
-        // The covariance has nine rows for place, turn and scale of the camera, followed by a row for each odd term.
+        // The first nine rows of the covariance are for the image centre, scale, position and rotation of the camera,
+        // followed by a row for each odd term.
         let std_of_term = |at: usize| (nominal.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
         Ok(CameraEstimate {
             length_unit,
@@ -262,12 +261,10 @@ impl Matched {
         })
     }
 
-    /// χ² of the fit divided by its degrees of freedom.
     fn reduced(&self) -> f64 {
         self.rest.chi_squared / self.rest.freedom.max(1) as f64
     }
 
-    /// Returns a warning if markers of the layout were not found in the frame.
     pub(super) fn warning(&self) -> Option<Warning> {
         let (all, missing) = (self.images.len(), self.missing);
         (missing > 0).then(|| {
@@ -277,7 +274,7 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera parameters. Each standard error is first multiplied by `widened`.
+    /// Covariance of the camera parameters. All standard errors of the fit are first multiplied by `widened`.
     fn covariance(
         &self,
         nominal: &NominalSensor<'_>,
@@ -298,7 +295,8 @@ impl Matched {
     }
 }
 
-/// Factor by which the stated errors are multiplied. It is the square root of the reduced χ² if the reduced χ² is above
+/// Factor by which the stated errors of the markers are multiplied: the square root of the reduced χ² if the reduced χ²
+/// is above
 /// `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
 pub(super) fn scatter(reduced: f64) -> f64 {
     match reduced > MAX_REDUCED_CHI_SQUARED {
@@ -359,8 +357,7 @@ fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f6
     })
 }
 
-/// The estimated differences between the camera parameters and their nominal values. All other entries of the result
-/// are 0.
+/// Estimated differences between the camera parameters and their nominal values. All other entries of the result are 0.
 fn of_camera(rest: &Rest) -> Result<Departure, String> {
     let mut numbers = [0.0; Departure::NUMBERS];
     for number in CAMERA {

@@ -32,7 +32,7 @@ const LEVEL: f64 = 0.995;
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadCurve {
     source: ReadingSource,
-    /// Indentation, in the unit of lengths, and force, N, of each reading.
+    /// Indentation (in the unit of lengths) and force (N) of each reading.
     readings: Vec<[f64; 2]>,
     unit: Option<LengthUnit>,
 }
@@ -158,7 +158,7 @@ pub fn estimate_force(
         ));
     }
     // Divide the indentation δ and the force F by their largest values. Then the Hertz law is F = q u with u = δ^(3/2),
-    // where q is the scaled stiffness (`slope`). Before the first touch, u is 0.
+    // where q is the scaled stiffness (`slope`). Before the bodies touch, u is 0.
     let scaled = curve.readings.iter().map(|[indentation, force]| {
         let depth = (indentation / deepest).max(0.0);
         [depth * depth.sqrt(), depth, force / strongest]
@@ -284,9 +284,9 @@ pub fn estimate_force(
     })
 }
 
-/// Ends of the 95 % interval of a quotient, relative to the quotient, by Fieller's theorem. `above` and `below` are the
-/// relative half-widths of the intervals of the numerator and the denominator. The upper end is `None` if the
-/// denominator may be 0.
+/// Ends of the 95 % interval of a quotient, divided by the quotient (Fieller's theorem). `above` and `below` are the
+/// relative half-widths of the intervals of numerator and denominator. The upper end is `None` if the denominator may
+/// be 0.
 fn quotient(above: f64, below: f64) -> (f64, Option<f64>) {
     let [numerator, denominator] = [above, below].map(|share| 1.0 - share * share);
     let root = (1.0 - numerator * denominator).max(0.0).sqrt();

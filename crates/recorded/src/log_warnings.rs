@@ -14,7 +14,8 @@ use super::glide_recording::GlideRecording;
 
 /// Largest number of rows that a message lists.
 const LISTED_ROWS: usize = 10;
-/// Smallest number of consecutive contacts, counting as one because of correlated noise, that causes a warning.
+/// A warning is shown if, because of correlated noise, at least this number of consecutive contacts counts as one
+/// independent contact.
 const MIN_CORRELATION: f64 = 1.5;
 /// Smallest accepted probability of the chosen shape. If it is smaller, a warning mentions another shape.
 const MIN_PROBABILITY: f64 = 0.9;
@@ -31,7 +32,7 @@ const MIN_GAPS_RATIO: f64 = 2.0;
 /// Smallest width of a group that is not a line, relative to its radius.
 const MIN_WIDTH_RATIO: f64 = 0.3;
 
-/// A text that lists the first of these rows.
+/// Text that lists the first of the rows `rows`.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     let more = rows.len().saturating_sub(LISTED_ROWS);
     let mut listed: Vec<String> = rows.take(LISTED_ROWS).collect();
@@ -39,7 +40,6 @@ pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     listed.join("; ")
 }
 
-/// Warning about contacts that were left out.
 pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Option<Warning> {
     let (count, contacts) = (outliers.len(), recorded.contacts.len());
     let row = |outlier: &Outlier| {
@@ -79,7 +79,6 @@ pub(super) fn assumed_side(
     Some(Warning::new("assumed-side", text, numbers))
 }
 
-/// Warning about noise that is correlated along the strokes.
 pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
     let [position, normal] = [readings.position_correlation, readings.normal_correlation];
     (position.max(normal) > MIN_CORRELATION).then(|| {
@@ -163,7 +162,6 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
     })
 }
 
-/// Warnings about a fitted shape.
 pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
     let (unit, name) = (unit.as_str(), fit.shape.name());
     let is_open = fit.shape != Shape::Plane && !fit.is_resolved();

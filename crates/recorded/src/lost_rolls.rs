@@ -13,9 +13,11 @@ use super::roll_recording::RollRecording;
 use super::roll_series::LeftOutProbe;
 use super::roll_warnings::units;
 
-/// A shift of zero counts as lost if the predicted shift is larger than this multiple of the root mean square residual.
+/// A contact shift of zero counts as lost if the predicted shift is larger than this multiple of the root mean square
+/// residual.
 const MIN_RESIDUALS: f64 = 8.0;
-/// Relative tolerance of the test whether shifts are multiples of a pitch, because numbers in files are rounded.
+/// Relative tolerance for rounded numbers in files, in the test whether the shifts of the contacts are multiples of the
+/// pads' pitch.
 const ROUNDING: f64 = 1e-6;
 /// Largest accepted share of rolls that are left out. If more rolls are lost, the recording is rejected.
 const MAX_SHARE: f64 = 0.2;
@@ -23,9 +25,9 @@ const MAX_SHARE: f64 = 0.2;
 /// Reason why a reading counts as lost.
 #[derive(Clone, Copy, PartialEq)]
 enum Loss {
-    /// The shift is longer than half of the probe's circumference.
+    /// The shift of the contact is longer than half of the probe's circumference.
     Far,
-    /// The shift is zero, but the other rolls show that the contact moved.
+    /// The shift of the contact is zero, but the other rolls show that the contact moved.
     Zero,
 }
 
@@ -84,8 +86,8 @@ impl RollRecording {
         Ok(left_out)
     }
 
-    /// Whether the rolls whose shift is zero are lost readings. They are lost readings if, according to the other
-    /// rolls, the contact moved in each of these rolls by more than pads or noise can hide.
+    /// Whether the rolls whose shift is zero are lost readings: whether, according to the other rolls, the contact
+    /// moved in each of them by more than pads or noise can hide.
     fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses);
         let sound: Vec<ProbeReading> = sound
@@ -136,8 +138,8 @@ impl RollRecording {
     }
 }
 
-/// Pitch of square pads, detected from the shifts: the components of all shifts are multiples of the pitch. The result
-/// is 0 if there is no such pitch.
+/// Pitch of square pads: the smallest component of a shift, if all components of shifts are multiples of it; otherwise
+/// 0.
 fn common_pitch(readings: &[ProbeReading]) -> f64 {
     let components = readings
         .iter()

@@ -6,7 +6,7 @@ use palpate_study::Warning;
 
 /// Words by which the warnings name readings, such as shifts or displacements.
 pub(super) struct ReadingWords<'w> {
-    /// Returns the name of the reading with a given index, counted from 0.
+    /// Function that returns the name of the reading with a given index, counted from 0.
     pub(super) reading: &'w dyn Fn(usize) -> String,
     /// Plural noun for the readings to which the stated noise refers, for example `shifts`.
     pub(super) noise_of: &'w str,
@@ -15,7 +15,6 @@ pub(super) struct ReadingWords<'w> {
 }
 
 impl ReadingWords<'_> {
-    /// Warning about a contradiction between the readings and the model.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
         let p_value = misfit.p_value();
         let shown = Number::rounded(p_value);

@@ -27,7 +27,6 @@ const DISC_STDS: [f64; 3] = [0.002, 0.02, 0.03];
 /// average reduces the influence of pixel noise.
 const BLEMISHED_FRAMES: u64 = 4;
 
-/// The nominal sensor, as the study states it.
 #[derive(Clone)]
 pub(super) struct NominalSensor<'a> {
     pub(super) sphere: MarkerSphere<'a>,
@@ -38,23 +37,19 @@ pub(super) struct NominalSensor<'a> {
     misalignment_std: f64,
     /// Standard deviation of the noise of a pixel, in levels (0 to 255).
     pixel_std: f64,
-    /// For each marker, the change of its image at rest by uneven light and blur. The list is empty if the sensor has
-    /// neither uneven light nor blur.
+    /// Change of each marker's image at rest by uneven light and blur; empty if the sensor has neither uneven light nor
+    /// blur.
     blemished: Vec<[f64; 4]>,
 }
 
 /// Geometry of a camera: its pose, the centre and scale of its image, and the odd terms of its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CameraGeometry {
-    /// Image centre, px: the point where the camera's axis meets the image.
     pub(super) centre_px: [f64; 2],
-    /// Focal length of the lens, px per radian.
     pub(super) px_per_rad: f64,
-    /// Position of the camera relative to the sensor's centre (length).
     pub(super) place: [f64; 3],
-    /// Rotation of the camera about three axes, degrees.
+    /// Rotation of the camera about the same three axes as in `place`, degrees.
     pub(super) turn_deg: [f64; 3],
-    /// Odd terms of the lens.
     pub(super) odd_terms: OddTerms,
 }
 
@@ -179,7 +174,6 @@ impl<'a> NominalSensor<'a> {
         (0..BLEMISHED_FRAMES).map(&mut pictures).collect()
     }
 
-    /// Whether uneven light or blur changes the markers' images.
     pub(super) fn is_blemished(&self) -> bool {
         !self.blemished.is_empty()
     }
@@ -215,7 +209,6 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Camera with the nominal frame size and field of view, and with a lens that has the odd terms `odd_terms`.
     fn lens(&self, odd_terms: OddTerms) -> Result<Camera, FieldError> {
         let CameraConfig {
             size_px, field_deg, ..
@@ -224,7 +217,6 @@ impl<'a> NominalSensor<'a> {
         Camera::new(lens, size_px, field_deg).map_err(|error| optics_error(&error))
     }
 
-    /// Nominal pose and scale of the camera.
     pub(super) fn geometry(&self) -> Result<CameraGeometry, FieldError> {
         let CameraConfig { k3, k5, .. } = *self.camera;
         let odd_terms = OddTerms { k3, k5 };
@@ -238,7 +230,6 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Optics of a camera with the pose and the scale of `geometry`.
     pub(super) fn optics_of(&self, geometry: &CameraGeometry) -> Result<Optics, FieldError> {
         self.optics_with(geometry, Blemishes::default())
     }

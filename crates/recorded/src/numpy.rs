@@ -14,7 +14,7 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 /// Maximum number of columns of a table.
 const MAX_COLUMNS: usize = 1_000;
 
-/// Type of the elements of an array: letter, size in bytes and byte order.
+/// Type of the elements of a NumPy array: letter, size in bytes and byte order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Scalar {
     letter: char,
@@ -44,7 +44,6 @@ impl Scalar {
         })
     }
 
-    /// An element as text. `bytes` contains the bytes of the element.
     fn text(self, bytes: &[u8]) -> String {
         let mut word = [0; 8];
         let used = self.size.min(8);
@@ -77,8 +76,7 @@ impl Scalar {
     }
 }
 
-/// A number as text, with so many digits that reading it returns exactly the same number. Very large and very small
-/// numbers are written with an exponent.
+/// Text of a number from which exactly the same number can be read. Very large and very small numbers have an exponent.
 fn number_text(number: f64) -> String {
     let size = number.abs();
     match size == 0.0 || (1e-5..1e15).contains(&size) || !size.is_finite() {
@@ -95,15 +93,12 @@ struct ArrayColumn {
     stride: usize,
 }
 
-/// A table that consists of the columns of one or several arrays.
 pub(super) struct NumpyTable<'a> {
-    /// Bytes of the elements of each array.
     arrays: Vec<Cow<'a, [u8]>>,
     columns: Vec<ArrayColumn>,
     rows: usize,
 }
 
-/// An array: type, shape and data.
 struct Array<'a> {
     /// Name, type and number of elements of each field. A plain array has one field without a name.
     fields: Vec<(String, Scalar, usize)>,
@@ -113,8 +108,8 @@ struct Array<'a> {
 }
 
 impl<'a> NumpyTable<'a> {
-    /// The table of a `.npy` or `.npz` file, with the names of its columns. If the array has no names, the list of
-    /// names is empty. `None` if the file has another format, which is recognised by its first bytes.
+    /// The table of a `.npy` or `.npz` file, with the names of its columns. The list of names is empty for an array
+    /// without names. `None` if the first bytes show another file format.
     pub(super) fn of(file: &'a RecordedFile) -> Option<Result<(Self, Vec<String>), RecordedError>> {
         let bytes = file.bytes.as_slice();
         let table = match () {
@@ -154,7 +149,8 @@ impl<'a> NumpyTable<'a> {
                 arrays.push((name.to_owned(), array));
             }
         }
-        // Maps have as many columns as the sensor, and a vector has only a few components.
+        // Arrays with more than 9 columns are maps, because a vector has only a few components. Each of several maps of
+        // one shape becomes a single column.
         let (first, is_map) = match arrays.first() {
             Some((_, array)) => (
                 array.shape.clone(),
@@ -186,7 +182,7 @@ impl<'a> NumpyTable<'a> {
                     }
                     names.extend(table.add(&name, array)?);
                 }
-                // NumPy numbers the arrays to which no name is given.
+                // NumPy gives the names `arr_0`, `arr_1` and so on to arrays that the user does not name.
                 let is_numbered = |name: &String| {
                     let number = name
                         .strip_prefix("arr_")
@@ -288,7 +284,7 @@ impl<'a> NumpyTable<'a> {
         self.columns.len()
     }
 
-    /// Calls `take` with every row. The number of the row is used as its line number.
+    /// Calls `take` with every row. The row's number is used as its line number.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let mut fields = StringRecord::new();
         for row in 0..self.rows {
@@ -387,7 +383,7 @@ fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
         .strip_prefix('[')
         .and_then(|rest| rest.split_once("],"));
     let mut fields = Vec::new();
-    // Split the list at quotation marks. The parts with odd indices are then the names and the types.
+    // Split the list at quotation marks. The parts with odd indices are the names and the types.
     let parts: Vec<&str> = list.map_or("", |(list, _)| list).split('\'').collect();
     for part in parts.get(1..).unwrap_or_default().chunks(4) {
         let [name, _, kind, after] = part else {

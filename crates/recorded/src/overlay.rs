@@ -56,16 +56,15 @@ pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     canvas.into_picture()
 }
 
-/// Radius of a circle around a marker, px. There is a small gap between the marker and the circle.
+/// Radius (px) of the circle around a marker, with a small gap between marker and circle.
 fn radius(marker: &Marker) -> f64 {
     let area = f64::from(marker.pixels).max(4.0);
     1.2 * (area / std::f64::consts::PI).sqrt()
 }
 
-/// A colour as red, green and blue levels.
 type Colour = [u8; 3];
 
-/// An image to draw on. `scale` is the width of one pixel of the frame, in pixels of this image.
+/// Image to draw on. `scale` is the width of one pixel of the frame, in pixels of this image.
 struct Canvas {
     picture: RgbImage,
     scale: u32,
@@ -113,7 +112,6 @@ impl Canvas {
         }
     }
 
-    /// Draws a straight line between two points of the canvas.
     fn stroke(&mut self, from: [f64; 2], to: [f64; 2], colour: Colour) {
         let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
         let steps = dx.abs().max(dy.abs()).ceil().clamp(1.0, 1e5);
@@ -123,7 +121,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a circle around a point of the frame. Its radius is in pixels of the frame.
+    /// Draws a circle around a point of the frame. `radius` is in pixels of the frame.
     fn circle(&mut self, centre: [f64; 2], radius: f64, colour: Colour) {
         let [x, y] = self.at(centre);
         let radius = radius * f64::from(self.scale);

@@ -57,7 +57,7 @@ pub fn estimate_press(
     })?;
     let misfits = fit.misfits(&reading, &estimate).map_err(refused)?;
     let misfits: Vec<Misfit> = contradiction.into_iter().chain(misfits).collect();
-    // If another warning already states why the contact is too wide, the contact is not reported as an error.
+    // A contact that is too wide is an error, unless another warning already explains its width.
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -92,8 +92,8 @@ pub fn estimate_press(
     })
 }
 
-/// Returns two fits: the fit that the options state, and a fit that estimates the indentation from the displacements
-/// alone. If the first fit is a Gaussian, the second fit uses the elastic body of the sensor instead.
+/// Two fits: the fit that the options state, and a fit that estimates the indentation from the displacements alone. The
+/// second fit uses the elastic body of the sensor even if the options state a Gaussian.
 fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], PressError> {
     let model = options.model.reference();
     let body = sensor_body(&model, options.depth(), Body::bonded_layer)?;
@@ -149,7 +149,6 @@ pub(super) fn force_and_pressure(
     Ok([force, pressure.map(|one| Value::bare(one, "unit of young"))])
 }
 
-/// Advice at the end of the message that the readings do not determine a press.
 pub(super) const GIVE_INDENTATION: &str =
     "state setting `indentation` if the indentation is measured";
 
@@ -164,7 +163,7 @@ fn refused(
     let mut sizes: Vec<f64> = recorded.normal.iter().map(|one| one.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let largest = sizes.last().copied().unwrap_or(0.0);
-    // Displacements are distinct if at least three of them exceed five times the median.
+    // Displacements are distinct from the noise if at least three of them exceed five times the median.
     let third = sizes.iter().rev().nth(2);
     let are_distinct = third.is_some_and(|third| *third > 5.0 * sizes[sizes.len() / 2]);
     let mut message = match error {

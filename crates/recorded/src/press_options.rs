@@ -347,7 +347,6 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
     Err(SettingError::new(key, reason))
 }
 
-/// Returns an error if `indentation_std` is given without an indentation.
 fn check_indentation_std(
     given: &Map<String, Json>,
     indentation: Option<f64>,
@@ -359,7 +358,6 @@ fn check_indentation_std(
     Ok(())
 }
 
-/// Returns an error if a length is too large for the sensor.
 fn check_lengths(options: &PressOptions) -> Result<(), SettingError> {
     let refuse = |key: &str, value: f64, bound: &str, (other, limit): (&str, f64)| {
         let expected = format!("{bound} setting `{other}`, {}", Number(limit));

@@ -62,8 +62,8 @@ impl PressRecording {
         })
     }
 
-    /// The press without repeated markers, and a warning about them. A marker is repeated if all its numbers equal
-    /// those of an earlier marker. `None` if no marker is repeated.
+    /// The press without repeated markers, and a warning about them. A marker is repeated if all its numbers equal the
+    /// numbers of an earlier marker. `None` if no marker is repeated.
     pub(super) fn without_copies(&self) -> Option<(Self, String)> {
         let along = self.tangential.as_deref();
         let marker = |marker: usize| {

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// Radius of the object. It is infinite for a flat object, which JSON cannot express, so some values are then `null`.
+/// Radius of the object. For a flat object it is infinite; JSON cannot express this, so some values are then `null`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Radius {
     /// The radius, negative if the object is concave; `null` if the object is flat.
@@ -24,7 +24,6 @@ pub(super) struct Radius {
     unit: &'static str,
 }
 
-/// Principal curvatures of the object.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Principal {
     curvature_max: Value,
@@ -77,12 +76,11 @@ pub struct PressReport {
     pub(super) relative_curvature: Value,
     /// Effective radius of the contact: the inverse of `relative_curvature`.
     pub(super) effective_radius: Value,
-    /// Curvature 1/R_o of the object, positive if the object is convex.
+    /// Curvature 1/R_o of the object, positive if the object is convex (R_o is its radius).
     pub(super) object_curvature: Value,
-    /// Radius R_o of the object.
     pub(super) object_radius: Radius,
-    /// Principal curvatures of the object; `null` unless the method is `elliptic`. With this method, `object_curvature`
-    /// is their mean.
+    /// Principal curvatures of the object, whose mean is then `object_curvature`; `null` unless the method is
+    /// `elliptic`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) principal: Option<Principal>,
     /// Contact regime for the estimated curvature of the object.
@@ -104,7 +102,7 @@ pub struct PressReport {
     /// Fitted factor by which all normal displacements are multiplied; `null` if it is not fitted. For a Gaussian, it
     /// is the ratio of the Gaussian's amplitude to the indentation.
     pub(super) gain: Option<Value>,
-    /// Markers that were left out of the fit, because their readings contradict the other markers.
+    /// Markers that were left out of the fit, because their readings contradict those of the other markers.
     pub(super) wrong_markers: Vec<Row>,
     pub(super) noise: PressNoise,
     /// Share of the variance of the normal displacements that the fit explains.
@@ -118,7 +116,7 @@ pub struct PressReport {
 }
 
 impl PressReport {
-    /// Report of the press estimate `estimate`. Fields that do not follow from this estimate are empty.
+    /// Report of the press estimate `estimate`. Fields that need other data, such as `force`, are empty.
     pub(super) fn of(estimate: &PressEstimate, method: &'static str, unit: LengthUnit) -> Self {
         let value = |estimated, power| Value::of(&estimated, power, unit);
         let std = |std: f64| Value::bare(std, unit.as_str());
@@ -192,7 +190,6 @@ impl Radius {
         }
     }
 
-    /// The radius for a curvature, with the intervals for a convex and for a concave object.
     fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
         let [low, high] = [curvature.interval.low, curvature.interval.high];

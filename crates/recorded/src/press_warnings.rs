@@ -16,7 +16,8 @@ use super::source::ReadingSource;
 /// not stated.
 const INDENTATION_SHARE: f64 = 0.02;
 
-/// The stated indentation with its standard deviation, and a warning if the standard deviation is an assumption.
+/// The stated indentation with its standard deviation. If the standard deviation is not stated, it is assumed, with a
+/// warning.
 pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<Warning>) {
     if std > 0.0 {
         return (Measured { value, std }, None);
@@ -32,8 +33,8 @@ pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured,
     (Measured { value, std }, Some(warning))
 }
 
-/// Converts the result of the check of a stated indentation. The result is a misfit, a warning that the check was
-/// impossible, or neither.
+/// Converts the result `checked` of comparing a stated indentation with the readings. Returns a misfit, a warning that
+/// the comparison was impossible, or neither.
 pub(super) fn indentation_check(
     checked: Result<Option<Misfit>, PressError>,
 ) -> (Option<Misfit>, Option<Warning>) {
@@ -49,7 +50,6 @@ pub(super) fn indentation_check(
     )
 }
 
-/// Warning about a misfit of a press. Lengths are in `unit`.
 pub(super) fn misfit_warning(misfit: &Misfit, source: &ReadingSource, unit: LengthUnit) -> Warning {
     let words = ReadingWords {
         reading: &|marker| format!("the marker of {}", source.row(marker)),
@@ -59,8 +59,8 @@ pub(super) fn misfit_warning(misfit: &Misfit, source: &ReadingSource, unit: Leng
     words.warning(misfit)
 }
 
-/// Warning about markers that were left out as outliers. `distances` contains the distance of each marker from the
-/// contact. `has_indentation` is whether an indentation was stated.
+/// Warning about markers that were left out as outliers. `distances` contains the distance of every marker from the
+/// contact. `has_indentation` states whether the user gave an indentation.
 pub(super) fn left_out(
     wrong: &[Row],
     distances: &[f64],
@@ -160,10 +160,9 @@ pub(super) fn large_contact(
 /// warning.
 const MIN_R_SQUARED: f64 = 0.5;
 
-/// Displacements whose sign is checked are at least this share of the largest displacement.
+/// Smallest normal displacement whose sign is checked, as a share of the largest displacement.
 const MIN_SIGNED: f64 = 0.2;
-/// Smallest share of outward displacements that causes a warning about the sign. Only displacements whose sign is
-/// checked are counted.
+/// Smallest share of outward displacements, among those whose sign is checked, that causes a warning about the sign.
 const MIN_OUTWARD: f64 = 0.9;
 
 /// Smallest accepted extent of the markers, relative to the sensor's radius. A smaller extent causes a warning about
@@ -214,7 +213,8 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     Some(text)
 }
 
-/// There is a warning if swapping or reversing columns decreases the mean square residual by more than this factor.
+/// A warning is shown if swapping or reversing columns decreases the mean square residual of the fit by more than this
+/// factor.
 const MIN_IMPROVEMENT: f64 = 4.0;
 /// Largest accepted noise of displacements along the skin, relative to the largest displacement along the skin. If the
 /// estimated noise is larger, or if there are misfits, the columns are checked for mistakes.

@@ -18,23 +18,21 @@ use super::text_table::TextTable;
 /// Maximum size of all columns that palpate does not use, MiB.
 const MAX_EXTRA_MIB: usize = 256;
 
-/// Rows of numbers. The numbers of a row are in the order of the requested columns.
 pub(super) struct ReadingTable {
     /// The file, and the line of each row.
     pub(super) source: ReadingSource,
     /// Indices of the rows that follow a blank line.
     pub(super) after_gaps: Vec<usize>,
-    /// Numbers of all columns and rows, row by row.
+    /// Numbers of the requested columns, row by row.
     numbers: Vec<f64>,
     columns: usize,
     /// Unit of the lengths; `None` if it is not stated.
     pub(super) unit: Option<LengthUnit>,
-    /// Columns that palpate does not use.
     pub(super) extras: ExtraColumns,
 }
 
 impl ReadingTable {
-    /// Reads the columns `columns` of a table. In the file, they may be in any order and among other columns. All of
+    /// Reads the columns `columns` of a table. The file may contain them in any order and among other columns. All of
     /// them are required. If some are missing, the error also names the optional columns `may`.
     pub(super) fn read(
         table: &TextTable<'_>,
@@ -69,7 +67,7 @@ impl ReadingTable {
             let (found, expected) = (record.fields.len(), table.header.len());
             // A row may end in a delimiter. The empty field after it does not count.
             let is_ended = found == expected + 1 && record.fields[expected].is_empty();
-            // NumPy writes a footer as a comment.
+            // NumPy writes a footer as a comment line, which is not a row.
             if found != expected
                 && record
                     .fields
@@ -148,18 +146,16 @@ impl ReadingTable {
         })
     }
 
-    /// Line and numbers of each row.
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> {
         let rows = self.numbers.chunks_exact(self.columns);
         self.source.lines.iter().copied().zip(rows)
     }
 
-    /// An error for a line of the file.
     pub(super) fn fail(&self, line: usize, message: String) -> RecordedError {
         RecordedError::line(&self.source.name, line, message)
     }
 
-    /// The number of a probe or finger. It must be a whole number and at least 0.
+    /// Converts the number of a probe or finger, which must be a whole number and at least 0.
     pub(super) fn index(
         &self,
         line: usize,
@@ -177,7 +173,7 @@ impl ReadingTable {
     }
 }
 
-/// Names of fingers or probes, with their indices. The indices follow the order in which the names first appear.
+/// Index of each name of a finger or probe, in the order in which the names first appear.
 #[derive(Default)]
 struct Labels(HashMap<String, usize>);
 
@@ -283,7 +279,7 @@ fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f6
     }
 }
 
-/// Detects the decimal sign of the numbers in a table. It is a point, unless a number contains a comma.
+/// Detects the decimal sign of the numbers in a table. The sign is a point, unless a number contains a comma.
 fn decimal_of(
     table: &TextTable<'_>,
     header: &Header<'_>,
@@ -315,7 +311,6 @@ fn decimal_of(
     })
 }
 
-/// Columns of a table that palpate does not use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct ExtraColumns {
     /// Names of the columns, as in the file.
@@ -332,7 +327,6 @@ impl ExtraColumns {
         Self { names, text, ends }
     }
 
-    /// Adds the fields of a row.
     pub(super) fn push<'a>(&mut self, fields: impl Iterator<Item = &'a str>) {
         for field in fields {
             self.text.push_str(field);
@@ -345,7 +339,6 @@ impl ExtraColumns {
         self.text.len() + self.ends.len()
     }
 
-    /// The same columns, with only the rows `rows`.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let mut selected = Self::new(self.names.clone());
         for &row in rows {
@@ -366,7 +359,6 @@ impl ExtraColumns {
         ends.map(field).collect()
     }
 
-    /// Fields of a row, by the names of their columns.
     pub(super) fn named(&self, row: usize) -> BTreeMap<String, String> {
         self.names.iter().cloned().zip(self.row(row)).collect()
     }

@@ -34,7 +34,6 @@ impl LeftOut {
     }
 }
 
-/// Report of the curvature along a single stroke.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct StrokeReport {
     /// Normal curvature along the stroke, > 0 if convex.
@@ -61,7 +60,6 @@ impl StrokeReport {
     }
 }
 
-/// Report of the size and the position of a shape.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct ShapeReport {
     /// Name of the shape: `plane`, `sphere`, `cylinder` or `none`.
@@ -88,7 +86,7 @@ pub(super) struct ShapeReport {
 }
 
 impl ShapeReport {
-    /// The report of a shape fit. `is_open` states that the contacts do not determine the size of the shape.
+    /// `is_open` states that the contacts do not determine the size of the shape.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
         let size = |size: &SizeEstimate, power: Unit| match is_open {
             true => Value::open(power, unit),

@@ -102,7 +102,6 @@ impl DirectedCurvature {
         }
     }
 
-    /// Warning that the rolls determine the curvature only along their direction.
     pub(super) fn warning(&self) -> Warning {
         let angle = Number::rounded(self.direction_deg);
         let text = format!(

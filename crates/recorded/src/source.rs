@@ -13,20 +13,18 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
-    /// For each reading, its row in the file, counted from 0. The list is empty if no row was left out, because each
-    /// reading then has the same index as its row.
+    /// Row (from 0) of each reading in the file. Empty if no row was left out, because the index of a reading is then
+    /// its row.
     pub(super) rows: Vec<usize>,
     /// Warnings about columns that were not found by their names, or that are not read.
     pub(super) notes: Vec<Warning>,
 }
 
 impl ReadingSource {
-    /// Source of readings in arrays that are in memory.
     pub(super) fn arrays() -> Self {
         Self::new("readings", Vec::new())
     }
 
-    /// A source that is a file. `lines` contains the line of each reading.
     pub(super) fn new(name: &str, lines: Vec<usize>) -> Self {
         Self {
             name: name.to_owned(),
@@ -36,24 +34,20 @@ impl ReadingSource {
         }
     }
 
-    /// Line of the file that contains the reading; `None` for arrays.
     pub(super) fn line(&self, reading: usize) -> Option<usize> {
         self.lines.get(reading).copied()
     }
 
-    /// Number of the row that contains the reading, counted from 1.
     pub(super) fn row_number(&self, reading: usize) -> usize {
         self.rows.get(reading).copied().unwrap_or(reading) + 1
     }
 
-    /// Text that names the row of a reading in messages.
     pub(super) fn row(&self, reading: usize) -> String {
         let line = self.line(reading);
         let line = line.map_or(String::new(), |line| format!(", line {line}"));
         format!("row {}{line}", self.row_number(reading))
     }
 
-    /// The source of a part of the readings. `rows` contains the rows of these readings.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let lines = rows.iter().filter_map(|&row| self.line(row)).collect();
         Self {
@@ -64,13 +58,12 @@ impl ReadingSource {
         }
     }
 
-    /// Error that concerns all readings together.
     pub(super) fn fail(&self, message: impl Into<String>) -> RecordedError {
         RecordedError::readings(&self.name, message)
     }
 
-    /// Error that concerns one reading. If the source is a file, the error states the line of the reading. If the
-    /// source is arrays, `message` must state the index of the reading.
+    /// Error that concerns one reading. For a file, the error states the line of the reading. For arrays, `message`
+    /// must state the index of the reading.
     pub(super) fn fail_at(&self, reading: usize, message: String) -> RecordedError {
         match self.line(reading) {
             Some(line) => RecordedError::line(&self.name, line, message),
@@ -95,8 +88,8 @@ impl ReadingSource {
         }
     }
 
-    /// Text of a warning about repeated readings. A reading is repeated if all its numbers equal those of an earlier
-    /// reading. `None` if less than the share `share` of all readings is repeated.
+    /// Text of a warning about repeated readings. A reading is repeated if all its numbers equal the numbers of an
+    /// earlier reading. `None` if less than the share `share` of all readings is repeated.
     pub(super) fn repeated<const N: usize>(
         &self,
         what: &str,
@@ -116,7 +109,6 @@ impl ReadingSource {
     }
 }
 
-/// Text for warnings that states the consequence of repeated readings.
 pub(super) const COPIES: &str =
     "copies are not new readings, and make the stated uncertainty too small";
 
@@ -129,7 +121,6 @@ pub(super) fn copies<const N: usize>(readings: impl Iterator<Item = [f64; N]>) -
     readings.enumerate().filter_map(is_copy).collect()
 }
 
-/// Checks that all numbers of an array are finite.
 pub(super) fn finite<const D: usize>(
     array: &'static str,
     rows: &[[f64; D]],
@@ -153,7 +144,6 @@ pub(super) fn not_finite(array: &'static str, index: Vec<usize>, value: f64) -> 
     }
 }
 
-/// Checks that two arrays have the same number of rows.
 pub(super) fn same_length(
     (array, rows): (&'static str, usize),
     (other, rows_of_other): (&str, usize),

@@ -54,7 +54,6 @@ impl From<FieldError> for StudyMismatch {
     }
 }
 
-/// Factor that converts the lengths of the study to the unit `unit`.
 pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, StudyMismatch> {
     study.length_unit.to(unit).ok_or(StudyMismatch::Unit {
         study: study.length_unit,
@@ -62,7 +61,6 @@ pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, Study
     })
 }
 
-/// Settings of the press in a study. Returns an error if the scene of the study is not a press.
 pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, StudyMismatch> {
     match &study.scene {
         SceneConfig::Press(press) => Ok(press),
@@ -190,7 +188,6 @@ impl PressOptions {
         })
     }
 
-    /// Options with the skin radius and the marker depth of a press probe.
     pub(super) fn of_probe(probe: &PressProbeConfig) -> Self {
         let PressProbeConfig::MarkerSphere {
             radius,

@@ -40,10 +40,9 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// All delimiters, in the order in which they are tried.
+    /// All delimiters, in the order in which a file is tested for them.
     pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Space];
 
-    /// Name of the delimiter in the setting `delimiter`.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Tab => "tab",
@@ -63,7 +62,7 @@ impl Delimiter {
     }
 }
 
-/// Parses the name of a delimiter, or the character itself.
+/// Parses the name of a delimiter, such as `tab`, or the character itself.
 impl FromStr for Delimiter {
     type Err = String;
 
@@ -83,7 +82,7 @@ pub enum Decimal {
     Comma,
 }
 
-/// Parses the name of a decimal sign, or the character itself.
+/// Parses the name of a decimal sign (`point`, `comma`), or the character itself.
 impl FromStr for Decimal {
     type Err = String;
 

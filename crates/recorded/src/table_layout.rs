@@ -12,19 +12,18 @@ pub(super) struct Group {
     pub(super) places: Vec<usize>,
 }
 
-/// Division of the columns of a wide table among the fingers. With it, each row is split into one row per finger.
+/// Columns of a wide table, divided among the fingers. Each row of the table is split into one row per finger.
 pub(super) struct Wide {
     pub(super) groups: Vec<Group>,
     /// Indices of the columns that belong to no single finger, such as the time.
     pub(super) shared: Vec<usize>,
-    /// Header of the table after each row was split: name of the column with the finger's label, names of the columns
-    /// of one finger, and names of the shared columns.
+    /// Header of the table whose rows were split: name of the column with the finger's label, names of the columns of
+    /// one finger, and names of the shared columns.
     pub(super) header: Vec<String>,
 }
 
-/// Names for the `count` columns of a table without a header. If the first of the `orders` has `count` columns, these
-/// are the names. Otherwise an error is returned. Its message proposes the names of another order with `count` columns,
-/// if there is one.
+/// Names for the `count` columns of a table without a header: the columns in the first list of `orders`, if it has this
+/// length. Otherwise the error message proposes another list of this length, if there is one.
 pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<String>, String> {
     let names = |order: &[Column]| order.iter().map(|column| column.name.to_owned()).collect();
     if let Some(required) = orders.first().filter(|order| order.len() == count) {
@@ -229,7 +228,7 @@ pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
 fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)> {
     let (base, bracket) = bracketed(name);
     let mut words = words(&spelt(base));
-    // Arrays number the axes: `thumb.0`, `finger1.position.2`.
+    // Arrays number the axes of a vector: `thumb.0`, `finger1.position.2`.
     if let Some(axis) = (words.last()).and_then(|last| "012".find(last.as_str()))
         && (words.iter().rev().skip(1)).any(|word| is_name(word) || word.parse::<u8>().is_ok())
     {
@@ -240,7 +239,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         .iter()
         .enumerate()
         .map(|(place, column)| (place, self::words(column.stem())));
-    // Use the longest column name that fits: `finger_1_normal_x` is the x component of a normal, not the position x.
+    // Use the longest column name that fits: `finger_1_normal_x` is the column `normal_x`, not the column `x`.
     let found = stems.filter_map(|(place, stem)| {
         let at = words.windows(stem.len()).rposition(|part| part == stem)?;
         Some((stem.len(), place, at))
@@ -270,7 +269,6 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     is_finger.then(|| (column, unit, words.join("_")))
 }
 
-/// Whether a word names a finger.
 fn is_name(word: &str) -> bool {
     is_one_of(FINGERS, word)
 }
@@ -279,7 +277,7 @@ fn is_one_of(words: &str, word: &str) -> bool {
     words.split(' ').any(|one| one == word)
 }
 
-/// Words of a name; digits are words of their own, and `nx` is a normal.
+/// Words of a column name. Digits are separate words, and `nx` counts as the words of a normal's component.
 fn words(name: &str) -> Vec<String> {
     let mut words = Vec::new();
     for word in name.split('_') {

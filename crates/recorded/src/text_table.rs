@@ -20,7 +20,6 @@ use super::table_layout::{
 /// Maximum number of lines of a table.
 const MAX_LINES: usize = 5_000_000;
 
-/// One row of a table, as text fields.
 pub(super) struct Record<'a> {
     /// Line of the row in the file, from 1.
     pub(super) line: usize,
@@ -32,7 +31,7 @@ pub(super) struct Record<'a> {
 /// Result of a function that processes one row.
 pub(super) type RowResult = Result<(), RecordedError>;
 
-/// Format of a table. Each format has its own source file, which reads the header and the rows.
+/// Format of a table. A source file of its own reads the header and the rows of each format.
 enum Format<'a> {
     /// Fields separated by a delimiter.
     Delimited(DelimitedText<'a>),
@@ -42,16 +41,13 @@ enum Format<'a> {
     Numpy(NumpyTable<'a>),
 }
 
-/// A table as text fields, with its header.
 pub(super) struct TextTable<'a> {
     pub(super) file: &'a RecordedFile,
     format: Format<'a>,
-    /// Names of the columns.
     pub(super) header: Vec<String>,
-    /// Line number of the header.
     pub(super) header_line: usize,
-    /// For a wide table: the names of the columns in the file, and the division of these columns among the fingers. In
-    /// a wide table, a row contains several fingers.
+    /// For a wide table, in which a row contains several fingers: the names of its columns, and the division of these
+    /// columns among the fingers.
     wide: Option<(Vec<String>, Wide)>,
     /// Contacts that are missing in a wide table, because the fields of a finger are empty.
     lost: RefCell<Vec<String>>,
@@ -63,8 +59,8 @@ pub(super) struct TextTable<'a> {
 }
 
 impl<'a> TextTable<'a> {
-    /// Recognises the format of a file and reads the header. `orders` contains lists of columns, which are used for
-    /// tables without names. The first list contains the required columns. A wide table may have the columns of the
+    /// Recognises the format of a file and reads the header. `orders` contains lists of columns, by which columns
+    /// without names are named. The first list contains the required columns. A wide table may have the columns of the
     /// last list.
     pub(super) fn of(file: &'a RecordedFile, orders: &[&[Column]]) -> Result<Self, RecordedError> {
         let (format, header, header_line) = match NumpyTable::of(file) {
@@ -169,7 +165,7 @@ impl<'a> TextTable<'a> {
         ))
     }
 
-    /// Warning about contacts of a wide table that have no numbers. To be called when all rows are read.
+    /// Warning about contacts of a wide table that have no numbers. Call this method after all rows were read.
     pub(super) fn left_out(&self) -> Option<Warning> {
         let lost = self.lost.borrow();
         let count = lost.len();
@@ -205,7 +201,6 @@ impl<'a> TextTable<'a> {
         Ok((format, header, header_line))
     }
 
-    /// Whether commas separate the columns.
     pub(super) fn has_commas(&self) -> bool {
         matches!(&self.format, Format::Delimited(text) if text.delimiter == Delimiter::Comma)
     }
@@ -282,7 +277,7 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// Text whose lines end with line feeds or, if it has none, with carriage returns.
+    /// A text whose lines end with line feeds or, if the text has no line feeds, with carriage returns.
     pub(super) fn of(all: &'a str) -> Self {
         let end = if all.contains('\n') { '\n' } else { '\r' };
         Self { all, end, line: 1 }
@@ -321,7 +316,6 @@ impl<'a> Text<'a> {
         self.all.split_terminator(self.end)
     }
 
-    /// Lines of the file after `line` that are not blank, with their line numbers.
     pub(super) fn rows_after(self, line: usize) -> impl Iterator<Item = (&'a str, usize)> {
         let lines = self.lines().zip(self.line..);
         lines.filter(move |(text, number)| *number > line && !text.trim().is_empty())

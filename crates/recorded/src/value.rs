@@ -51,7 +51,6 @@ impl Value {
         }
     }
 
-    /// The estimated value as a number; NaN if the readings do not determine the value.
     pub(super) fn number(&self) -> f64 {
         self.value.unwrap_or(f64::NAN)
     }
@@ -73,7 +72,6 @@ impl Value {
         }
     }
 
-    /// Converts the estimate `estimated` to a value with its standard error, its interval and its unit.
     pub(super) fn of(estimated: &Estimated, power: Unit, length: LengthUnit) -> Self {
         let ends = [estimated.interval.low, estimated.interval.high];
         Self {

@@ -170,7 +170,7 @@ fn sensors_of_large_radius_are_pressed() {
     }
 }
 
-/// Many markers at random places on a flat pad: the displacements are Hertz's, with noise.
+/// Many markers at random places on a flat pad, with the displacements of a Hertz contact plus noise.
 #[test]
 fn intervals_from_many_markers_are_as_wide_as_their_noise() {
     let mut noise = Stream::new(46, 0, Channel::Position);

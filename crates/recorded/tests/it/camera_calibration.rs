@@ -45,11 +45,9 @@ struct Truth {
     scale: f64,
     /// Diameter of the yellow discs, length.
     yellow: f64,
-    /// Number of markers that are missing in the frame.
     lost: usize,
     white: f64,
     misalignment: f64,
-    /// Odd terms of the lens.
     terms: OddTerms,
     light_at_rim: f64,
 }
@@ -178,7 +176,8 @@ fn one_frame_locates_the_camera() {
         let variance = estimate.covariance[3][3];
         assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // The limits are wide, because the sum contains only three frames with seven correlated numbers each.
+    // The limits of the scatter are wide, because the sum contains only three frames with seven correlated numbers
+    // each.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }
@@ -309,8 +308,8 @@ fn markers_cut_by_the_rim_do_not_count_as_missing() {
 fn errors_name_unusable_frames() {
     let here = study(20.0);
     let truth = Truth::default();
-    // On this study's sensor, the markers have other angular distances, by a factor of 1.5, than in the frame. So the
-    // frame must be rejected.
+    // On this study's sensor, the angular distances of the markers are 1.5 times those in the frame. So the frame must
+    // be rejected.
     let said = refused(truth.frame(1), &study(30.0));
     assert!(
         said.contains("another layout") || said.contains("contradicts"),

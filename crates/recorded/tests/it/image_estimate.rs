@@ -13,7 +13,6 @@ use serde_json::Value;
 /// Curvature of the ball that is pressed, 1/mm.
 const CURVATURE: f64 = 1.0 / 30.0;
 
-/// A study of a press with a camera.
 fn study() -> Study {
     parse("frames.toml", TEXT).expect("a study")
 }
@@ -44,7 +43,6 @@ fn scene(study: &Study) -> PressScene {
     }
 }
 
-/// The frame at rest and the pressed frame of a trial.
 fn frames(scene: &PressScene, study: &Study, trial: u64) -> [Frame; 2] {
     let trace = scene.trace(Some(trial), study.config.length_unit);
     let seen = trace.expect("a trace").camera.expect("a camera");

@@ -114,7 +114,7 @@ fn a_flat_log_bounds_the_radius() {
         "{open}"
     );
     assert_eq!(codes(&open), ["not-resolved"]);
-    // If the user states a plane but the contacts lie on a ball, there is a warning.
+    // A warning is expected if the user states a plane but the contacts lie on a ball.
     let ball = estimate(&ball(&|_| None), "plane").unwrap();
     assert_eq!(codes(&ball), ["poor-fit"]);
     let plane = estimate(&flat, "shape").unwrap();

@@ -33,7 +33,6 @@ fn mean(estimate: &Value) -> f64 {
     estimate["mean_curvature"]["value"].as_f64().unwrap()
 }
 
-/// Function that writes a rotation as numbers of a row.
 type Write = fn(UnitQuaternion<f64>) -> Vec<f64>;
 
 fn quaternion(rotation: UnitQuaternion<f64>) -> Vec<f64> {
@@ -61,8 +60,8 @@ fn vector(rotation: UnitQuaternion<f64>) -> Vec<f64> {
     rotation.scaled_axis().iter().copied().collect()
 }
 
-/// Rolls of a probe with a radius of 10 on a surface with the curvatures 0.04 and 0.01. The probe also rotates a little
-/// about the normal.
+/// Rolls of a probe with a radius of 10 on a surface with the normal curvatures 0.04 and 0.01. The probe also rotates a
+/// little about the normal.
 fn rolls() -> Vec<(Vector3<f64>, [f64; 2])> {
     (0..6)
         .map(|probe| {
@@ -172,7 +171,7 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     for (names, write) in FORMS {
         let rows = table(&format!("probe,{names},shift_u_mm,shift_v_mm"), None, write);
         same(followed(&rows), &rows);
-        // A table without a header, such as an array.
+        // Without its header, the table is like an array.
         let bare = |table: &str| table.split_once('\n').unwrap().1.to_owned();
         same(followed(&bare(&rows)), &bare(&rows));
         let header = format!("probe,time_s,{names},contact_u_mm,contact_v_mm");
@@ -209,7 +208,7 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
             .contains("`rotation_frame` world")
     );
     same(found, "world");
-    // Columns whose names contradict their numbers.
+    // The names of these columns contradict their numbers.
     let swapped = table(
         "probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm",
         None,
@@ -296,7 +295,8 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let quaternions = table("probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm", None, quaternion);
     let error = roll(&quaternions, "rotation_x_rad=qx,rotation_y_rad=qy", None).unwrap_err();
     assert!(error.contains("which is part of a quaternion"), "{error}");
-    // Where rolls do not show which component is the scalar part, the message names both orders, and each is read.
+    // These rolls do not show which component is the scalar part. The message names both orders, and the table can be
+    // read in each of them.
     let two =
         "probe,q0,q1,q2,q3,shift_u_mm,shift_v_mm\n0,0.7,0.1,0.1,0.7,1,0\n1,0.7,0.1,-0.1,0.7,0,1\n";
     let error = roll(two, "", None).unwrap_err();
@@ -304,13 +304,13 @@ fn unusable_rotations_are_refused_with_line_and_value() {
         error.contains("'qx=q1,qy=q2,qz=q3,qw=q0' or 'qx=q0,qy=q1,qz=q2,qw=q3'"),
         "{error}"
     );
-    // A time series needs columns of places. The message proposes to use the columns of shifts as places, and this
-    // proposal must work.
+    // A time series needs columns with the position of the contact. The message proposes the columns of shifts instead,
+    // and this proposal must work.
     let header = "probe,time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm";
     let series = table(header, Some(UnitQuaternion::identity()), quaternion);
     let error = roll(&series, "", None).unwrap_err();
     assert!((mean(&followed(&series)) - 0.025).abs() < 1e-9, "{error}");
-    // Positions of a tip without contacts on the probe are for another estimate.
+    // Positions of a fingertip are readings of a glide, not of a roll.
     let poses = table(
         "probe,time_s,x,y,z,qx,qy,qz,qw,seen,valid",
         Some(UnitQuaternion::identity()),

@@ -158,7 +158,7 @@ fn files_of_the_field_give_their_answers() {
         (&"m".into(), &true.into())
     );
     assert!((mean(&log) - 40.0).abs() < 2.0, "{log}");
-    // The warning states the setting that reads the same columns.
+    // The warning states the setting `columns` that reads the same columns as the automatic choice.
     let said = log["warnings"].as_array().unwrap().iter();
     let said = said.map(|one| one["text"].as_str().unwrap());
     let said = said
