@@ -47,12 +47,12 @@ pub fn estimate_glide(
 pub struct GlideFitResult<'r> {
     recorded: Cow<'r, GlideRecording>,
     given: GlideOptions,
-    /// The options that the user gave, with the position noise converted to a length.
+    /// Options that the user gave, with the position noise converted to a length.
     options: GlideOptions,
     unit: LengthUnit,
     used: UsedContacts,
     surface: Surface,
-    /// Curvature along the stroke, if there is only one stroke; otherwise `None`.
+    /// Curvature along the stroke, if all contacts form one stroke.
     stroke: Option<StrokeCurvature>,
     centre: MapPoint,
     limits: ShapeThresholds,
@@ -64,7 +64,7 @@ pub struct GlideFitResult<'r> {
 #[derive(Clone, Debug)]
 struct UsedContacts {
     contacts: Vec<Contact>,
-    /// For each contact, its row in the recording, counted from 0.
+    /// Row of each contact in the recording, counted from 0.
     rows: Vec<usize>,
     outliers: Vec<Outlier>,
     readings: EffectiveReadings,
@@ -74,7 +74,6 @@ struct UsedContacts {
 /// than its noise.
 const MANY_CONTACTS: usize = 60;
 
-/// The fitted surface: either a graph (height over a patch) or a simple shape.
 #[derive(Clone, Debug)]
 enum Surface {
     Graph(Box<(GlideFit, IndependentFit)>),
@@ -225,7 +224,6 @@ impl<'r> GlideFitResult<'r> {
         Ok(points)
     }
 
-    /// Whether the contacts do not determine the curvature in at least one direction.
     fn is_open(&self) -> bool {
         let is_unresolved = match &self.surface {
             Surface::Graph(_) => false,
@@ -283,8 +281,8 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
-    /// Goodness of fit and misfits of a fitted graph; outliers are stated by their row in the recording. If the test is
-    /// impossible, the second result is the reason.
+    /// Goodness of fit and misfits of a fitted graph, in which outliers have their row number in the recording. If the
+    /// test is impossible, the second result is the reason.
     fn misfit(&self) -> (MisfitTest, Option<String>) {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
@@ -321,7 +319,7 @@ impl<'r> GlideFitResult<'r> {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
             Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
         };
-        // The method two-pass is the only one that has a status, and it states no uncertainty.
+        // Only the method `two-pass` has a status; it never states an uncertainty.
         let is_unknown = self.centre.curvature.uncertainty.is_none()
             && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {
@@ -380,7 +378,6 @@ impl<'r> GlideFitResult<'r> {
             .collect()
     }
 
-    /// The report of the estimate. `regions` contains the connected parts of the map that have the same class.
     fn report(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
         let (limits, unit, is_open) = (&self.limits, self.unit, self.is_open());
@@ -487,7 +484,7 @@ impl<'r> GlideFitResult<'r> {
 }
 
 /// The options, with the position noise as a length. A noise that is stated as a fraction is multiplied by the distance
-/// between fingers. This distance is the stated one or, if it is not stated, the measured one.
+/// between fingers, either stated or measured.
 fn with_length_noise(
     recorded: &GlideRecording,
     contacts: &[Contact],

@@ -150,7 +150,6 @@ impl GlideOptions {
         Ok(options)
     }
 
-    /// The stated thresholds of the curvatures; `None` if none are stated.
     pub(super) fn thresholds(&self) -> Result<Option<ShapeThresholds>, SettingError> {
         let both = self.gaussian_threshold.zip(self.mean_threshold);
         let thresholds = both.map(|(gaussian, mean)| ShapeThresholds::new(gaussian, mean));
@@ -171,7 +170,7 @@ impl GlideOptions {
     }
 }
 
-/// The direction `components`, scaled such that the largest absolute value of a component is 1.
+/// The direction `components`, scaled so that its largest component is 1 or −1.
 fn direction(components: [f64; 3]) -> Result<[f64; 3], SettingError> {
     let largest = components
         .iter()

@@ -22,13 +22,12 @@ pub struct GlideRecording {
     pub(super) source: ReadingSource,
     /// The contacts, in the order of the file.
     pub(super) contacts: Vec<Contact>,
-    /// Number of fingers in the recording.
     pub(super) fingers: usize,
     /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,
     /// Columns of the file that palpate does not use, one row per contact.
     pub(super) extras: ExtraColumns,
-    /// Note on how the contacts were assigned to fingers; `None` if the file states the finger of each contact.
+    /// Note on how the contacts were assigned to fingers; `None` if the file states each contact's finger.
     pub(super) note: Option<String>,
 }
 
@@ -85,7 +84,7 @@ impl GlideRecording {
         self.contacts.iter().any(|contact| contact.normal.is_some())
     }
 
-    /// Returns an error if the file has a column with a radius. The positions may then be those of round fingertips
+    /// Returns an error if the file has a column with a radius. The positions may then be points of round fingertips
     /// instead of contacts.
     pub(super) fn check_contacts(&self) -> Result<(), RecordedError> {
         let mut names = self.extras.names.iter().enumerate();
@@ -99,7 +98,8 @@ impl GlideRecording {
         )))
     }
 
-    /// Text of a note for files with unused orientations: the positions may be those of fingertips instead of contacts.
+    /// Text of a note for files with unused orientations: the positions may be points of fingertips instead of
+    /// contacts.
     pub(super) fn unused_orientation(&self) -> Option<String> {
         let is_part = |name: &&String| quaternion_part(&spelt(name)).is_some();
         let name = self.extras.names.iter().find(is_part)?;
@@ -109,7 +109,7 @@ impl GlideRecording {
     }
 }
 
-/// Maps the number of a finger in the readings to its index. Indices follow the order in which the numbers first
+/// Maps the number of a finger in the readings to its index. The indices follow the order in which the numbers first
 /// appear.
 #[derive(Default)]
 struct Fingers(HashMap<u64, usize>);
@@ -195,7 +195,6 @@ fn with_outliers_moved(contacts: &[Contact]) -> Vec<Point3<f64>> {
     places
 }
 
-/// Text for messages: why the distance between fingers cannot be computed.
 pub(super) const ONE_FINGER: &str = "all contacts belong to one finger, so there is no distance between \
      fingers";
 
@@ -222,7 +221,7 @@ pub(super) fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedEr
     }
 }
 
-/// The same error, in which the index of the contact is replaced by its row in the recording.
+/// `error` with the contact's row in the recording instead of its index.
 pub(super) fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     match error {
         Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
@@ -233,7 +232,6 @@ pub(super) fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     }
 }
 
-/// Converts the error of a fit to contacts of a single stroke. The message states the curvature along the stroke.
 pub(super) fn stroke_refused(
     recorded: &GlideRecording,
     error: &Ep2Error,

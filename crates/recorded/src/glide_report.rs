@@ -15,8 +15,7 @@ use palpate_estimators::{map_table, push_map_point};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, Unit, Warning};
 
-/// Thresholds of the Gaussian and the mean curvature. A curvature whose magnitude is below its threshold counts as
-/// zero.
+/// Thresholds of the Gaussian and the mean curvature. Smaller magnitudes count as zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Thresholds {
     pub(super) gaussian: Value,
@@ -25,7 +24,6 @@ pub(super) struct Thresholds {
     pub(super) from: &'static str,
 }
 
-/// Noise of the contacts, either estimated or stated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct PatchNoise {
     /// Standard deviation of the noise of the positions, along the normal of the surface.
@@ -39,7 +37,6 @@ pub(super) struct PatchNoise {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct PatchRegion {
     pub(super) class: &'static str,
-    /// Number of map points in the region.
     pub(super) points: usize,
     pub(super) area: Value,
     pub(super) gaussian_curvature: Value,
@@ -57,7 +54,6 @@ pub(super) struct PatchRegion {
 #[serde(untagged)]
 pub(super) enum GlideRadius {
     OfMean(Radius),
-    /// Radius of a fitted shape; `null` for a plane.
     OfShape(Option<Value>),
 }
 
@@ -199,7 +195,6 @@ impl PatchRegion {
     }
 }
 
-/// The components of a vector. Negative zeros are replaced by 0.
 pub(super) fn tidy(vector: &Vector3<f64>) -> [f64; 3] {
     [vector.x, vector.y, vector.z].map(|number| number + 0.0)
 }

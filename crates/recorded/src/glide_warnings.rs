@@ -21,7 +21,6 @@ const MAX_DISTANCE_RATIO: f64 = 3.0;
 /// Largest number of contacts for which the search for a distant contact is made, because it compares all pairs.
 const MAX_COMPARED: usize = 3000;
 
-/// Warning if the stated distance between fingers differs from the distance measured in the readings.
 pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
     let stated = options.inter_finger_distance?;
     let found = patch.finger_distance? * patch.frame.scale();
@@ -66,7 +65,7 @@ pub(super) fn distant(
 }
 
 /// Largest accepted ratio of the estimated and the stated standard deviation of the noise; the larger one is divided by
-/// the smaller one. A larger ratio causes a warning, because the intervals are then wrong.
+/// the smaller one. A larger ratio makes the intervals wrong, so it causes a warning.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
 /// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. A contact of the
@@ -171,8 +170,8 @@ const MIN_CONTACTS: usize = 8;
 /// evenly spaced selection of them is used.
 const MAX_CONTACTS: usize = 2000;
 
-/// Components of the normals are swapped or reversed, and the normals are compared with the contacts again. If the
-/// error of the fit decreases by more than this factor, a warning is shown.
+/// A warning is shown if the error of a fit to contacts and normals decreases by more than this factor when components
+/// of the normals are swapped or reversed.
 const MIN_RATIO: f64 = 2.0;
 
 /// Contacts and normals count as consistent if the error of a fitted quadric surface is below this value, see
@@ -206,7 +205,7 @@ pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
 }
 
 /// Error of a quadric surface that is fitted to the contacts, after the normals are multiplied by `change`. It is the
-/// geometric mean of the error of the height and the errors of both slopes. It is infinite if the fit is impossible.
+/// geometric mean of the relative errors of the height and both slopes; infinite if the fit is impossible.
 fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
     let changed = contacts.iter().map(|contact| Contact {
         normal: contact.normal.map(|normal| change * normal),

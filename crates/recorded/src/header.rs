@@ -536,7 +536,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         _ => "2",
     };
     let says = |quantity: &str| {
-        // Arrays have names in the plural: remove their ending.
+        // Arrays have names in the plural.
         let is_start = |word: &&str| {
             let word = word.strip_suffix('s').unwrap_or(word);
             word.len() > 2 && quantity.starts_with(word)
@@ -563,7 +563,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     };
     let letters: &[&str] = match quantity {
         "" => {
-            // A position may have the prefix p. Any other prefix of a single letter denotes another quantity.
+            // A position may have the prefix p. Any other single letter denotes another quantity.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
             return !OTHERS.split(' ').any(says)
                 && rest.iter().all(is_place)

@@ -16,20 +16,15 @@ const MAX_KEYS: usize = 1_000;
 /// Maximum number of components of a vector or a quaternion.
 const MAX_COMPONENTS: usize = 4;
 
-/// The form in which a JSON text contains the rows of a table.
 enum Rows<'a> {
     /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows.
     Sequence(Text<'a>),
-    /// The rows of the table, already parsed.
     Records(Vec<Json>),
-    /// For each column of the table, its values.
     Columns(Vec<Vec<Json>>),
 }
 
-/// A table that is written as JSON.
 pub(super) struct JsonTable<'a> {
     rows: Rows<'a>,
-    /// Names of the columns in the file.
     names: Vec<String>,
     header_line: usize,
 }
@@ -92,7 +87,6 @@ impl<'a> JsonTable<'a> {
         }
     }
 
-    /// Calls `take` with every row that is not blank.
     pub(super) fn rows(
         &self,
         file: &RecordedFile,
@@ -250,7 +244,6 @@ impl<'a> Elements<'a> {
         elements
     }
 
-    /// Skips this number of bytes, and the spaces after them.
     fn advance(&mut self, bytes: usize) {
         let rest = self.rest[bytes..].trim_start();
         let skipped = &self.rest[..self.rest.len() - rest.len()];
@@ -267,7 +260,7 @@ impl Iterator for Elements<'_> {
             return None;
         }
         let line = self.line;
-        // Outside of a list, an object is in one line.
+        // Outside of a list, each object is on one line (JSON Lines). In a list, an object may have several lines.
         let end = if self.is_list {
             None
         } else {

@@ -182,7 +182,7 @@ impl<'a> NumpyTable<'a> {
                     }
                     names.extend(table.add(&name, array)?);
                 }
-                // NumPy gives the names `arr_0`, `arr_1` and so on to arrays that the user does not name.
+                // NumPy numbers the arrays to which no name is given.
                 let is_numbered = |name: &String| {
                     let number = name
                         .strip_prefix("arr_")

@@ -30,7 +30,7 @@ struct UnresolvedProbe {
     /// not given, or if the pitch is so coarse that there is no bound.
     radius_below: Option<f64>,
     unit: &'static str,
-    /// For each column that palpate does not use: its name, and its text in the row of the probe.
+    /// For each column that palpate does not use: its name, and its text in this probe's row.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
 }
@@ -50,11 +50,9 @@ pub struct RollEstimate {
     /// Half-width of the 95 % intervals, as a number of standard errors.
     half_width: f64,
     std_from: &'static str,
-    /// Warning about rolls that were left out because they repeat other rolls; `None` if there are none.
     pub(super) repeated: Option<String>,
     /// Rolls that were left out because their readings were lost.
     lost: Vec<LeftOutProbe>,
-    /// Number of rolls in the recording.
     probes: usize,
     /// The result of a method for time series; `None` for least squares.
     pub(super) series: Option<SeriesResult>,
@@ -105,7 +103,6 @@ struct RollReport {
     probes: usize,
     #[serde(flatten)]
     values: RollValues,
-    /// Radius of the object: the inverse of the mean curvature.
     radius: Radius,
     /// Text that states the source of the standard errors.
     std_from: &'static str,
@@ -238,7 +235,8 @@ impl RollEstimate {
         }
     }
 
-    /// Probes that rolled but whose contacts did not shift. Each of them sets an upper bound on the object's radius.
+    /// Probes that rolled but whose contacts did not shift. Each of these probes sets an upper bound on the object's
+    /// radius.
     fn unresolved(&self) -> Vec<UnresolvedProbe> {
         let Self {
             recorded, options, ..
@@ -394,7 +392,7 @@ pub fn estimate_roll(
     let single_direction = single.map(|(angle, mut fitted)| {
         fitted.pop();
         // Use only the fitted readings. The small rotations across the single direction do not determine the curvature
-        // across it.
+        // in that direction.
         recorded.readings = fitted;
         DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)
     });

@@ -35,7 +35,6 @@ pub struct RollRecording {
     pub(super) source: ReadingSource,
     /// Numbers of the probes in a file; empty for arrays, whose probes are numbered from 0.
     pub(super) probes: Vec<u64>,
-    /// The reading of each probe.
     pub(super) readings: Vec<ProbeReading>,
     /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,
@@ -139,9 +138,9 @@ impl RollRecording {
         })
     }
 
-    /// If at least half of the rolls are repetitions of earlier rolls, leaves the repetitions out and returns a
-    /// warning. No roll is left out if there are rolls with equal rotations but different shifts, because repetitions
-    /// may then be due to a coarse sensor.
+    /// Leaves out rolls that repeat an earlier roll, if these are at least half of all rolls, and returns a warning. No
+    /// roll is left out if some rolls have equal rotations but different shifts, because the repetitions may then be
+    /// due to a coarse sensor.
     pub(super) fn leave_out_copies(&mut self) -> Option<String> {
         let readings = &self.readings;
         let is_repeated = |(place, one)| readings[..place].contains(one);
@@ -174,7 +173,6 @@ impl RollRecording {
         Some(text)
     }
 
-    /// Removes all rolls except the rolls `rolls`.
     pub(super) fn keep(&mut self, rolls: &[usize]) {
         self.probes = rolls.iter().map(|&roll| self.probe(roll)).collect();
         self.readings = rolls.iter().map(|&roll| self.readings[roll]).collect();
@@ -184,7 +182,7 @@ impl RollRecording {
         self.rows = rows.collect();
     }
 
-    /// The probe to which a reading belongs, as its number in the file or, for arrays, its index.
+    /// Number of a reading's probe in the file or, for arrays, index of the probe.
     pub(super) fn probe(&self, reading: usize) -> u64 {
         self.probes.get(reading).copied().unwrap_or(reading as u64)
     }
@@ -455,7 +453,7 @@ fn layouts(count: usize) -> Vec<Vec<&'static str>> {
 }
 
 /// Smallest relative difference between the rotations in the probe's frame and in the world's frame for which the
-/// choice matters. A note then names the frame that was used.
+/// choice of the frame matters. A note then names the frame that was used.
 const MAX_FRAME_DIFFERENCE: f64 = 0.02;
 
 /// First and last row of a roll, each with its line number.
@@ -463,7 +461,6 @@ const MAX_FRAME_DIFFERENCE: f64 = 0.02;
 struct Roll<'a> {
     probe: u64,
     row: usize,
-    /// Time of the first row of the roll.
     start_s: f64,
     start: (usize, &'a [f64]),
     end: (usize, &'a [f64]),

@@ -23,7 +23,6 @@ pub enum RotationFrame {
     World,
 }
 
-/// Parses the name of a frame of reference.
 impl FromStr for RotationFrame {
     type Err = String;
 

@@ -41,7 +41,6 @@ pub(super) struct SeriesReadings {
     pub(super) rolls: Vec<RollSeries>,
 }
 
-/// An estimate from time series, with the method that computed it.
 #[derive(Clone, Debug)]
 pub(super) struct SeriesResult {
     pub(super) method: &'static str,
@@ -190,7 +189,8 @@ fn all_on_lattice(
         (u - u.round()).abs().max((v - v.round()).abs())
     };
     for (roll, series) in readings.rolls.iter().enumerate() {
-        // The active pad rarely changes. So check the place of a sample only if it differs from the previous one.
+        // The active pad rarely changes. So check the place of a sample only if it differs from the previous sample's
+        // place.
         let mut last = first.place;
         for sample in &series.samples {
             if sample.place != last && error_of(&sample.place) > MAX_PAD_ERROR {

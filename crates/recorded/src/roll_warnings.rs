@@ -64,7 +64,6 @@ impl RollEstimate {
             .collect()
     }
 
-    /// Warning if the contacts cross so few edges of pads that only the bounds of the curvature are meaningful.
     fn few_crossings(&self) -> Option<String> {
         let series = self.series.as_ref()?;
         series.estimate.has_few_crossings().then(|| {
@@ -91,7 +90,6 @@ impl RollEstimate {
         })
     }
 
-    /// Warning if a shift is shorter than the distance between two pads with the stated pitch.
     fn pitch(&self) -> Option<String> {
         let resolution = self.options.noise.shift_resolution;
         let shifts = self.recorded.readings.iter();
@@ -109,7 +107,6 @@ impl RollEstimate {
         })
     }
 
-    /// Warning if the stated noise of the rotations exceeds every rotation.
     fn rotation_noise(&self) -> Option<String> {
         let noise = self.options.noise.rotation_std_rad;
         let most = largest_rotation(&self.recorded.readings);

@@ -12,9 +12,10 @@ const END: usize = 22;
 /// Largest size of the comment at the end of an archive, bytes.
 const MAX_COMMENT: usize = 65_535;
 
-/// Name and uncompressed contents of a file in an archive.
+/// Name and contents of a file in an archive.
 pub(super) type Member<'a> = (String, Cow<'a, [u8]>);
 
+/// Returns all files of an archive, in the order of the archive.
 pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
     let truncated = || "is not a valid zip archive: it is truncated".to_owned();
     let last = bytes.len().checked_sub(END).ok_or_else(truncated)?;
@@ -66,7 +67,7 @@ pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
     Ok(members)
 }
 
-/// Little-endian number of `size` bytes at the position `at`; `None` if the bytes end before.
+/// A number of `size` bytes; the first byte is the lowest (little-endian).
 fn number(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
     let bytes = bytes.get(at..at + size)?.iter().rev();
     Some(bytes.fold(0, |number, &byte| number << 8 | usize::from(byte)))
