@@ -8,7 +8,6 @@ use palpate_statistics::BadSetting;
 
 use crate::LayoutError;
 
-/// Largest allowed number of markers in a layout.
 pub(crate) const MOST_MARKERS: usize = 100_000;
 
 /// An arrangement of markers around the apex of a spherical skin.
@@ -211,8 +210,9 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
     Ok((0..=rows as u32).flat_map(row).collect())
 }
 
-/// Coordinates of `markers` equally spaced markers along a line. The first is at 0, the last at `length`. `reach`, the
-/// distance of the farthest marker from the apex, must be less than half the circumference of the sensor.
+/// Distances of `markers` equally spaced markers from the first one, whose distance is 0. The last distance is
+/// `length`. `reach`, the distance of the farthest marker from the apex, must be less than half the circumference of
+/// the sensor.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -233,14 +233,12 @@ pub(crate) struct TooClose {
     /// The smaller index of the two points, counted from 0.
     pub(crate) first: usize,
     pub(crate) second: usize,
-    /// Distance between the two points.
     pub(crate) distance: f64,
 }
 
 /// Returns a pair of points whose distance is below `reach`; `None` if there is no such pair. If there are several
 /// pairs, it returns the pair with the smallest index `second`. For a fast search, the points are sorted into square
-/// cells. The width of a cell is the larger of `reach` and `narrowest`. The lower limit `narrowest` ensures that the
-/// index of a cell fits into an integer.
+/// cells. The width of a cell is `reach`, but at least `narrowest`, so that the index of a cell fits into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,

@@ -40,7 +40,6 @@ struct FlatPlace {
     gore: u32,
     /// Distance (length) from the gore's middle meridian; positive counter-clockwise around the apex.
     across: f64,
-    /// Distance from the apex along the gore's middle meridian, length.
     from_apex: f64,
     /// Coordinates (x, y) on the assembled pattern, length. The apex is at the origin, and the skin is viewed from
     /// outside.

@@ -17,7 +17,6 @@ pub(crate) struct BinnedFrame {
 }
 
 impl BinnedFrame {
-    /// Reads a frame, which must contain at least one bin.
     pub(crate) fn read(&mut self, frame: &RgbImage, bin: usize) {
         let row = frame.width() as usize * 3;
         self.bin = bin;

@@ -161,7 +161,7 @@ fn stretching(angle: f64) -> f64 {
     }
 }
 
-/// The direction of a place, and the two axes of the apex after parallel transport to this place.
+/// Direction (unit vector) of a place on the skin, and the two axes of the apex after parallel transport to this place.
 fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     let angle = libm::hypot(x, y);
     let [along_x, along_y] = if angle > 0.0 {

@@ -37,14 +37,11 @@ impl Found {
     }
 }
 
-/// Smallest width and height of a frame, px.
 const MIN_SIDE: u32 = 16;
-/// Largest width and height of a frame, px.
 const MAX_SIDE: u32 = 32_768;
 /// Number of bins along the diameter of the image circle. Even the smallest accepted markers are found with bins of
 /// this size.
 const BINS_PER_DIAMETER: f64 = 256.0;
-/// Largest accepted number of connected shapes in a frame.
 const MAX_SHAPES: usize = 16_384;
 
 /// Finds the markers of frames. The diameter of a marker may be from 1/50 to 1/8 of the image circle's diameter. The
@@ -135,7 +132,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side of the square for the top-hat transform, in bins.
+    /// Half the side (in bins) of the square for the top-hat transform.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;

@@ -9,9 +9,10 @@ use crate::selection::Selection;
 
 /// Width of the outer band of the image circle that may contain the rim, relative to the radius of the circle.
 const RIM_BAND: f64 = 0.08;
-/// Smallest accepted contrast of markers, in standard deviations of the background's values in the top-hat transform.
+/// Smallest accepted contrast of the markers of a frame, in standard deviations of the background's values in the
+/// top-hat transform.
 const MIN_CONTRAST_STDS: f64 = 4.0;
-/// Smallest accepted contrast of markers, in levels (0 to 255).
+/// Smallest accepted contrast of the markers of a frame, in levels (0 to 255).
 const MIN_CONTRAST: f64 = 10.0;
 /// Smallest brightness of a bright background on which dark markers can be found, in levels (0 to 255).
 const MIN_GROUND_BRIGHTNESS: usize = 12;
@@ -26,7 +27,7 @@ pub enum Ground {
     Dark,
 }
 
-/// A frame at lower resolution, with masks and intermediate images of the same size.
+/// A frame at lower resolution (in bins of pixels), with masks and intermediate images of the same size.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GroundMask {
     pub(crate) frame: BinnedFrame,
@@ -79,8 +80,8 @@ impl GroundMask {
         }
     }
 
-    /// Computes a grey image in which markers are bright. On a dark background, the grey value of a bin is the largest
-    /// of red, green and blue. On a bright background, it is 255 minus the smaller of green and blue.
+    /// Computes a grey image of the frame in which markers are bright. On a dark background, the grey value of a bin is
+    /// the largest of red, green and blue. On a bright background, it is 255 minus the smaller of green and blue.
     fn set_plane(&mut self, ground: Ground) {
         let share = share_of(self.frame.pixels());
         let sums = self.frame.sums.iter();
@@ -173,7 +174,7 @@ impl GroundMask {
     }
 }
 
-/// Returns a function that converts a sum of `pixels` brightness values, of one byte each, to their mean.
+/// Returns a function that converts a sum of `pixels` brightness values (one byte each) to their mean.
 fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     let scale = 65_536_u32.div_ceil(pixels as u32);
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
@@ -200,9 +201,9 @@ pub(crate) struct Classes {
 }
 
 impl Classes {
-    /// Divides the pixels into two classes such that the variance between the classes is largest (Otsu, 1979). The
-    /// limit between the classes is then moved to the middle between their means. The result is `None` if all values
-    /// are equal.
+    /// Divides the pixels of a histogram into two classes such that the variance between the classes is largest (Otsu,
+    /// 1979). The limit between the classes is then moved to the middle between their means. The result is `None` if
+    /// all values are equal.
     pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
         let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
         let sum: f64 = weighted(histogram);

@@ -25,7 +25,6 @@ const STEP: f64 = 4.0;
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
 /// Number of circles through three points of the rim that are tried.
 const TRIES: usize = 64;
-/// Largest number of rim points that are used.
 const MAX_POINTS: usize = 256;
 
 impl Mask {
@@ -118,8 +117,8 @@ struct Circle {
 }
 
 impl Circle {
-    /// The circle on which most of the points lie, fitted to these points by least squares. The result is `None` if
-    /// fewer than half of the points lie on this circle.
+    /// The circle on which most of the points lie, fitted to these points by least squares. `None` if fewer than half
+    /// of the points lie on one circle.
     fn through_most(points: &[[f64; 2]]) -> Option<Self> {
         let points: Vec<[f64; 2]> = points
             .iter()

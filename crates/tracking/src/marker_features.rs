@@ -182,7 +182,6 @@ fn share(light: f64, radius_px: f64) -> f64 {
     (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
 }
 
-/// Derivative of the hue, in turns, with respect to the summed light of one colour.
 fn hue_slope(light: [f64; 3], ground: Ground, colour: usize) -> f64 {
     let step = 1e-6 * light.iter().fold(0.0, |most: f64, one| most.max(one.abs()));
     let mut there = light;

@@ -64,7 +64,6 @@ struct Matching<'a> {
     /// Distance (px) from each marker at rest to its nearest neighbour at rest.
     spacing: Vec<f64>,
     around: Vec<Vec<usize>>,
-    /// Index of the pressed marker that is matched with each marker at rest; `None` if there is no match.
     pairs: Vec<Option<usize>>,
 }
 
@@ -194,7 +193,8 @@ impl<'a> Matching<'a> {
         tracks
     }
 
-    /// Finds lost markers that merged: they form one shape together with another marker in the pressed frame.
+    /// Finds lost markers that form one shape with another marker in the pressed frame, and sets their status to
+    /// `Merged`.
     fn merge(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             if tracks[at].status != Status::Lost {
@@ -220,9 +220,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker that may be the two merged markers `parts`. This marker must not be marked in
-    /// `used`, and it must be near the midpoint between the expected places of both markers. If there are several such
-    /// markers, the nearest one is returned.
+    /// Index of the pressed marker that may be the two merged markers `parts`. The merged marker must not be marked in
+    /// `used`, and it is the one nearest to the midpoint between the expected places of both markers.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())

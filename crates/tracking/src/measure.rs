@@ -10,12 +10,12 @@ use crate::shapes::{Shape, Window};
 
 /// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
-/// Share of the full signal at which a marker ends. Its end is at the distance from the marker's shape at which the
-/// mean signal of several markers falls below this share.
+/// A marker ends at the distance from its shape at which the mean signal of several markers falls below this share of
+/// the full signal.
 const END_SIGNAL: f64 = 0.004;
 /// Largest distance (px) of a saturated pixel from a shape at which the pixel still counts as part of the marker.
 const HUE_REACH_PX: i32 = 2;
-/// Number of markers that are used to measure how far markers extend beyond their shapes.
+/// Number of markers from which [`Scene::reach`] is measured.
 const SAMPLE_SIZE: usize = 12;
 /// Smallest brightness of the background that is used as a divisor, in levels (0 to 255).
 const MIN_BRIGHTNESS: f32 = 8.0;
@@ -49,9 +49,9 @@ pub(crate) struct Sums {
 pub(crate) struct PixelErrors {
     /// Sums of 1, x, y, x², xy and y² over the pixels of the window, where x and y are offsets from `middle`.
     pub(crate) window: [f64; 6],
-    /// Variance of the noise of a pixel, for each colour, in squared shares of light.
+    /// Variance (squared share of light) of the noise of a pixel, for each colour.
     pub(crate) pixel: [f64; 3],
-    /// Variance of an error that is equal for all pixels of the window, for each colour, in squared shares of light.
+    /// Variance (squared share of light) of the error that all pixels of the window have in common, for each colour.
     pub(crate) common: [f64; 3],
     pub(crate) radius_px: f64,
 }
@@ -76,7 +76,6 @@ struct Patch {
     local: [Local; 3],
 }
 
-/// Rule for a pixel that lies in the windows of two neighbouring markers.
 #[derive(Clone, Copy, PartialEq)]
 enum Contested {
     Nearest,

@@ -13,8 +13,8 @@ pub(crate) struct Opening {
 
 impl Opening {
     /// The opening of a grey image by a square of `2 half + 1` pixels a side. The rows of the image `plane` have
-    /// `width` bytes. The middle of the square is only placed at pixels for which `middles` is true. Pixels for which
-    /// `inside` is false are ignored, and the result at these pixels is meaningless.
+    /// `width` bytes. The middle of the square is placed only at pixels for which `middles` is true. Pixels for which
+    /// `inside` is false are ignored; their result is meaningless.
     pub(crate) fn open(
         &mut self,
         plane: &[u8],

@@ -4,7 +4,6 @@ use crate::shapes::{Run, Shape, join};
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Selection {
-    /// Completely visible shapes.
     pub(crate) whole: Vec<Shape>,
     pub(crate) cut: Vec<Shape>,
     /// Diameter of a typical marker, in bins.
@@ -148,7 +147,7 @@ fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> V
     vec![shape]
 }
 
-/// The pieces of a shape whose values are above the share [`STEEP`] of the 90 % quantile of its values. This removes
+/// Pieces of a shape whose grey values are above the share [`STEEP`] of the 90 % quantile of its values. This removes
 /// the shade around a marker.
 fn steep(shape: &Shape, plane: &[u8], width: usize) -> Vec<Shape> {
     let mut values: Vec<u8> = shape.values(plane, width).collect();

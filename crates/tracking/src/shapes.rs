@@ -36,7 +36,6 @@ impl Shape {
         self.runs.iter().map(Run::len).sum()
     }
 
-    /// Values of the shape's pixels in a grey image.
     pub(crate) fn values(&self, plane: &[u8], width: usize) -> impl Iterator<Item = u8> {
         let runs = self.runs.iter();
         runs.flat_map(move |run| &plane[run.row * width + run.first..][..run.len()])
@@ -255,7 +254,6 @@ impl Window {
             .unwrap_or((i32::MAX, i32::MIN))
     }
 
-    /// Whether the bounding rectangles of two windows overlap.
     pub(crate) fn near(&self, other: &Self) -> bool {
         let [a, b] = [self, other].map(|window| {
             let (first, last) = window

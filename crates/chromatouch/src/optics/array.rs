@@ -45,8 +45,8 @@ pub struct DiscMotion {
 }
 
 impl DiscMotion {
-    /// Angles between a disc after its motion and the position of its marker at rest. The result is the sum of `moved`
-    /// and of the disc's `misalignment`, which grows with the stretch of the skin.
+    /// Angles (rad) from the position of a marker at rest to one of its discs after the disc's motion. The result is
+    /// the sum of `moved` and of the disc's `misalignment`, which grows with the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -83,7 +83,6 @@ pub(super) struct Layer {
     half_width: f64,
 }
 
-/// Position of a marker at rest: its direction from the sensor's centre, and its tangent axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stand {
     pub(super) direction: Vector3<f64>,
@@ -255,7 +254,6 @@ impl MarkerArray {
         &self.places
     }
 
-    /// Radius of the skin, length.
     pub(super) const fn radius(&self) -> f64 {
         self.radius
     }

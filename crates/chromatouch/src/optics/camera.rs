@@ -8,7 +8,6 @@ use super::lens::{Lens, Local, cap};
 use super::sines::sinc_and_cosine;
 use super::{OddTerms, OpticsError};
 
-/// Largest number of pixels along each side of a frame.
 const LARGEST_FRAME: u32 = 8192;
 
 /// A camera in the sensor's centre that points to the apex and has a square image.
@@ -43,10 +42,9 @@ pub struct Camera {
 /// the unit vector (x `lateral_rad`, y `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
-    /// Angle that the pixel covers in the azimuthal direction, rad. The angle is an arc on the unit sphere, not a
-    /// difference of azimuths.
+    /// Angle (rad) that the pixel covers in the azimuthal direction. It is an arc on the unit sphere, not a difference
+    /// of azimuths.
     pub(super) lateral_rad: f64,
-    /// Cosine of the polar angle of the light's direction.
     pub(super) cosine: f64,
 }
 
@@ -241,8 +239,8 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale of the image (pixels per radian). It applies to steps in any direction along the image,
-    /// and at all polar angles from 0 to `polar`. The angle `polar` must be in the field of view.
+    /// Upper bound of the scale of the image (pixels per radian). The bound holds in all directions of the image, and
+    /// at all polar angles from 0 to `polar`, which must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -260,8 +258,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale of the image (pixels per radian). It applies to steps in any direction along the image,
-    /// in the whole field of view.
+    /// Lower bound of the scale of the image (pixels per radian). The bound holds in all directions of the image, in
+    /// the whole field of view.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,

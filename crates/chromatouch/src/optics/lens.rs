@@ -15,8 +15,8 @@ pub enum Lens {
     Pinhole,
 }
 
-/// A lens at one polar angle θ, the angle from the lens's axis. The lens maps θ to the distance r(θ) from the image's
-/// centre. All derivatives are with respect to θ.
+/// Expansion of a lens at one polar angle θ, the angle from the lens's axis. The lens maps θ to the distance r(θ) from
+/// the image's centre. All derivatives are with respect to θ.
 ///
 /// The scale in the azimuthal direction is g = r / sin θ. The image of a solid angle dΩ has the area J dΩ, where J = r′
 /// g.
@@ -24,22 +24,17 @@ pub enum Lens {
 pub(super) struct Local {
     /// Distance r from the image's centre, px.
     pub(super) radius: f64,
-    /// Derivative r′ of the distance with respect to θ.
     pub(super) radial: f64,
-    /// Second derivative r″ of the distance with respect to θ.
     pub(super) radial_slope: f64,
     /// Scale g in the azimuthal direction: px per radian of arc on the unit sphere.
     pub(super) lateral: f64,
-    /// Derivative g′ of the azimuthal scale.
     pub(super) lateral_slope: f64,
     /// The expression r′ cot θ − r / sin² θ, which is the second derivative of the radial image coordinate in the
     /// azimuthal direction.
     pub(super) bend: f64,
     /// Image area J per solid angle.
     pub(super) area: f64,
-    /// Derivative J′ of the image area per solid angle.
     pub(super) area_slope: f64,
-    /// Second derivative J″ of the image area per solid angle.
     pub(super) area_curve: f64,
     /// The expression J′ cot θ, which is the second derivative of J in the azimuthal direction.
     pub(super) area_bend: f64,

@@ -92,7 +92,6 @@ impl OddTerms {
         positive.fold(PI * PI, f64::min).sqrt().min(PI)
     }
 
-    /// Smallest slope of the lens's map between the axis and the angle `rim`.
     pub(super) fn least_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         let ends = self.slope(square).min(1.0);

@@ -20,19 +20,17 @@ pub(super) enum Overlap {
 /// Overlap of two discs whose edges cross. The moments of the overlap are computed about a direction inside the
 /// overlap.
 pub(super) struct Part {
-    /// Unit vector of the direction about which the moments are computed.
     pub(super) direction: Vector3<f64>,
     /// Unit vector that is perpendicular to `direction` and points from the middle of the magenta disc to the middle of
     /// the yellow disc.
     pub(super) axis: Vector3<f64>,
     moments: Moments,
-    /// Half-angles of the two segments that form the overlap. The first segment belongs to the magenta disc, the second
-    /// to the yellow disc.
+    /// Half-angles of the two segments that form the overlap. The first is a segment of the magenta disc, the second of
+    /// the yellow disc.
     pub(super) angles: [HalfAngle; 2],
 }
 
-/// Moments of an area about a point. The area is symmetric about the first axis. The second axis is perpendicular to
-/// the first.
+/// Moments, about a point, of an area that is symmetric about the first axis.
 #[derive(Clone, Copy)]
 struct Moments {
     area: f64,
@@ -81,8 +79,8 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap. These make the
-/// computation of the new half-angles faster.
+/// Overlap of the two discs of a marker. If `near`, the half-angles of a similar overlap, is given, the computation is
+/// faster.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -108,7 +106,7 @@ pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle;
     Overlap::Part(part(magenta, yellow, &step, square, near))
 }
 
-/// Chord 2 sin(angle/2) of an angle between −180° and 180°, computed from the angle's sine and cosine.
+/// Chord 2 sin(α/2) of an angle α between −180° and 180°, computed from sin α and cos α.
 #[inline]
 fn chord_of(sine: f64, cosine: f64) -> f64 {
     sine * (2.0 / (1.0 + cosine)).sqrt()

@@ -13,9 +13,7 @@ const TURN: f64 = 1e-5;
 pub struct Pose {
     /// Position relative to the sensor's centre, length: along the apex's x and y axes, and toward the apex.
     pub place: Vector3<f64>,
-    /// Rotation vector of the camera, rad, along the same axes as `place`.
     turn: Vector3<f64>,
-    /// Rotation from the sensor's axes to the camera's axes.
     to_camera: Rotation3<f64>,
 }
 
@@ -60,7 +58,7 @@ impl Pose {
         Self::new(place.into(), turn.into())
     }
 
-    /// Checks the pose. Returns `None` for the default pose. Returns an error if the camera is farther than `farthest`
+    /// Checks this pose. Returns `None` for the default pose, and an error if the camera is farther than `farthest`
     /// from the centre, or if its rotation is out of range.
     pub(super) fn checked(self, farthest: f64) -> Result<Option<Self>, OpticsError> {
         let distance = self.place.norm();

@@ -58,7 +58,7 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// Computes [`Self::new`] for `direction`. The computation is faster if `direction` is near the direction of
+    /// The same as [`Self::new`] for `direction`, but computed faster if `direction` is near the direction of
     /// `self`, because it starts from `self`.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
@@ -146,7 +146,6 @@ pub(super) struct MarkerProjection {
     aims: [Aim; 2],
     discs: [Image; 2],
     shared: Image,
-    /// Half-angles of the two segments of the overlap, if the edges of the discs cross.
     angles: Option<[HalfAngle; 2]>,
 }
 
@@ -224,7 +223,6 @@ fn shared(
     }
 }
 
-/// Size, centroid and hue of a marker, computed from the images of both discs and of their overlap.
 #[inline]
 fn features(
     camera: &Camera,

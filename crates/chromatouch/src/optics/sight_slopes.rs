@@ -21,7 +21,6 @@ pub(super) const WIDER: usize = 4;
 pub(super) const PLACE: usize = 5;
 /// Index of the first of three columns of [`SightSlopes::by`]: derivatives with respect to the camera's rotation.
 pub(super) const TURN: usize = 8;
-/// Number of columns of [`SightSlopes::by`].
 pub(super) const COLUMNS: usize = 11;
 
 pub(super) struct SightSlopes {
@@ -33,8 +32,9 @@ pub(super) struct SightSlopes {
 }
 
 impl SightSlopes {
-    /// Changes one disc by a small step. `number` selects which value changes: a component of the disc's direction, or
-    /// the logarithm of its size. Disc 0 is the magenta disc, disc 1 the yellow disc.
+    /// Returns `sight` after one of its discs is changed by a small step. `number` selects which value changes: a
+    /// component of the disc's direction, or the logarithm of its size. Disc 0 is the magenta disc, disc 1 the yellow
+    /// disc.
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,

@@ -14,9 +14,7 @@ use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
 /// Finite-difference step for the two components of a disc's direction (rad) and of the logarithm of its angular size.
 const STEP: f64 = 1e-7;
-/// Finite-difference step for the transmittances of the discs.
 const SHARE: f64 = 1e-6;
-/// Finite-difference step for the odd terms of a lens.
 const ODD: f64 = 1e-6;
 
 /// Index of the first transmittance among the values of a [`Departure`].

@@ -17,8 +17,8 @@ const YELLOW: &str = "YELLOW";
 /// Drawing layers with their colour numbers in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
-/// Smallest and largest allowed radius of the sphere of a drawing, mm. They are set by the step of the coordinates in
-/// the files, 1e-6 mm.
+/// Smallest and largest allowed radius of the sphere of a drawing, mm. The limits follow from the step of the
+/// coordinates in the files, 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {
@@ -54,7 +54,6 @@ impl CuttingSheet {
     }
 }
 
-/// A length in millimetres as text, rounded to 1e-6 mm.
 fn millimetres(value: f64) -> String {
     let text = format!("{value:.6}");
     match text.strip_prefix('-') {

@@ -151,8 +151,6 @@ impl CuttingSheet {
         &self.cuts
     }
 
-    /// Ends of the lines that help with folding: the middle meridian of each gore, and the marks that meet at the
-    /// seams.
     pub(super) fn marks(&self) -> &[[[f64; 2]; 2]] {
         &self.marks
     }

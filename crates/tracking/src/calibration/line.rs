@@ -96,8 +96,8 @@ impl Line {
     }
 }
 
-/// The largest magnitude of the displacements, and the largest magnitude of the signals. Returns an error if the points
-/// (displacement, signal) do not determine a slope.
+/// Largest magnitudes of the displacements and of the signals. Returns an error if the points (displacement, signal) do
+/// not determine a slope.
 fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError> {
     finite(points.iter().map(|point| &point[..]))?;
     if points.len() < 2 {

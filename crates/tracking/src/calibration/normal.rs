@@ -189,9 +189,9 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights of hue change and [`nearness`] for which the weighted sum of these two numbers fits the known
-/// displacements best. If hue change and nearness are always proportional to each other, the weights are not unique,
-/// and those with the smallest norm are returned. If neither number changes, both weights are 0.
+/// The weights of hue change and [`nearness`] whose weighted sum fits the known displacements best. If hue change and
+/// nearness are always proportional to each other, the weights are not unique, and those with the smallest norm are
+/// returned. If neither number changes, both weights are 0.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers
@@ -228,7 +228,6 @@ fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     ]
 }
 
-/// Smallest number of different displacements of a marker for which a separate slope is fitted.
 const DIFFERENT_DISPLACEMENTS: usize = 3;
 
 fn gains(

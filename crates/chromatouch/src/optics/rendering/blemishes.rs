@@ -130,7 +130,6 @@ pub(super) struct SeamLines {
     half_width: f64,
     /// Upper bound of half the width of a seam in the image, px.
     widest: f64,
-    /// Shares of red, green and blue light that a seam absorbs.
     absorbed: [f64; 3],
     covers: Vec<f64>,
 }

@@ -31,7 +31,6 @@ impl Row {
         &mut self.levels[3 * column..3 * column + 3]
     }
 
-    /// Multiplies the light of a pixel by `shares`, the transmitted shares of red, green and blue light.
     fn filter(&mut self, column: usize, shares: [f32; 3]) {
         for (level, share) in self.pixel(column).iter_mut().zip(shares) {
             *level *= share;
@@ -50,8 +49,8 @@ impl Row {
         }
     }
 
-    /// Blurs the row along its direction, and writes the result to another row. The first weight is for the pixel
-    /// itself, the next are for its neighbours.
+    /// Blurs this row along its direction into `blurred`. The first weight is for the pixel itself, the next ones are
+    /// for its neighbours on both sides.
     pub(super) fn blur_into(&self, weights: &[f32], blurred: &mut Self) {
         blurred.set(self, weights[0]);
         let last = self.levels.len() / 3 - 1;
@@ -89,7 +88,6 @@ impl Row {
         }
     }
 
-    /// Rounds the levels to whole numbers and writes them as bytes.
     pub(super) fn write(&self, bytes: &mut [u8]) {
         for (byte, level) in bytes.iter_mut().zip(&self.levels) {
             // Adding 2²³ rounds a level to a whole number, which is then in the lowest bits of the sum.
@@ -107,8 +105,8 @@ pub(super) struct Rows<'a> {
     started: usize,
     ground: [f32; 3],
     outside: [f32; 3],
-    /// Shares of red, green and blue light that a completely covered pixel absorbs. The first entry is for the magenta
-    /// disc, the second for the yellow disc. The third is the correction where both discs overlap.
+    /// Shares of red, green and blue light that a completely covered pixel absorbs. The entries are for the magenta
+    /// disc, for the yellow disc, and a correction for places where both discs overlap.
     absorbed: [[f64; 3]; 3],
     light_at_rim: f64,
     seams: Option<SeamLines>,
@@ -157,7 +155,6 @@ impl<'a> Rows<'a> {
         first..((middle + half).floor() as usize + 1).min(size).max(first)
     }
 
-    /// Columns of the pixels in row `number` whose centres are in the image circle.
     pub(super) fn inside(&self, number: usize) -> Range<usize> {
         self.columns(self.half_chord(self.camera.rim_px(), number))
     }
@@ -200,7 +197,6 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Shares of red, green and blue light that a pixel transmits if the discs cover the shares `cover` of the pixel.
     #[inline]
     fn through(&self, cover: &Cover) -> [f32; 3] {
         let [magenta, yellow, both] = &self.absorbed;
