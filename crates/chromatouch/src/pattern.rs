@@ -18,6 +18,7 @@ pub use strain::FoldStrain;
 
 use crate::LayoutError;
 
+/// Smallest allowed number of gores of a pattern.
 pub(crate) const FEWEST_GORES: u32 = 3;
 
 pub(crate) const MOST_GORES: u32 = 360;

@@ -3,8 +3,9 @@
 use palpate_study::{Column, Table, number};
 use palpate_tracking::Track;
 
-/// Table with one row per marker: its position and hues at rest (for a marker that is new in the press: in the press)
-/// and, if it was tracked, the changes from rest to press. Columns for values that were not measured stay empty.
+/// Table with one row per marker. The row contains the marker's position and hues at rest. For a marker that is new in
+/// the press, it contains them in the press. If the marker was tracked, the row also contains the changes from rest to
+/// press. Columns for values that were not measured stay empty.
 pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
     let mut table = Table::new([
         Column::count("marker"),

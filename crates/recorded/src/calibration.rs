@@ -22,7 +22,6 @@ struct Located<P> {
     point: P,
     /// Number of the series in the file; `None` if the file has no column `series`.
     series: Option<u64>,
-    /// Line of the point in the file; `None` if the point does not come from a file.
     line: Option<usize>,
 }
 
@@ -35,7 +34,6 @@ pub struct CalibrationPoints {
     lateral: Vec<Located<LateralPoint>>,
     has_hue: bool,
     has_growth: bool,
-    /// Mean hue of the markers in the frame at rest, turns; `None` for points from a table.
     hue_turns: Option<f64>,
 }
 
@@ -246,8 +244,8 @@ const fn located<P>(point: P) -> Located<P> {
     }
 }
 
-/// Size of the change of a marker's image in the feature that `known` selects. The marker with the largest change is
-/// assumed to be under the contact.
+/// Size of the change of a marker's image in the feature by which the calibration finds the contact. The marker with
+/// the largest change is assumed to be under the contact.
 fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),
@@ -344,7 +342,7 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
 
 struct Pooled<'a, P> {
     points: Vec<P>,
-    /// For each point: name of its file, number of its series, and line in the file.
+    /// Name of the file, number of the series and line of each point.
     sources: Vec<(&'a str, Option<u64>, Option<usize>)>,
 }
 
@@ -409,7 +407,6 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         series.iter().map(fitted).collect()
     }
 
-    /// Converts the error of a calibration fit to an error that states the file and, if a point is wrong, its line.
     fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
         if let CalibrationError::NotFinite { point } = error
             && let Some((file, _, Some(line))) = self.sources.get(*point)

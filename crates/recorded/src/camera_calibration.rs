@@ -12,11 +12,9 @@ use super::layout_matching::Matched;
 use super::nominal_sensor::{NominalSensor, TERM_STDS};
 use super::study_options::press_of;
 
-/// Smallest accepted green level of a frame's background; the largest level is 255. Frames with a darker background are
-/// rejected.
+/// Smallest accepted green level (0 to 255) of a frame's background.
 const MIN_GROUND: u8 = 40;
-/// Largest accepted share of saturated pixels (green level 255) in the centre of a frame. Frames with a larger share
-/// are rejected.
+/// Largest accepted share of saturated pixels (green level 255) in the centre of a frame.
 const MAX_SATURATED: f64 = 0.5;
 /// The frame determines an odd term of the lens if the term's standard error is at most this share of the term's prior
 /// standard deviation.
@@ -54,7 +52,6 @@ fn is_determined(camera: &CameraEstimate) -> bool {
 /// Markers of a layout, matched with the markers that were found in a frame at rest.
 pub(super) struct MarkersAtRest {
     pub(super) camera: CameraEstimate,
-    /// Warning, if markers of the layout are missing in the frame.
     pub(super) missing: Option<Warning>,
     /// Image of each marker of the layout; `None` if the marker is not completely in the frame.
     pub(super) pictures: Vec<Option<Seen>>,
@@ -98,8 +95,8 @@ impl MarkersAtRest {
 /// wrong.
 const MIN_JPEG_QUALITY: f64 = 92.0;
 
-/// Returns an error if a frame has another size than the camera, is compressed too much, or is too dark or too bright
-/// to distinguish colours.
+/// Returns an error if a frame has another size than the frames of `camera`, is compressed too much, or is too dark or
+/// too bright to distinguish colours.
 pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String> {
     let (width, height) = frame.image.dimensions();
     if width != camera.size_px || height != camera.size_px {

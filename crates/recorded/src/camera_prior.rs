@@ -26,7 +26,7 @@ const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
 const WITHOUT_TERMS: usize = 9;
 /// Largest accepted ratio of a parameter's standard error after the calibration to its prior standard deviation.
 const MAX_STD_RATIO: f64 = 10.0;
-/// Names of the camera parameters, and their units; `None` is the unit of length.
+/// Names of the camera parameters, and their units; `None` stands for the unit of length.
 const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
     ("centre_px[0]", Some("px")),
     ("centre_px[1]", Some("px")),
@@ -220,7 +220,6 @@ fn geometry_of(camera: &CameraEstimate) -> CameraGeometry {
     }
 }
 
-/// Parameters of the camera `geometry`, in the order of [`NAMES`].
 fn numbers(geometry: &CameraGeometry) -> [f64; CAMERA.len()] {
     let OddTerms { k3, k5 } = geometry.odd_terms;
     let ([x, y], [a, b, c], [d, e, f]) = (geometry.centre_px, geometry.place, geometry.turn_deg);

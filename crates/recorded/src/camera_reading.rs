@@ -110,9 +110,8 @@ impl FrameReader {
 
 type ImageReading = (CameraReading, TrackedPress);
 
-/// Scatter of the markers at rest above which the frames may be encoded by sRGB, although they were read as linear. In
-/// this case, the frames are read again with linearised pixels. If frames are read with the wrong encoding, the scatter
-/// exceeds 100.
+/// Scatter of the markers at rest above which the frames are read again with linearised pixels, because they may be
+/// encoded by sRGB. With the wrong encoding, the scatter exceeds 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
 /// Scatter of the markers at rest (ratio of their residuals to their noise); infinite if `read` is an error.
@@ -125,8 +124,8 @@ fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     scatter.map_or(1.0, |warning| warning.numbers["ratio"])
 }
 
-/// Linearises the pixels of both frames and estimates the press again. Returns the estimate if the markers at rest now
-/// fit the sensor and did not fit it before. `scatter` is the scatter of the markers at rest before.
+/// Estimates the press again from frames with linearised pixels. Returns the estimate only if these frames fit the
+/// sensor at rest and the original frames do not. `scatter` is the scatter at rest of the original frames.
 fn linearised(
     frames: [&Frame; 2],
     options: &PictureOptions,
@@ -189,7 +188,6 @@ fn of_calibration(
     Err(RecordedError::readings(&rest.file, message))
 }
 
-/// Warning that the frames were linearised, because the markers at rest fit the `reference` only after this conversion.
 fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     let text = format!(
         "the markers of {} fit the {reference} only if the pixels are encoded by sRGB, so both frames were linearised \
@@ -199,7 +197,7 @@ fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     Warning::new("srgb-frames", text, [])
 }
 
-/// Largest accepted relative standard error of the calibrated slope. A larger error causes a warning.
+/// Relative standard error of the calibrated slope above which there is a warning.
 const MAX_SLOPE_SHARE: f64 = 0.05;
 
 /// Relative standard error of a calibration's slope of normal displacements; 0 if the calibration does not state it.
@@ -209,8 +207,8 @@ fn slope_share(calibration: &Calibration) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// Largest accepted ratio between the stated and the calibrated scale of a camera, whichever is larger. A larger ratio
-/// causes a warning.
+/// Largest accepted ratio between the stated and the calibrated scale of a camera, or the inverse ratio if it is
+/// larger. Above this limit, there is a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
 #[derive(Clone, Debug)]
@@ -337,8 +335,7 @@ impl CameraReading {
         }
     }
 
-    /// Warning about a misfit of the press. If the misfit is an outlier, the warning states the row of the marker in
-    /// the table.
+    /// Warning about a misfit of the press. For an outlier, it states the marker's row in the table.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
         misfit_warning(misfit, &self.source, self.unit)
     }
@@ -388,7 +385,6 @@ impl CameraReading {
         displaced.place.map(|angle| self.radius * angle)
     }
 
-    /// Returns a warning if the relative standard error of the calibrated slope exceeds the setting `gain_std`.
     fn gain(&self, options: &PressOptions) -> Option<Warning> {
         let stated = options.estimator.priors().gain_std?;
         (self.slope_share > MAX_SLOPE_SHARE.max(stated)).then(|| {

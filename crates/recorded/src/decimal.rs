@@ -41,8 +41,8 @@ impl DecimalSign {
         first.get_or_insert_with(|| text.to_owned());
     }
 
-    /// The decimal sign of the table. Returns an error if the decimal sign is ambiguous. The message quotes `odd`, a
-    /// number of the table that contains a comma.
+    /// The decimal sign of the table, or an error if this sign is ambiguous. The message quotes `odd`, a number of the
+    /// table that contains a comma.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),

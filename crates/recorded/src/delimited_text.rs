@@ -7,7 +7,7 @@ use super::header::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 
-/// Largest number of rows that are read to find the delimiter, if the header does not determine it.
+/// Largest number of rows from which the delimiter is found if the header does not determine it.
 const DECIDING_ROWS: usize = 100;
 
 /// A table in which a delimiter separates the fields of a line, such as a CSV file.
@@ -143,7 +143,6 @@ pub(super) fn fields(text: &str) -> Result<Vec<String>, csv::Error> {
     Ok(fields)
 }
 
-/// The text of a field without surrounding spaces and quotation marks.
 pub(super) fn tidy(field: &str) -> &str {
     let field = field.trim();
     let unquoted = field
@@ -152,8 +151,8 @@ pub(super) fn tidy(field: &str) -> &str {
     unquoted.unwrap_or(field)
 }
 
-/// Finds the delimiter from the header and the rows. The comma for a table with a single column, which needs no
-/// delimiter.
+/// Finds the delimiter from the header and the rows. A table with a single column needs no delimiter; the result is
+/// then the comma.
 fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimiter, String> {
     let fields = |line: &str, delimiter| split(text, line, delimiter).len();
     let rows = || text.rows_after(header_line).map(|(row, _)| row);
@@ -195,7 +194,7 @@ fn has_spaces(names: usize, row: &str) -> bool {
     is_spaced && numbers.all(is_number)
 }
 
-/// Units from the row after the header, without brackets; `None` if that row contains anything but units.
+/// Units of the columns, without brackets, from the row after the header; `None` if that row does not consist of units.
 fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     let bare = |field: &str| {
         let field = tidy(field);

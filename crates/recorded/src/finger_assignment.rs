@@ -8,7 +8,7 @@ use palpate_statistics::Number;
 const MIN_JUMP: f64 = 3.0;
 /// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;
-/// Advice that ends a message, in case the contacts were assigned to the wrong fingers.
+/// Advice at the end of notes that contacts may be assigned to the wrong fingers.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
 
 /// Returns the index of the finger of each contact, and a note on how the fingers were determined. If the file has
@@ -68,8 +68,8 @@ pub(super) fn assign_fingers(
     }
 }
 
-/// Divides `rows` rows into parts. `starts` contains the first row of each further part. Returns the index of the part
-/// of each row, and the number of parts.
+/// Divides `rows` rows into parts. `starts` contains the first row of every part except the first. Returns the part of
+/// each row, and the number of parts.
 pub(super) fn parted(rows: usize, starts: &[usize]) -> (Vec<usize>, usize) {
     let mut part = 0;
     let mut starts = starts.iter().filter(|&&start| start > 0).peekable();

@@ -129,7 +129,7 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
 /// K.1).
 const LUMINANCE_AT_50: f64 = 3688.0;
 
-/// Quality of a JPEG file on the scale of libjpeg, computed from the luminance quantisation table of the file.
+/// Quality of a JPEG file (1 to 100, as in libjpeg), computed from the luminance quantisation table of the file.
 fn jpeg_quality(bytes: &[u8]) -> Option<f64> {
     let mut rest = bytes.get(2..)?;
     loop {
@@ -184,8 +184,7 @@ pub struct TrackCounts {
     pub cut_at_rest: usize,
 }
 
-/// Largest accepted share of markers that were lost, that is, not found in the pressed frame. A larger share causes a
-/// warning.
+/// Share of markers that are not found in the pressed frame above which there is a warning.
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
@@ -195,7 +194,6 @@ impl TrackCounts {
         2 * self.tracked >= self.at_rest
     }
 
-    /// Warning if many markers of the frame at rest were not found in the pressed frame.
     fn warning(&self) -> Option<Warning> {
         let missed = self.at_rest - self.tracked;
         let are_many = missed as f64 > MAX_LOST * self.at_rest as f64;
@@ -214,9 +212,9 @@ impl TrackCounts {
 /// Smallest median shift of the markers (px) from rest to press that causes the warning that all markers moved in the
 /// same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// The same limit, relative to the scatter of the shifts.
+/// Smallest median shift that causes the same warning, as a multiple of the scatter of the markers' shifts.
 const MIN_COMMON_RATIO: f64 = 2.5;
-/// Smallest number of markers for which a common motion is computed.
+/// Smallest number of markers for which a common motion of the markers is computed.
 const MIN_MARKERS: usize = 8;
 
 /// Difference of green levels (0 to 255) that has the full colour in a difference image.

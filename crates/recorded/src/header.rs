@@ -39,7 +39,6 @@ impl<'a> Heading<'a> {
     }
 }
 
-/// Splits a column name into the name itself and the unit in brackets at its end.
 pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     let parts = [('[', ']'), ('(', ')')]
         .into_iter()
@@ -88,13 +87,13 @@ impl<'a> Header<'a> {
         self.headings[index].name
     }
 
-    /// Whether the file has the column `column`, under palpate's name or under a name that the user assigned. The unit
+    /// Whether the file has the column `column`, under palpate's name or under a name that the user assigned. Its unit
     /// is not checked.
     pub(super) fn has(&self, column: &Column) -> bool {
         !matches!(self.place(column), Ok(None))
     }
 
-    /// Name of a column in the file; `None` if the file does not have it.
+    /// Name that `column` has in the file; `None` if the file does not have this column.
     pub(super) fn own_name(&self, column: &Column) -> Option<&'a str> {
         let place = self.place(column).ok().flatten()?;
         Some(self.name(place.index))
@@ -148,8 +147,8 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// The user's assignment for a column: its key, the assigned name in the file, and the unit in the key. `None` if
-    /// the user assigned no name.
+    /// The user's assignment for a column: the key in the setting `columns`, the assigned name in the file, and the
+    /// unit in the key. `None` if the user assigned no name.
     fn assigned(&self, column: &Column) -> Option<(&'a str, &'a str, Option<ColumnUnit>)> {
         self.names.iter().find_map(|(key, name)| {
             let unit = column.is_named(&spelt(key))?;
@@ -213,7 +212,6 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of a column to which the user assigned another name.
     fn assigned_place(
         &self,
         column: &Column,
@@ -275,8 +273,8 @@ impl<'a> Header<'a> {
         format!("the file has {}", names.join(", "))
     }
 
-    /// Message of the error that the file lacks the columns `missing`. It lists the columns that the file has, and
-    /// proposes pairs for the setting `columns`.
+    /// Message of the error that the file lacks the columns `missing`. It lists the columns of the file, and proposes
+    /// pairs of names for the setting `columns`.
     fn lacks(
         &self,
         columns: [&[Column]; 2],

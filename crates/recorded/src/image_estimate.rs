@@ -115,7 +115,7 @@ pub(super) fn estimate_images(
 }
 
 struct Matched {
-    /// For each marker of the layout, the index of its track; `None` if the marker has no track.
+    /// Index of the track of each marker of the layout; `None` if the marker has no track.
     tracks: Vec<Option<usize>>,
     /// Indices, in the layout, of the markers that were found in both frames. The indices are in the order of the
     /// tracks.
@@ -272,7 +272,6 @@ impl Scene<'_> {
         })
     }
 
-    /// The sensor's soft body, with displacements computed at the depth of the markers.
     fn body(&self) -> Result<Body, PressError> {
         let depth = self.nominal.sphere.marker_depth;
         match self.options.thickness() {
@@ -358,7 +357,6 @@ impl ScaledFit {
         self.method.check_indentation(&self.pictures, indentation)
     }
 
-    /// Warnings if the stated errors were multiplied by the scatter.
     fn warnings(&self, [rest, press]: [&Frame; 2]) -> impl Iterator<Item = Warning> {
         let [at_rest, pressed] = self.scatter;
         let warning = |code, scatter: f64, frame: &Frame, cause: &str| {
@@ -386,8 +384,6 @@ impl ScaledFit {
     }
 }
 
-/// Question in the warning that the markers at rest scatter more than the stated errors explain. The question names a
-/// possible cause.
 const OF_REST: &str = "do the camera and the discs match the sensor?";
 
 fn scattered(frame: &Frame, scatter: f64) -> String {

@@ -29,7 +29,6 @@ const DISCS: [(usize, &str); 10] = [
 ];
 /// Indices of the camera parameters in a [`Departure`].
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
-/// Number of rough matching rounds before the final round.
 const ROUNDS: usize = 4;
 /// Standard deviations of the four numbers of a marker's image in the rough fits: both centroid coordinates (px), hue
 /// (turns), and logarithm of the size. These values are large, because the misalignments of the discs are still
@@ -40,17 +39,17 @@ const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 const SHARES: [f64; 2] = [0.66, 0.2];
 /// The same two shares as in [`SHARES`], but for the rough rounds.
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
-/// Largest accepted median difference between measured and nominal hues of the markers, turns.
+/// Largest accepted median difference (turns) between the measured and the nominal hues of the markers.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
 /// Largest accepted reduced χ². If it is larger, the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
 /// Largest reduced χ² of the fit for which the uncertainties are not increased. If it is larger, they are multiplied by
 /// its square root.
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
-/// Start values of the camera's height that are tried in addition to the nominal height. The values are differences
-/// from the nominal height, in prior standard deviations.
+/// Start values of the camera's height that are tried in addition to the nominal height, as differences from it in
+/// prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
-/// Index of the camera's height in a [`Departure`].
+/// Index of the camera's height (its position toward the apex) in a [`Departure`].
 const HEIGHT: usize = 9;
 const CAUSES: &str = "possible causes: the frame is from another layout or camera; its pixels are encoded by sRGB (then use setting `srgb`); the camera differs from `place`, `turn_deg` or `field_deg` of the study's `scene.sensor`; or the discs are misaligned by more than `scene.probe.discs.misalignment`";
 /// Maximum number of fits. Each fit starts at the result of the previous fit.
@@ -58,7 +57,8 @@ const MAX_FITS: usize = 12;
 /// The fit is repeated until χ² decreases by less than this value.
 const MIN_DECREASE: f64 = 1e-3;
 
-/// For each marker of the layout: its index in the list of found markers, and its image. `None` if it was not found.
+/// For each marker of the layout: its index in the list of found markers, and its image. `None` if the marker was not
+/// found.
 type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
 
 pub(super) struct Matched {
@@ -383,8 +383,8 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
     pictures.iter().map(centroid).collect()
 }
 
-/// Number of missing markers. Returns an error if too many markers of the layout are missing, if too many markers were
-/// found that do not belong to the layout, or if the colours differ.
+/// Number of missing markers of the layout. Returns an error if too many markers of the layout are missing, if too many
+/// markers were found that do not belong to the layout, or if the colours differ.
 fn missing_markers(
     expected: &[Option<[f64; 4]>],
     images: &[Option<Seen>],

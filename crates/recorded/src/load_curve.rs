@@ -25,7 +25,7 @@ use super::value::{FORMAT_VERSION, Value, finite};
 const LEAST_NOISE: f64 = 1e-10;
 
 /// Confidence level of the test whether the force grows with the power 3/2 of the indentation. Readings of a Hertzian
-/// contact pass the test with this probability. There is a warning if the readings fail the test.
+/// contact pass with this probability; a failure causes a warning.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve: the forces that were measured at several indentations.

@@ -12,22 +12,18 @@ use palpate_study::config::LengthUnit;
 use super::glide_options::DEFAULT_OUTWARD;
 use super::glide_recording::GlideRecording;
 
-/// Largest number of rows that a message lists.
 const LISTED_ROWS: usize = 10;
 /// A warning is shown if, because of correlated noise, at least this number of consecutive contacts counts as one
 /// independent contact.
 const MIN_CORRELATION: f64 = 1.5;
-/// Smallest accepted probability of the chosen shape. If it is smaller, a warning mentions another shape.
 const MIN_PROBABILITY: f64 = 0.9;
-/// Smallest accepted p-value of the fit of a stated shape. A smaller p-value causes a warning.
+/// Smallest p-value of the fit of a stated shape that causes no warning.
 const MIN_P_VALUE: f64 = 0.005;
-/// Number of iterations of the method that divides contacts into two groups.
 const GROUP_ITERATIONS: usize = 5;
 
-/// Smallest gap between two groups of contacts, relative to the width of the wider group.
+/// Smallest gap between two groups of contacts that causes a warning, relative to the width of the wider group.
 const MIN_GAP_RATIO: f64 = 0.5;
-/// Smallest gap between two groups of contacts, relative to the largest gap within a group. Within a group, the gaps are
-/// between strokes.
+/// The same, relative to the largest gap within a group. Within a group, the gaps are between strokes.
 const MIN_GAPS_RATIO: f64 = 2.0;
 /// Smallest width of a group that is not a line, relative to its radius.
 const MIN_WIDTH_RATIO: f64 = 0.3;

@@ -19,10 +19,8 @@ const MIN_RESIDUALS: f64 = 8.0;
 /// Relative tolerance for rounded numbers in files, in the test whether the shifts of the contacts are multiples of the
 /// pads' pitch.
 const ROUNDING: f64 = 1e-6;
-/// Largest accepted share of rolls that are left out. If more rolls are lost, the recording is rejected.
 const MAX_SHARE: f64 = 0.2;
 
-/// Reason why a reading counts as lost.
 #[derive(Clone, Copy, PartialEq)]
 enum Loss {
     /// The shift of the contact is longer than half of the probe's circumference.

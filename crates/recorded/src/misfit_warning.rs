@@ -6,7 +6,6 @@ use palpate_study::Warning;
 
 /// Words by which the warnings name readings, such as shifts or displacements.
 pub(super) struct ReadingWords<'w> {
-    /// Function that returns the name of the reading with a given index, counted from 0.
     pub(super) reading: &'w dyn Fn(usize) -> String,
     /// Plural noun for the readings to which the stated noise refers, for example `shifts`.
     pub(super) noise_of: &'w str,

@@ -35,7 +35,6 @@ pub(super) struct NominalSensor<'a> {
     pub(super) markers: Markers,
     pub(super) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
-    /// Standard deviation of the noise of a pixel, in levels (0 to 255).
     pixel_std: f64,
     /// Change of each marker's image at rest by uneven light and blur; empty if the sensor has neither uneven light nor
     /// blur.
@@ -178,7 +177,6 @@ impl<'a> NominalSensor<'a> {
         !self.blemished.is_empty()
     }
 
-    /// A marker's image, corrected for the effect that uneven light and blur have at rest.
     pub(super) fn clear(&self, marker: usize, image: Seen) -> Seen {
         let change = self.blemished.get(marker).copied().unwrap_or_default();
         Seen {

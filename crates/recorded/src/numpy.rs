@@ -11,7 +11,6 @@ use super::text_table::{Record, RowResult};
 use super::zip_archive;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// Maximum number of columns of a table.
 const MAX_COLUMNS: usize = 1_000;
 
 /// Type of the elements of a NumPy array: letter, size in bytes and byte order.

@@ -8,7 +8,6 @@ use super::frame_pair::FramePair;
 /// Smallest length of the drawing's longer side, px. Smaller frames are enlarged, so that numbers are legible.
 const SIDE: u32 = 1000;
 
-/// Ratio of an arrow's length to the length of the shift that it shows.
 const ARROW_SCALE: f64 = 5.0;
 
 /// Smallest diameter of a marker, in pixels of the drawing, for which its number is drawn. In smaller markers, the
@@ -85,7 +84,6 @@ const DIGITS: [[u8; 5]; 10] = [
 ];
 
 impl Canvas {
-    /// A canvas with the frame on it, enlarged by an integer factor until its longer side has at least `side` pixels.
     fn new(frame: &RgbImage, side: u32) -> Self {
         let (width, height) = frame.dimensions();
         let scale = side.div_ceil(width.max(height).max(1)).max(1);

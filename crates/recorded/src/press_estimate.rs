@@ -152,8 +152,8 @@ pub(super) fn force_and_pressure(
 pub(super) const GIVE_INDENTATION: &str =
     "state setting `indentation` if the indentation is measured";
 
-/// Converts the error of a fit. The message states the line of the wrong marker, if there is one, and a possible cause.
-/// Possible causes are a stated indentation that the readings contradict, and a likely mistake of sign or unit.
+/// Converts the error of a fit. The message states the line of the wrong marker, if there is one, and a possible cause:
+/// a stated indentation that contradicts the readings, or a likely mistake of sign or unit.
 fn refused(
     recorded: &PressRecording,
     options: &PressOptions,

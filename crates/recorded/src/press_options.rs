@@ -185,12 +185,10 @@ impl PictureOptions {
         })
     }
 
-    /// Thickness of the soft layer, length; `None` if the body is a half-space.
     pub(super) fn thickness(&self) -> Option<f64> {
         self.press.estimator.layer(self.press.model.thickness())
     }
 
-    /// Warning if a half-space is fitted although the model in the study is a layer.
     pub(super) fn other_body(&self) -> Option<String> {
         let layer = self.press.model.thickness()?;
         self.thickness().is_none().then(|| {
@@ -203,7 +201,6 @@ impl PictureOptions {
         })
     }
 
-    /// Poisson's ratio of the soft body if it is a half-space.
     pub(super) fn poisson(&self) -> f64 {
         match self.press.estimator {
             PressEstimatorConfig::Image {
@@ -312,8 +309,7 @@ fn estimator(
     Ok((estimator, model))
 }
 
-/// Returns an error if a setting is given that the estimator does not use, or if a setting is missing that the
-/// estimator needs.
+/// Returns an error if the estimator does not use a given setting, or needs a setting that is missing.
 fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(), SettingError> {
     check_indentation_std(given, options.indentation)?;
     if given.get("noise").is_some_and(|word| word == "found") {

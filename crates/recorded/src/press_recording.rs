@@ -14,9 +14,7 @@ pub struct PressRecording {
     pub(super) source: ReadingSource,
     /// Position of each marker on the skin, in chart coordinates.
     pub(super) places: Vec<[f64; 2]>,
-    /// Measured displacement of each marker into the skin (length).
     pub(super) normal: Vec<f64>,
-    /// Displacement of each marker along the skin; `None` if it was not measured.
     pub(super) tangential: Option<Vec<[f64; 2]>>,
     /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,

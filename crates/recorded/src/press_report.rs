@@ -12,7 +12,6 @@ use super::value::{FORMAT_VERSION, Value, finite};
 /// Radius of the object. For a flat object it is infinite; JSON cannot express this, so some values are then `null`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Radius {
-    /// The radius, negative if the object is concave; `null` if the object is flat.
     value: Option<f64>,
     std: Option<f64>,
     /// 95 % interval of the radius's magnitude for a convex object. An end is `null` if the object may be flat. The
@@ -42,7 +41,6 @@ pub(super) struct Principal {
 pub(super) struct Row {
     /// Number of the row, counted from 1. The header row is not counted.
     pub(super) row: usize,
-    /// Line of the row in the file; `null` for arrays.
     pub(super) line: Option<usize>,
     /// For each column that palpate does not use: its name, and its text in this row.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
@@ -83,7 +81,7 @@ pub struct PressReport {
     /// `elliptic`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) principal: Option<Principal>,
-    /// Contact regime for the estimated curvature of the object.
+    /// Contact regime of a press on an object with the estimated curvature.
     pub(super) regime: &'static str,
     /// Conclusion about the sign of the object's curvature, from its interval: `convex`, `concave`, `flat-within-noise`
     /// or `not-resolved`.
@@ -92,7 +90,6 @@ pub struct PressReport {
     pub(super) contact_radius: Value,
     /// Force between the bodies; `null` without Young's modulus, and for a Gaussian, which has no model of stress.
     pub(super) force: Option<Value>,
-    /// Pressure in the middle of the contact; `null` if the force is `null`.
     pub(super) peak_pressure: Option<Value>,
     /// Position of the contact on the skin, in the coordinates of the markers.
     pub(super) contact: [f64; 2],
@@ -107,9 +104,8 @@ pub struct PressReport {
     pub(super) noise: PressNoise,
     /// Share of the variance of the normal displacements that the fit explains.
     pub(super) r_squared: f64,
-    /// Whether the displacements alone show a contact. If the displacements do not show a contact, the interval
-    /// contains the curvatures of all possible contacts. These contacts have the stated indentation, lie within the
-    /// area of the markers, and are compatible with the displacements.
+    /// Whether the displacements alone show a contact. If not, the curvature's interval contains the curvatures of all
+    /// contacts that have the stated indentation, lie within the area of the markers, and agree with the displacements.
     pub(super) contact_seen: bool,
     /// Warnings: contradictions between the readings and the model, each with its p-value, and likely mistakes.
     pub(super) warnings: Vec<Warning>,
@@ -169,7 +165,8 @@ impl PressReport {
 }
 
 impl Radius {
-    /// The radius as the inverse of a mean curvature. It has no interval if the curvature has no standard error.
+    /// The radius as the inverse of a mean curvature. The radius has no interval if the curvature has no standard
+    /// error.
     pub(super) fn of_mean(curvature: &Value, length: LengthUnit) -> Self {
         let [low, high] = curvature.interval95.unwrap_or_default();
         let radius = Self::of(

@@ -12,8 +12,7 @@ use super::press_recording::PressRecording;
 use super::press_report::Row;
 use super::source::ReadingSource;
 
-/// Standard deviation of a stated indentation, relative to the indentation. It is assumed if the standard deviation is
-/// not stated.
+/// Assumed standard deviation of an indentation that is stated without one, relative to the indentation.
 const INDENTATION_SHARE: f64 = 0.02;
 
 /// The stated indentation with its standard deviation. If the standard deviation is not stated, it is assumed, with a
@@ -92,7 +91,6 @@ pub(super) fn left_out(
     (count > 0).then(|| Warning::new("wrong-markers", text, numbers))
 }
 
-/// Warnings about the estimate of a press from displacements, without the warnings about misfits.
 pub(super) fn of_estimate(
     recorded: &PressRecording,
     options: &PressOptions,
@@ -142,7 +140,6 @@ pub(super) fn of_estimate(
         .chain(Warning::of("gaussian-body", gaussian))
 }
 
-/// Warning if the contact is too wide for the model, which assumes small strains.
 pub(super) fn large_contact(
     estimate: &PressEstimate,
     sensor_radius: f64,
@@ -156,8 +153,7 @@ pub(super) fn large_contact(
     )
 }
 
-/// Smallest accepted share of the variance of the normal displacements that a fit explains. A smaller share causes a
-/// warning.
+/// Share of the variance of the normal displacements that the fit explains, below which there is a warning.
 const MIN_R_SQUARED: f64 = 0.5;
 
 /// Smallest normal displacement whose sign is checked, as a share of the largest displacement.
@@ -172,7 +168,6 @@ const MIN_EXTENT: f64 = 5e-3;
 /// warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
-/// Text about a likely mistake of sign or unit in the readings; `None` if there is none.
 pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option<String> {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
     let (radius, unit) = (options.radius(), unit.as_str());

@@ -19,14 +19,12 @@ use super::text_table::TextTable;
 const MAX_EXTRA_MIB: usize = 256;
 
 pub(super) struct ReadingTable {
-    /// The file, and the line of each row.
     pub(super) source: ReadingSource,
     /// Indices of the rows that follow a blank line.
     pub(super) after_gaps: Vec<usize>,
     /// Numbers of the requested columns, row by row.
     numbers: Vec<f64>,
     columns: usize,
-    /// Unit of the lengths; `None` if it is not stated.
     pub(super) unit: Option<LengthUnit>,
     pub(super) extras: ExtraColumns,
 }
@@ -178,7 +176,7 @@ impl ReadingTable {
 struct Labels(HashMap<String, usize>);
 
 impl Labels {
-    /// Index of a name, counted from 0. `None` if the field is empty, or if the first row had no name.
+    /// Index of a name. `None` if the field `text` is empty, or if the first row had no name.
     fn place(&mut self, text: &str, row: usize) -> Option<f64> {
         let is_word = !text.is_empty() && text.parse::<f64>().is_err();
         if self.0.is_empty() && !(row == 0 && is_word) {
@@ -207,7 +205,6 @@ pub(super) fn header<'a>(
     Ok(Header::new(&table.header, names))
 }
 
-/// Unit of all lengths in a table; `None` if none is stated.
 fn length_unit(
     header: &Header<'_>,
     columns: &[Column],
@@ -271,7 +268,6 @@ fn without_unit(header: &Header<'_>, column: (&Column, &Place), other: ColumnUni
     )
 }
 
-/// Factor that converts a number in the column's unit to palpate's unit.
 fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f64> {
     match (place.unit, column.measure, unit) {
         (None, _, _) | (_, Measure::Length, None) => Some(1.0),
@@ -313,9 +309,7 @@ fn decimal_of(
 
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct ExtraColumns {
-    /// Names of the columns, as in the file.
     pub(super) names: Vec<String>,
-    /// Texts of all fields, row by row, without separators.
     text: String,
     /// Byte position in `text` at which each field ends.
     ends: Vec<usize>,
@@ -334,7 +328,6 @@ impl ExtraColumns {
         }
     }
 
-    /// Size of all rows in bytes, including one delimiter per field.
     pub(super) const fn bytes(&self) -> usize {
         self.text.len() + self.ends.len()
     }

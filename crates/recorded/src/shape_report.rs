@@ -12,12 +12,10 @@ use super::value::{Value, finite};
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
-/// A contact that was left out of the fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOut {
     /// Row number of the contact in the readings, counted from 1.
     row: usize,
-    /// Line of the contact in the file; `None` for arrays.
     #[serde(skip_serializing_if = "Option::is_none")]
     line: Option<usize>,
     /// Reason why the contact was left out: `sentinel`, `zeros`, `far` or `misfit`.
@@ -62,7 +60,6 @@ impl StrokeReport {
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct ShapeReport {
-    /// Name of the shape: `plane`, `sphere`, `cylinder` or `none`.
     shape: &'static str,
     /// Probability of each shape. The last entry is the probability that the surface has none of these shapes. `null`
     /// if the shape was stated.
@@ -79,7 +76,6 @@ pub(super) struct ShapeReport {
     /// Direction of a cylinder's axis; the opposite direction is equivalent. `null` for other shapes.
     axis: Option<[f64; 3]>,
     axis_std_deg: Option<f64>,
-    /// Root mean square distance of the contacts from the shape.
     rms_misfit: Value,
     /// P-value of the shape: the probability of a worse fit if the contacts lie on this shape.
     shape_p_value: f64,

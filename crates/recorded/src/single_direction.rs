@@ -24,10 +24,9 @@ pub struct DirectedCurvature {
     pub direction_deg: f64,
 }
 
-/// Returns the angle of the contact's path, from u towards v, and readings for a fit. `None` if the rolls have several
-/// directions. The readings for the fit contain one additional, invented roll. This roll is perpendicular to the
-/// recorded rolls, and its shift is the shift that it would have on a plane. Without this roll, the fit would be
-/// impossible.
+/// If all rolls have one direction, returns the angle of the contact's path (from u towards v), and readings for a fit.
+/// These readings contain one invented roll, because the fit would be impossible without it. The invented roll is
+/// perpendicular to the recorded rolls, and its shift is the shift of a roll on a plane.
 ///
 /// Let g be the direction in which the probe is driven, and b the path of the contact per radian. The relative
 /// curvature along b is b·g/(|b|²|g|). This curvature does not depend on the curvature across b, so the additional roll

@@ -112,7 +112,6 @@ impl ReadingSource {
 pub(super) const COPIES: &str =
     "copies are not new readings, and make the stated uncertainty too small";
 
-/// Indices of the readings that repeat all numbers of an earlier reading.
 pub(super) fn copies<const N: usize>(readings: impl Iterator<Item = [f64; N]>) -> Vec<usize> {
     // Adding 0 converts −0 to 0, so that −0 and 0 have the same bits.
     let bits = |numbers: [f64; N]| numbers.map(|number| (number + 0.0).to_bits());
@@ -134,7 +133,6 @@ pub(super) fn finite<const D: usize>(
     Err(not_finite(array, place, rows[row][column]))
 }
 
-/// Error for a number that is not finite, at the index `index` of an array.
 pub(super) fn not_finite(array: &'static str, index: Vec<usize>, value: f64) -> RecordedError {
     RecordedError::Array {
         array,

@@ -120,8 +120,8 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     Some(header)
 }
 
-/// Indices of the `count` columns that contain the elements of one list. The names of these columns begin with the same
-/// words and end with numbers. `numbers` contains the possible forms of these numbers.
+/// Indices of the `count` columns that contain the elements of one list. Their names begin with the same words and end
+/// with the number of the element. `numbers` contains the possible forms of this number.
 fn list(
     header: &[String],
     is_start: impl Fn(&[String]) -> bool,

@@ -17,27 +17,20 @@ use super::table_layout::{
     Wide, names_by_order, numbered_quaternion, of_matrix, of_rostopic, wide,
 };
 
-/// Maximum number of lines of a table.
 const MAX_LINES: usize = 5_000_000;
 
 pub(super) struct Record<'a> {
-    /// Line of the row in the file, from 1.
     pub(super) line: usize,
-    /// Whether a blank line precedes the row.
     pub(super) is_after_gap: bool,
     pub(super) fields: &'a StringRecord,
 }
 
-/// Result of a function that processes one row.
 pub(super) type RowResult = Result<(), RecordedError>;
 
 /// Format of a table. A source file of its own reads the header and the rows of each format.
 enum Format<'a> {
-    /// Fields separated by a delimiter.
     Delimited(DelimitedText<'a>),
-    /// A JSON table, with the text of the file.
     Json(JsonTable<'a>, Text<'a>),
-    /// Arrays from a NumPy file.
     Numpy(NumpyTable<'a>),
 }
 
@@ -53,8 +46,6 @@ pub(super) struct TextTable<'a> {
     lost: RefCell<Vec<String>>,
     /// Note on how the columns were recognised; `None` if they were found by their names.
     note: Option<String>,
-    /// Column names of a quaternion whose components are only numbered in the file; `None` if there is no such
-    /// quaternion.
     numbered_quaternion: Option<[String; 4]>,
 }
 
@@ -176,7 +167,6 @@ impl<'a> TextTable<'a> {
         })
     }
 
-    /// Recognises the format of a text file. Returns the table, its header and the line of the header.
     fn of_text(file: &'a RecordedFile) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
         let text = Text::of(file.text("a header and one row per reading are needed")?);
         let lines = text.lines().count();
@@ -205,7 +195,6 @@ impl<'a> TextTable<'a> {
         matches!(&self.format, Format::Delimited(text) if text.delimiter == Delimiter::Comma)
     }
 
-    /// Whether fields of the table may contain a comma.
     pub(super) fn may_have_commas(&self) -> bool {
         match &self.format {
             Format::Delimited(text) if text.delimiter == Delimiter::Comma => {
@@ -257,7 +246,6 @@ impl<'a> TextTable<'a> {
         Ok(())
     }
 
-    /// Calls `take` with every row of the file.
     fn rows(&self, take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         match &self.format {
             Format::Delimited(text) => text.rows(take),
@@ -267,12 +255,10 @@ impl<'a> TextTable<'a> {
     }
 }
 
-/// A text, with the character that ends its lines.
 #[derive(Clone, Copy)]
 pub(super) struct Text<'a> {
     pub(super) all: &'a str,
     pub(super) end: char,
-    /// Line of the file, from 1, at which the text begins.
     pub(super) line: usize,
 }
 

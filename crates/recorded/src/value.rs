@@ -31,7 +31,6 @@ impl Value {
         Self::within(value, std, NORMAL_95, power, length)
     }
 
-    /// A value without an uncertainty, in any unit.
     pub(super) fn bare(value: f64, unit: impl Into<Cow<'static, str>>) -> Self {
         Self {
             value: Some(value + 0.0),

@@ -118,8 +118,6 @@ impl SharedModels {
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Returns one layer at several depths, with tables, as from [`Body::bonded_layers`]. Computes the tables only if
-    /// the cache does not contain them.
     pub(crate) fn layers(&self, thickness: f64, depths: &[f64]) -> Result<Vec<Body>, PressError> {
         let numbers = [thickness].into_iter().chain(depths.iter().copied());
         let key = numbers.map(f64::to_bits).collect();

@@ -11,7 +11,6 @@ use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{self, ObjectConfig};
 
-/// Error for a setting of the config whose value is out of its range.
 pub(crate) fn range_error(path: &str, expected: impl Display, value: f64) -> FieldError {
     FieldError::at(path, format!("must be {expected}, is {}", Number(value)))
 }

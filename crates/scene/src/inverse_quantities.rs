@@ -4,8 +4,8 @@
 use palpate_study::Quantity;
 use palpate_sweep::Summary;
 
-/// Means and standard deviations of an inverse quantity are reported only if the inverted quantity differs from 0 by at
-/// least this number of its standard deviations. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
+/// Smallest distance of the inverted quantity from 0, in standard deviations, for which means and standard deviations
+/// are reported. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
 const MIN_DEVIATIONS: f64 = 4.0;
 
 /// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign

@@ -64,7 +64,6 @@ impl CutPattern {
     }
 }
 
-/// Sensor in the scene of the first grid point of a study.
 fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
     match &study.config.scene {
         SceneConfig::Press(PressConfig { probe, .. })

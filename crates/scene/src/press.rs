@@ -40,7 +40,7 @@ pub enum PressFailure {
 }
 
 impl PressFailure {
-    /// Name of the failure. It stays the same in all versions.
+    /// Name of the failure for tables. It stays the same in all versions.
     pub(crate) fn name(&self) -> &'static str {
         self.into()
     }

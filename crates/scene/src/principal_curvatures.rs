@@ -5,14 +5,14 @@ use palpate_statistics::HALF_WIDTHS;
 use palpate_study::Quantity;
 use palpate_sweep::Observation;
 
-/// Principal curvatures that differ by less than this share have no directions. Rounding causes such differences on a
-/// sphere.
+/// Principal curvatures that differ by less than this share have no directions, because the object is nearly a sphere
+/// there. Rounding causes such differences on a sphere.
 const UMBILIC_TOLERANCE: f64 = 1e-9;
 
 /// Curvatures at a point of the object, either true or estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointCurvature {
-    /// k_min, k_max and their mean (1/length), and the angle of the direction of k_min (rad).
+    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad.
     pub(crate) values: [f64; 4],
     /// Standard errors of the values; `None` for true values, and for an estimator without standard errors.
     pub(crate) stds: [Option<f64>; 4],
@@ -74,8 +74,7 @@ impl PointCurvature {
             }
             Quantity::AXIS_DEG if !self.is_umbilic() && !truth.is_umbilic() => {
                 let [axis, truth] = [self, truth].map(|one| half_turn(one.values[3].to_degrees()));
-                // Angles that differ by half a turn describe the same axis. Use the angle that is nearest to the true
-                // one.
+                // Angles that differ by half a turn describe the same axis. Use the one nearest to the true angle.
                 Observation {
                     std: self.stds[3].map(f64::to_degrees),
                     ..Observation::plain(truth + half_turn(axis - truth), truth)

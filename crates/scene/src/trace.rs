@@ -61,7 +61,7 @@ pub enum TraceError {
     Untouched,
 }
 
-/// A number with its noun as text, such as "2 probes". `noun` is the singular of the noun.
+/// Number and noun as text, such as "2 probes". `noun` is in the singular.
 pub(crate) fn counted(count: usize, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {noun}{plural}")

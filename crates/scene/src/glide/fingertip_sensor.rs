@@ -10,7 +10,6 @@ use palpate_study::config::Reports;
 #[derive(Clone, Debug)]
 pub(super) struct GlideSensor {
     pub(super) kind: SensorKind,
-    /// Whether the sensor reports the surface normals at the contacts.
     pub(super) normals: bool,
 }
 

@@ -36,7 +36,6 @@ pub struct GlideScene {
     pub(super) seed: u64,
     pub(super) config: GlideConfig,
     pub(super) touches: Vec<FingerTouch>,
-    /// Contacts that the sensor reports without noise.
     pub(super) noiseless_readings: Vec<Contact>,
     pub(super) noise: ContactNoise,
     pub(super) tip: Option<RoundTip>,
@@ -101,7 +100,7 @@ pub(super) struct ContactNoise {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrueGrid {
     pub(super) side: usize,
-    /// Properties of the true surface at each point. In the order of the points, x changes slowest.
+    /// In the order of the places, x changes slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }
@@ -132,7 +131,8 @@ impl TruePlace {
 }
 
 impl GlideScene {
-    /// Contacts that the sensor reports. They have the noise of trial number `trial`; they have no noise if `trial` is
+    /// Contacts that the sensor reports. The contacts have the noise of trial number `trial`; they have no noise if
+    /// `trial` is
     /// `None`.
     pub(super) fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
         let mut contacts = self.noiseless_readings.clone();
@@ -154,7 +154,7 @@ impl GlideScene {
         contacts
     }
 
-    /// Patch of the contacts that the sensor reports, for a fit of a graph. They have the noise of trial number
+    /// Patch of the contacts that the sensor reports, for a fit of a graph. The contacts have the noise of trial number
     /// `trial`; they have no noise if `trial` is `None`.
     fn patch(&self, method: &GlideFit, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
@@ -181,7 +181,6 @@ impl GlideScene {
         })
     }
 
-    /// Quantities that the trials of a glide with this config report.
     pub(crate) fn quantities_of(config: &GlideConfig) -> &'static [Quantity] {
         match config.principal_curvatures {
             true => &WITH_PRINCIPAL,

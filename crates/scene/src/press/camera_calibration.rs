@@ -22,12 +22,11 @@ const PATH: &str = "scene.sensor.calibration";
 #[derive(Clone, Debug)]
 pub(super) struct CameraCalibration {
     pub(super) calibration: Calibration,
-    /// Standard deviations of the errors of normal and tangential displacements near a contact. `None` if the
-    /// calibration causes no such errors.
+    /// Standard deviations of the errors that the calibration causes in normal and tangential displacements near a
+    /// contact.
     pub(super) stds: [Option<f64>; 2],
 }
 
-/// A marker in a calibration press: its true displacement, and the change of its image.
 struct CalibrationPoint {
     marker: usize,
     truth: MarkerDisplacement,
@@ -138,8 +137,8 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
 }
 
 /// Root mean square errors of displacements in the calibration presses. Only markers whose displacement is at least
-/// half of the largest displacement are used. These markers are near the contact, where the motions of a marker's two
-/// discs differ most and where the readings depend most on the shape of the object.
+/// half of the largest displacement are used. These are the markers near the contact, where the two discs of a marker
+/// move most differently and where the readings depend most on the object's shape.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for points in presses {

@@ -26,16 +26,13 @@ pub(super) struct SimulatedCamera {
     /// Lens model that the tracking uses.
     pub(super) lens: Equidistant,
     pub(super) model: CameraModel,
-    /// Whether two images of the same markers differ, because of noise.
     pub(super) is_random: bool,
     pub(super) seed: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CameraModel {
-    /// The image of each marker is computed directly, without pixels.
     Projected(ImageNoise),
-    /// Frames are rendered, and markers are found and tracked in them.
     Rendered,
 }
 
@@ -103,7 +100,6 @@ pub(super) struct MarkerMeasurement {
 }
 
 impl MarkerMeasurement {
-    /// Image of the marker with its errors, in the form that a fit to images needs.
     pub(super) fn image(&self) -> Seen {
         marker_image(&self.marker, &self.errors)
     }

@@ -184,7 +184,6 @@ impl PressScene {
         needs
     }
 
-    /// Returns a warning if the estimate fails or is biased even without noise.
     fn exact_warning(&self) -> Option<Warning> {
         if let PressCase::NoPress(_) = &self.case {
             return None;
@@ -200,7 +199,6 @@ impl PressScene {
     }
 }
 
-/// Text about the noise of the displacements and of the indentation; `None` if there is no noise.
 fn displacement_noise(noise: &PressNoise) -> Option<String> {
     let errors = [
         (
@@ -253,7 +251,6 @@ fn calibration_text(camera: &CameraConfig) -> String {
     )
 }
 
-/// Text about the noise of the camera; `None` if there is no noise.
 fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     let mut errors = Vec::new();
     if let Some(ReadingNoise::Gaussian { std: Level(std) }) = noise.pixel {

@@ -53,8 +53,8 @@ impl PressScene {
         })
     }
 
-    /// Estimates the press from a reading, compares the estimate with the true values, and returns the names of the
-    /// estimate's warnings.
+    /// Estimates the press from a reading, compares the estimate with the true values, and returns the names of its
+    /// warnings.
     fn warnings(
         &self,
         reading: &PressReading,

@@ -143,11 +143,9 @@ fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> O
 
 pub(super) struct PressSetup<'a> {
     pub(super) config: &'a PressConfig,
-    /// Model of the sensor's soft body; it is never `auto`.
     pub(super) model: &'a PressModelConfig,
     pub(super) sphere: &'a MarkerSphere<'a>,
     pub(super) markers: &'a Markers,
-    /// Coordinates of the markers in the chart of the skin.
     pub(super) places: &'a [[f64; 2]],
     pub(super) geometry: &'a PressGeometry,
     body: &'a SoftBody,
@@ -317,19 +315,16 @@ impl PressSetup<'_> {
     }
 }
 
-/// Model of the soft body, and the reason for its choice.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     /// The model in the form of a config; it is never `auto`.
     pub(super) model: PressModelConfig,
     pub(super) reason: String,
-    /// Largest error that `auto` allows; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
 }
 
 /// Smallest tolerance that `auto` accepts. The most accurate model, the solved layer, has errors of about this size.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
-/// Largest tolerance that `auto` accepts.
 const LARGEST_TOLERANCE: f64 = 1.0;
 
 /// Models of the soft body that can compute a press, and the depths at which their displacements are compared.

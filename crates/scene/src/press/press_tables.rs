@@ -12,7 +12,7 @@ use crate::trace::{CameraTrace, Trace, counted};
 /// Number of points in a profile of displacements along a radius of the contact.
 const PLACES: u32 = 121;
 /// Length of a profile of displacements, as a multiple of the contact radius. The profile begins at the centre of the
-/// contact. For an elliptic contact, it is along the longer axis.
+/// contact and, for an elliptic contact, is along the longer axis.
 const REACH: f64 = 3.0;
 
 impl PressScene {

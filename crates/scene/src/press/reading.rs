@@ -30,9 +30,7 @@ struct MarkerReading {
 pub(super) struct PressReading {
     /// Indices (in the layout) of the tracked markers, in ascending order.
     tracked: Vec<usize>,
-    /// Normal displacement of each tracked marker.
     normal: Vec<f64>,
-    /// Tangential displacement of each tracked marker.
     tangential: Vec<[f64; 2]>,
     pub(super) indentation: f64,
     /// Tracks and images of all markers, as the camera reads them; `None` if the sensor reads the displacements
@@ -85,7 +83,6 @@ impl PressReading {
 
 #[derive(Clone, Debug)]
 pub(super) enum PressSensor {
-    /// A sensor that reads the displacements of all markers directly.
     Direct,
     Camera(Box<CameraPressSensor>),
 }
@@ -144,8 +141,6 @@ pub(super) struct IndentationSensor {
 }
 
 impl IndentationSensor {
-    /// Reads the indentation of a press. The reading has the noise of trial number `trial`; it has no noise if `trial`
-    /// is `None`.
     pub(super) fn read(&self, geometry: &PressGeometry, trial: Option<u64>) -> f64 {
         let error = trial.map_or(0.0, |trial| {
             let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
@@ -155,7 +150,6 @@ impl IndentationSensor {
     }
 }
 
-/// Errors of the readings of a press, for all markers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressNoise {
     pub(super) normal: GaussianError,
@@ -292,7 +286,6 @@ pub(super) struct CameraPressSensor {
 pub(super) struct MarkerChange {
     /// Change of the hue of the marker's summed light from rest to press, turns.
     pub(super) hue_turns: f64,
-    /// Change of the marker's mean hue from rest to press, turns.
     pub(super) mean_hue_turns: f64,
     /// Shift of the marker's centroid, px. It is scaled to the pixel size at the image centre.
     pub(super) shift_px: f64,
@@ -363,8 +356,6 @@ impl CameraPressSensor {
         Ok(CameraReading { tracks, images })
     }
 
-    /// Displacement of each marker of the layout, computed from its track by the calibration; `None` if the marker is
-    /// not tracked.
     fn displacements(&self, tracks: &MarkerTracks) -> Vec<Option<MarkerReading>> {
         let calibration = &self.calibration.calibration;
         let reading = |(marker, change): (usize, Option<Change>)| {
@@ -413,7 +404,6 @@ impl CameraPressSensor {
     }
 }
 
-/// Change of a marker's image in the press, computed without noise and pixels.
 fn true_change(
     camera: &SimulatedCamera,
     motions: &[MarkerMotion],

@@ -40,13 +40,11 @@ pub(super) struct SensorVariation {
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
     pub(super) motions: Vec<MarkerMotion>,
-    /// Images of the markers at rest, with their covariances.
     pub(super) rest: Arc<[Option<Seen>]>,
     pub(super) markers: Vec<Option<Marker>>,
 }
 
 impl SensorVariation {
-    /// Variation of the sensor that a config states; `None` if all trials share one sensor.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         camera: &CameraConfig,

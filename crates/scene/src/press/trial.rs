@@ -88,7 +88,6 @@ pub struct PressScene {
     pub(super) noise: PressNoise,
     pub(super) estimator: PressEstimator,
     pub(super) bounds: Option<Bounds>,
-    /// Young's modulus of the body, N/length²; `None` if the config does not state it.
     pub(super) young: Option<f64>,
     /// Estimate from noiseless readings. It is computed when it is first used.
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,

@@ -48,11 +48,10 @@ impl TruePress {
     }
 }
 
-/// Properties of the object that affect a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TouchedObject {
-    /// Curvature 1/R_o of the object, positive if the object is convex. If the object has two different curvatures, it
-    /// is their mean.
+    /// Curvature 1/R_o of the object, positive if the object is convex. If the object has two different curvatures,
+    /// `curvature` is their mean.
     pub(super) curvature: f64,
     /// Radius R_o of the object, negative for a dish; `None` for a plane, and if there are two different curvatures.
     pub(super) radius: Option<f64>,
@@ -60,7 +59,6 @@ pub(super) struct TouchedObject {
     pub(super) principal: Option<UnequalCurvatures>,
 }
 
-/// Two different principal curvatures of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct UnequalCurvatures {
     pub(super) smaller: f64,
@@ -211,7 +209,7 @@ impl TrueContact<'_> {
     }
 }
 
-/// Model of the sensor's soft body. It computes the displacements of points at a fixed depth under the skin.
+/// Model of the sensor's soft body. The model computes the displacements of points at a fixed depth under the skin.
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
@@ -242,7 +240,6 @@ impl SoftBody {
         Ok(Self { body, sideways })
     }
 
-    /// Contact between the object and the skin in a press.
     pub(super) fn contact(
         &self,
         markers: &Markers,
@@ -301,16 +298,15 @@ impl SoftBody {
     }
 }
 
-/// The discs of one colour: one disc of each marker.
 struct Discs {
     body: SoftBody,
     /// Computes how the skin strains the discs; `None` if the discs do not follow the strain of the skin.
     strain: Option<DiscStrain>,
 }
 
-/// Displacements of the discs of one colour. The second part is `None` unless the discs follow the strain of the skin.
-/// It contains two numbers for each disc: the relative widening of the disc, and the relative widening of the skin
-/// around it.
+/// Displacements of the discs of one colour. The second part contains two numbers for each disc: the relative widening
+/// of the disc, and the relative widening of the skin around it. It is `None` if the discs do not follow the strain of
+/// the skin.
 type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<[f64; 2]>>);
 
 impl Discs {

@@ -13,7 +13,6 @@ use super::motion_noise::{MotionNoise, Roll};
 pub(super) struct LinearRolls {
     radius: f64,
     probes: Vec<LinearRoll>,
-    /// Distribution of the error of each component of a probe's true rotation; `None` if there is no such error.
     error: Option<Distribution>,
 }
 
@@ -49,8 +48,6 @@ impl LinearRoll {
         }
     }
 
-    /// Path of the contact for a rotation with errors. The errors are in units of the error's size (standard deviation
-    /// or bound).
     #[inline(always)]
     fn path(&self, [error_x, error_y]: [f64; 2]) -> [f64; 2] {
         // Do not use a closure here. A closure that is not inlined would be compiled without the vector instructions of

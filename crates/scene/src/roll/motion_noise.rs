@@ -19,7 +19,6 @@ pub(super) struct Roll {
     pub(super) command: Motion,
     /// Rotation of the probe over the whole roll, summed in the contact frame, rad.
     pub(super) rotation: Vector2<f64>,
-    /// Displacement of the contact on the probe, without noise.
     pub(super) displacement: Vector2<f64>,
     /// Terrain (height of the object) along the roll. `None` if the probe cannot overlap the object, even with noise.
     pub(super) terrain: Option<Terrain>,
@@ -146,7 +145,6 @@ impl NoiseTrial {
         fractions.iter().map(at).collect()
     }
 
-    /// The true motions of the probe, with their errors, for the commanded motion `command`.
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
         let Some((noise, stream)) = &mut self.0 else {
             return vec![*command];

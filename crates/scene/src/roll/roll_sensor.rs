@@ -58,7 +58,6 @@ impl RollSensor {
         }
     }
 
-    /// Noise of the contact's shifts on the probe that the sensor reports.
     pub(super) fn shift_noise(&self) -> ReadingNoise {
         match self {
             Self::Ideal => ReadingNoise::default(),
@@ -152,9 +151,9 @@ impl SensorTrial<'_> {
         }
     }
 
-    /// The readings at all samples of one roll, and the position of the first contact. All these positions are
-    /// displacements from the origin of the pads (exponential map) or, for sensors without pads, from the first
-    /// contact. The true contacts `contacts` are displacements from the first contact.
+    /// The readings at all samples of one roll, and the position of the first contact. All positions in the result are
+    /// displacements from the origin of the pads (exponential map) or, without pads, from the first contact. The true
+    /// contacts `contacts` are displacements from the first contact.
     pub(super) fn read_samples(
         &mut self,
         radius: f64,

@@ -13,7 +13,8 @@ use palpate_study::{Column, Table, Unit};
 const SAMPLES: usize = 100;
 
 impl RollScene {
-    /// Records the true contacts and the readings of one roll of every probe. They have the noise of trial number
+    /// Records the true contacts and the readings of one roll of every probe. Contacts and readings have the noise of
+    /// trial number
     /// `trial`; they have no noise if `trial` is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
         let noiseless = self.sensor.noiseless();

@@ -58,7 +58,6 @@ pub struct RollScene {
     /// Closed form of the rolls. `None` unless all rolls are linear and the reported rotations are the same in every
     /// trial.
     pub(super) linear: Option<LinearRolls>,
-    /// Samples of the rolls; `None` if only the ends of the rolls are read.
     pub(super) sampled: Option<SampledRolls>,
     pub(super) estimator: RollEstimatorConfig,
     pub(super) truth: Truth,
@@ -140,7 +139,6 @@ impl RollScene {
         &self.roller
     }
 
-    /// Commanded motion of each probe.
     pub(crate) fn commands(&self) -> impl Iterator<Item = &Motion> {
         self.rolls.iter().map(|roll| &roll.command)
     }
@@ -273,7 +271,6 @@ impl RollScene {
         ]
     }
 
-    /// Runs a trial with rolls of any kind, with or without errors of the reported rotations.
     #[inline(never)]
     fn sensor_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let is_measured = !self.rotation_sensor.is_exact()

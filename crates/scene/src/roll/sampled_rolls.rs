@@ -20,7 +20,6 @@ use super::roll_trial::{ROLL_QUANTITIES, RollScene};
 use crate::principal_curvatures::PointCurvature;
 use crate::trace::TraceError;
 
-/// Largest total number of samples of the rolls in a trial.
 const MAX_SAMPLES: f64 = 1e7;
 /// Largest rotation of a probe about the contact normal that counts as a rounding error, rad. If all are smaller, they
 /// are replaced by 0.
@@ -63,7 +62,6 @@ impl SampledRoll {
 }
 
 impl SampledRolls {
-    /// Samples of the commanded rolls; `None` if the config states no sampling rate.
     pub(super) fn new(
         config: &RollConfig,
         roller: &Roller,
@@ -135,7 +133,6 @@ impl SampledRolls {
     }
 }
 
-/// Reason why a roll has no time series.
 enum NoSeries {
     Roll(palpate_rolling::RollError),
     Sensor(BeyondPads),
