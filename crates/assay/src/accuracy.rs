@@ -40,14 +40,13 @@ pub fn figures() -> Result<Vec<(String, f64)>> {
     Ok(figures)
 }
 
-/// Root mean square of the errors.
 pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
     let square = |(sum, count): (f64, u32), error: f64| (sum + error * error, count + 1);
     let (sum, count) = errors.into_iter().fold((0.0, 0), square);
     (sum / f64::from(count)).sqrt()
 }
 
-/// Errors of simulated rolls with each roll model, relative to closed-form solutions.
+/// Errors of simulated rolls relative to closed-form solutions, for each roll model.
 fn roll_errors() -> Result<Figures> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 64, chart };
@@ -125,7 +124,7 @@ fn ep2_errors() -> Result<Figures> {
 }
 
 /// Errors of the markers that the tracker finds in two frames. One frame is a drawing on a dark background. The other
-/// frame is rendered as the sensor's camera would record it.
+/// is rendered as the sensor's camera would record it.
 fn frame_errors() -> Result<Figures> {
     let (frame, discs) = camera_frames::frame(640);
     let dark = camera_frames::errors(&camera_frames::finder(640).find(&frame)?.markers, &discs);
@@ -152,8 +151,8 @@ const THICKNESS: f64 = 5.0;
 /// Depth of the markers, mm.
 const DEPTH: f64 = 2.0;
 
-/// Errors of a press: of the displacements that the models compute, and of the curvatures that are fitted to these
-/// displacements.
+/// Errors of a press: of the displacements that each contact model computes, and of the object's curvature that is
+/// fitted to these displacements.
 fn press_errors() -> Result<Figures> {
     let half_space = Body::half_space(0.5, DEPTH)?;
     let table = Body::bonded_layer(THICKNESS, DEPTH)?;
@@ -176,8 +175,8 @@ fn press_errors() -> Result<Figures> {
     Ok(figures.map(name).to_vec())
 }
 
-/// Largest error of the displacements, divided by the largest displacement. The reference is a quadrature over
-/// wavenumbers.
+/// Largest error of the displacements of `body`, divided by the largest displacement. The reference is a quadrature
+/// over wavenumbers.
 fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Result<f64> {
     let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
     let truth = ParaboloidPress::new(reference, 1.0 / SKIN, INDENTATION)?;
@@ -188,7 +187,8 @@ fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Res
     Ok(largest_error(&found, &truth))
 }
 
-/// Rms error of the object's fitted curvature, divided by the sum of the curvatures of the skin and the object.
+/// Rms error of the object's curvature that is fitted to noisy readings, divided by the sum of the curvatures of the
+/// skin and the object.
 fn press_fit_error(body: Body) -> Result<f64> {
     let markers = markers()?;
     let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;

@@ -14,18 +14,15 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// Gap of the reference, as a multiple of the gap of the checked design. A gap that is ten times smaller needs 100
-/// times the trials.
+/// Gap between a value that meets the target and a value that misses it in the reference answer, relative to the same
+/// gap in the checked answer. A gap that is ten times smaller needs 100 times the trials.
 const REFERENCE_GAP: f64 = 0.1;
-/// Seed of the random numbers of the reference.
 const REFERENCE_SEED: u64 = 1_000_003;
-/// Number of the first fresh trial. Fresh trials test the estimated probabilities. The estimates use only trials with
+/// Number of the first fresh trial. Fresh trials test the probabilities that `distinguish` estimated from trials with
 /// smaller numbers.
 const FRESH: u64 = 1 << 50;
-/// Distance between the first fresh trial numbers of two cells. It is so large that no two cells use the same random
-/// numbers.
+/// Distance between the first fresh trial numbers of two cells, so large that no two cells use the same random numbers.
 const APART: u64 = 1 << 40;
-/// Half-width of a 95 % interval, in standard errors.
 const HALF_WIDTH_95: f64 = 1.96;
 
 /// Options of a run of the check.
@@ -126,7 +123,7 @@ pub fn check(scores: &[Score]) -> Result<()> {
     Ok(())
 }
 
-/// Answers the scene's question for `design` with each seed, and compares these answers with a reference answer.
+/// Answers the scene's `design` question with each seed, and counts the answers that agree with a reference answer.
 fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     let ask = |seed: u64, gap: f64| -> Result<Region> {
         let mut study = parse(scene.name, scene.config)?;
@@ -151,8 +148,8 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     })
 }
 
-/// Whether an answer of `design` is correct. The answer must contain a range that meets the target and a range that
-/// misses it. At the ends of these ranges, the reference answer must not contradict this answer.
+/// Whether an answer of `design` is correct: it contains a range of values that meet the target and a range of values
+/// that miss it, and the reference answer contradicts it at no end of these ranges.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {
@@ -167,8 +164,8 @@ fn is_right_design(answer: &Region, reference: &Region) -> bool {
         && !ends.any(|(value, side)| is_wrong(value, side))
 }
 
-/// Compares probabilities that `distinguish` estimates, one for each pair of objects and each seed, with measured
-/// shares. A measured share is the share of pairs of fresh trials whose estimates are in the right order.
+/// Compares each probability that `distinguish` estimates (one per pair of objects and seed) with a measured share: the
+/// share of pairs of fresh trials whose estimates are in the right order.
 fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> Result<Score> {
     let (config, radii) = (scene.config, scene.radii);
     let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");
@@ -211,8 +208,8 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
 }
 
 /// Whether an estimated probability agrees with the share of fresh pairs in the right order. The allowed difference
-/// combines the half-width of the probability's interval with the standard error of the share. The standard error is
-/// included because every seed is compared with the same share.
+/// combines the half-width of the probability's interval with the standard error of the share, because every seed is
+/// compared with the same share.
 fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
     let side = match share < order.probability {
         true => order.probability - order.low,
@@ -260,8 +257,9 @@ mod tests {
             (0.399, many, false),
             (0.519, many, true),
             (0.521, many, false),
-            // The share of 10,000 pairs has a standard error of 0.005, so 1.96 standard errors are 0.0098. The interval
-            // reaches 0.02 above the probability. The tolerance is √(0.0098² + 0.02²) = 0.0223.
+            // The share of 10,000 pairs has a standard error of 0.005, so its 1.96 standard errors are 0.0098. The
+            // interval of the probability reaches 0.02 above the probability. The tolerance is √(0.0098² + 0.02²) =
+            // 0.0223.
             (0.522, 10_000, true),
             (0.5225, 10_000, false),
         ] {

@@ -1,7 +1,8 @@
 //! Scenes on which the answers of `design` and `distinguish` are checked.
 
-/// A question for `design`: a target, the varied field, and a gap. A larger gap would make the check meaningless, and a
-/// smaller gap would need too many trials.
+/// A question for `design`: a target, the varied field, and the largest allowed gap between a value that meets the
+/// target and a value that misses it. A larger gap would make the check meaningless, and a smaller gap would need too
+/// many trials.
 #[derive(Debug)]
 pub(crate) struct Design {
     pub(crate) name: &'static str,
@@ -175,7 +176,7 @@ pub(crate) const DESIGNS: &[Design] = &[
     },
 ];
 
-/// Scenes for the check of `distinguish`. In each scene, every pair of radii is checked. All scenes together have
+/// Scenes for the check of `distinguish`. In each scene, every pair of radii is checked. Together, the scenes have
 /// twenty pairs.
 pub(crate) const OBJECTS: &[Objects] = &[
     Objects {

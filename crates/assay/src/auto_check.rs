@@ -70,16 +70,16 @@ pub fn run(out: &Path, counted: bool) -> Result<String> {
 /// A model that `auto` chose, and the comparison of its cost with the costs of the other models.
 struct Verdict<'a> {
     choice: &'a AutoChoice,
-    /// Number of processor instructions of the chosen model.
+    /// Number of processor instructions that the chosen model executes for one run of the scene.
     taken: u64,
-    /// Index of the cheapest model within the tolerance, and its number of processor instructions; `None` if no model
-    /// is within the tolerance.
+    /// Index in the scene's models of the cheapest model within the tolerance, and its number of instructions. `None`
+    /// if no model is within the tolerance.
     cheapest: Option<(usize, u64)>,
 }
 
 impl<'a> Verdict<'a> {
-    /// Finds the cheapest model. `counts` contains the number of instructions of each of the [`AutoChoice::counted`]
-    /// models.
+    /// Finds the cheapest model within the tolerance. `counts` yields the number of instructions of each model in
+    /// [`AutoChoice::counted`].
     fn new(choice: &'a AutoChoice, counts: &mut impl Iterator<Item = u64>) -> Self {
         let counted: Vec<(usize, u64)> = choice.counted().zip(counts).collect();
         let taken = counted.iter().find(|(place, _)| *place == choice.taken);
@@ -103,7 +103,6 @@ impl<'a> Verdict<'a> {
     }
 }
 
-/// Writes the table with the choices of `auto` on all scenes.
 fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     let row = |verdict: &Verdict<'_>| {
         let Verdict {
@@ -139,8 +138,8 @@ fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     csv_table::write(out, verdicts.iter().map(row))
 }
 
-/// Summary for each kind of scene. It states how many scenes pass the check, how many have competing models or an
-/// independent reference, and the largest ratio of costs. Returns an error if a scene fails the check.
+/// Summary for each kind of scene: how many scenes pass the check, how many have competing models or an independent
+/// reference, and the largest ratio of costs. Returns an error if a scene fails the check.
 fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {
         let of = || verdicts.iter().filter(move |one| one.choice.kind == kind);

@@ -40,8 +40,9 @@ impl RollEnd {
         Self::new(direction, length(r), [r, -c * r * r])
     }
 
-    /// The end of a roll within a plane that contains the object's axis. `path` is the length of the contact's path.
-    /// The last contact point on the object has the given `distance` from the axis and the given `height`.
+    /// The end of a roll within a plane that contains the object's axis of symmetry. `path` is the length of the
+    /// contact's path. The last contact point on the object has the given `distance` from the axis and the given
+    /// `height`.
     fn new(direction: f64, path: f64, [distance, height]: [f64; 2]) -> Self {
         let ahead = Vector3::new(libm::cos(direction), libm::sin(direction), 0.0);
         let (sine, cosine) = libm::sincos(path);
@@ -65,9 +66,9 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // `most` is an upper bound of s = √(1 + 4 (k²x² + l²y²)). If the object is concave, the contact is farthest from
-    // the axis for s = 1. If the object is convex, the contact is never farther from the axis than the centre of the
-    // tip.
+    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)). If the object is concave, the contact is
+    // farthest from the axis for s = 1. If it is convex, the contact is never farther from the axis than the centre of
+    // the tip.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
@@ -113,8 +114,8 @@ pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     [x, y, a * libm::sin(x / l) * libm::cos(y / l)]
 }
 
-/// The largest number for which the condition `holds` is true, found by bisection to the last bit. The condition must
-/// be true for all smaller numbers and false for all larger ones.
+/// The largest number for which `holds` is true, by bisection to the last bit. `holds` must be true for all smaller
+/// numbers and false for all larger ones.
 fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     while let middle = 0.5 * (low + high)
         && low < middle

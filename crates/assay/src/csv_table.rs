@@ -25,7 +25,6 @@ pub fn write(path: &Path, rows: impl IntoIterator<Item = impl AsRef<[Column]>>) 
     fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Text of a value. The text is empty for `None`.
 pub(crate) fn or_empty<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or_else(String::new, text)
 }

@@ -1,9 +1,9 @@
 //! Measures two properties of estimates on random scenes: the coverage of their 50, 80 and 95 % intervals, and their
 //! warnings.
 //!
-//! Each row of a table of `palpate` defines a family of similar scenes. For each family, this program draws random
-//! scenes and simulates noisy readings. It counts how often the intervals of the estimates contain the true value, and
-//! how often an estimate has a warning.
+//! Each row of a table in `crates/palpate/src/coverage/` defines a family of similar scenes. For each family, this
+//! program draws random scenes and simulates noisy readings. It counts how often the intervals of the estimates contain
+//! the true value, and how often an estimate has a warning.
 
 mod coverage;
 mod random_scene;
@@ -14,14 +14,14 @@ use rayon::prelude::*;
 use coverage::{SceneCoverage, Score};
 use random_scene::RandomScene;
 
-/// Largest allowed share of estimates with a warning. This limit applies if the readings agree with the model and the
-/// intervals are correct.
+/// Largest allowed share of estimates with a warning, if the readings agree with the model and the intervals are
+/// correct.
 const MAX_FALSE_ALARMS: f64 = 0.05;
-/// Smallest coverage of 95 % intervals at which the intervals count as correct.
+/// Intervals count as correct if at least this share of the 95 % intervals contains the true value.
 const CORRECT_COVERAGE: f64 = 0.92;
 /// Smallest allowed share of estimates with a warning, if the readings have a flaw.
 const MIN_DETECTED: f64 = 0.9;
-/// Flaw of readings that were recorded without a contact. For such readings, the estimate must fail.
+/// Name of the flaw of readings that were recorded without a contact. For such readings, the estimate must fail.
 const NO_CONTACT: &str = "no contact";
 
 /// Options of a measurement of coverage and warnings.
@@ -81,7 +81,6 @@ pub fn measure(
     Ok((String::from_utf8(writer.into_inner()?)?, misses))
 }
 
-/// The text in the column `name` of a row; empty if the table has no such column.
 fn cell<'a>(header: &csv::StringRecord, row: &'a [String], name: &str) -> &'a str {
     let place = header.iter().position(|column| column == name);
     place
@@ -89,7 +88,6 @@ fn cell<'a>(header: &csv::StringRecord, row: &'a [String], name: &str) -> &'a st
         .map_or("", String::as_str)
 }
 
-/// Measures the family that a row defines.
 fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Result<Score> {
     let cells: Vec<(&str, &str)> = header.iter().zip(row.iter().map(String::as_str)).collect();
     let count =
@@ -107,7 +105,7 @@ fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Re
     Ok(Score::new(&scenes.collect::<Result<Vec<_>>>()?))
 }
 
-/// Text about the limit on warnings that a family violates; `None` if it violates no limit.
+/// Text about the limit on the share of warnings that a family violates; `None` if it violates no limit.
 fn miss(flaw: &str, score: &Score) -> Option<String> {
     match flaw {
         "" => (score.warned > MAX_FALSE_ALARMS && score.coverage[2] >= CORRECT_COVERAGE)
@@ -130,7 +128,7 @@ mod tests {
 
     use super::*;
 
-    /// Rows of a CSV table. Each row is a list of pairs of a column name and a text.
+    /// Rows of a CSV table. Each row is a list of pairs: the name of the column, and the text.
     fn rows(table: &str) -> Vec<Vec<(String, String)>> {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let header = reader.headers().unwrap().clone();

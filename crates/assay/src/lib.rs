@@ -1,10 +1,13 @@
 //! Test programs for palpate as a whole.
 //!
-//! [`tradeoff`] measures the error and the cost of each model, and [`auto_check`] checks that `auto` chooses a cheap
-//! model that is accurate enough. [`answer_check`] checks the answers of `design` and `distinguish`, and [`intervals`]
-//! the coverage of the intervals. The instruction counts of the [`workloads`] and the errors in [`accuracy`] must not
-//! increase. [`peer_tasks`] measures the run time of palpate on tasks that other programs (its peers) can solve too.
-//! True values come from independent computations: [`paraboloid_reference`] for presses, [`contact_reference`] for
+//! - [`tradeoff`] measures the error and the cost of each model.
+//! - [`auto_check`] checks that the setting `model = auto` chooses a cheap model that is accurate enough.
+//! - [`answer_check`] checks the answers of `palpate design` and `palpate distinguish`.
+//! - [`intervals`] measures how often the stated intervals contain the true value.
+//! - [`accuracy`] has errors, and [`workloads`] has instruction counts, that must not increase from commit to commit.
+//! - [`peer_tasks`] measures the run time of palpate on tasks that other programs (its peers) can solve too.
+//!
+//! The true values come from independent computations: [`paraboloid_reference`] for presses, [`contact_reference`] for
 //! rolls and round fingertips.
 
 pub mod accuracy;

@@ -1,4 +1,4 @@
-//! The program that runs the tests of this crate for `cargo xtask`.
+//! The program with which `cargo xtask` runs the tests of this crate.
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
@@ -147,7 +147,6 @@ impl Intervals {
     }
 }
 
-/// Parser for counts that must be at least 1.
 fn at_least_one() -> RangedU64ValueParser {
     clap::value_parser!(u64).range(1..)
 }
@@ -158,7 +157,7 @@ fn limit(text: &str) -> Result<(String, f64), String> {
     Ok((task.to_owned(), error))
 }
 
-/// Prints names and values as CSV. `figure` is the header of the column with the values.
+/// Prints names and values as CSV. `figure` is the header of the column of values.
 fn print_figures(figure: &str, figures: Vec<(String, f64)>) -> Result<()> {
     let mut writer = csv::Writer::from_writer(std::io::stdout());
     writer.write_record(["name", figure])?;

@@ -143,7 +143,6 @@ fn hertz(poisson: f64, a: f64, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
     sum(NEGLIGIBLE / depth, 1.0 / depth, a, distances, waves)
 }
 
-/// The function (sin x − x cos x)/x³, computed without cancellation for small x.
 fn hump(x: f64) -> f64 {
     if x > 0.5 {
         return (libm::sin(x) - x * libm::cos(x)) / (x * x * x);

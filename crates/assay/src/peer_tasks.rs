@@ -18,36 +18,34 @@ use crate::timing::Evaluation;
 use crate::workloads::marker_presses::markers;
 use crate::workloads::{camera_frames, ep2_contacts};
 
-/// Number of patches in the tasks with few contacts per patch.
+/// Number of patches in the tasks that have few contacts per patch.
 const PATCHES: u64 = 200;
 /// Number of contacts of the large patch.
 const MANY: usize = 100_000;
 /// Side lengths of the frames, px.
 const FRAMES: [usize; 2] = [640, 1024];
-/// Time for which a computation is repeated to measure its run time.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 const PRESS_TASK: &str = "press, contact and pressure";
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 1.4;
 const YOUNG: f64 = 1.0;
-/// Number of points along a side of the square grid that the peer program uses.
+/// Number of points along a side of the square grid of the peer program Tamaas.
 const POINTS: usize = 256;
-/// Length (mm) of a side of the square grid that the peer program uses.
+/// Side (mm) of the square grid of the peer program Tamaas.
 const SIDE: f64 = 16.0;
 
-/// Cost and error of one model on one task.
 struct Figure {
-    /// Name of the task, as in the output of the peers.
+    /// Name of the task, as in the output of the peer programs.
     task: String,
     rung: String,
     time_us: f64,
-    /// Error of the model, defined in the same way as the errors of the peers.
+    /// Error of the model, defined like the errors of the peer programs.
     error: f64,
 }
 
 impl Figure {
-    /// Measures the time of `run`, which performs the task `times` times per call.
+    /// Measures the time per task of `run`. Each call of `run` performs the task `times` times.
     fn measured<T>(
         task: impl Into<String>,
         rung: impl Into<String>,
@@ -156,8 +154,8 @@ fn frames() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Measures the contact of a ball with a half-space: its force, its pressure, and the displacements at the points of
-/// the peer's grid or at a sensor's markers.
+/// Measures the contact of a ball with a half-space: force, pressure, and the displacements at the points of the peer
+/// program's grid or at a sensor's markers.
 fn contacts() -> Result<Vec<Figure>> {
     let surface = Body::hertz(0.0)?;
     let contact = surface.press(1.0 / RADIUS, DEPTH)?;
@@ -198,7 +196,7 @@ fn contacts() -> Result<Vec<Figure>> {
 
 type Contact = (Option<f64>, Option<f64>, Vec<f64>);
 
-/// Computes the contact and the displacements at the points of a grid.
+/// Computes the contact, and the displacements at the points of a grid.
 fn solve(body: &Body, grid: &[f64]) -> Result<Contact, PressError> {
     let contact = body.press(1.0 / RADIUS, black_box(DEPTH))?;
     let moved = grid.iter().map(|&r| contact.displacement(r).normal);

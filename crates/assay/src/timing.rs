@@ -21,11 +21,10 @@ pub const COUNTED: &str = "--counted";
 pub const NO_VALGRIND: &str =
     "valgrind is not installed: instructions are not counted, their column stays empty";
 
-/// Smallest duration of a batch of runs. A batch must be so long that the time for reading the clock is negligible.
+/// Smallest duration of a batch of runs, so long that the time for reading the clock is negligible.
 const MIN_BATCH_TIME: Duration = Duration::from_millis(5);
 /// Number of runs of each evaluation under callgrind. Only the last run is counted.
 const RUNS: usize = 2;
-/// Smallest number of batches that are timed, even if a single batch takes a long time.
 const MIN_BATCHES: usize = 3;
 /// Pattern for the name of [`evaluate_once`] in the compiled program, whether or not the compiler has mangled it.
 const EVALUATE_ONCE: &str = "*timing*evaluate_once*";
@@ -35,7 +34,7 @@ pub struct Evaluation {
     /// Name of the computation, for messages.
     pub name: String,
     run: Box<dyn FnMut()>,
-    /// Number of evaluations in one run. The cost of the run is divided by this number.
+    /// Number of evaluations in one run. The cost of a run is divided by this number.
     evaluations: u32,
 }
 
@@ -93,7 +92,7 @@ impl Evaluation {
         Spread { q25, median, q75 }
     }
 
-    /// Number of runs in a batch. Together, they take at least [`MIN_BATCH_TIME`].
+    /// Number of runs that together take at least [`MIN_BATCH_TIME`].
     fn batch_length(&mut self) -> u32 {
         let mut length = 1;
         while self.batch(length) < MIN_BATCH_TIME {
@@ -111,7 +110,7 @@ impl Evaluation {
     }
 }
 
-/// Quantile of sorted values, with linear interpolation. The quantile is given as a share from 0 to 1.
+/// Quantile of sorted values with linear interpolation. `share` (0 to 1) is the quantile's probability.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
     let (below, above) = (place.floor() as usize, place.ceil() as usize);
@@ -131,7 +130,7 @@ pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
 #[inline(never)]
 fn evaluate_once(run: &mut dyn FnMut()) {
     run();
-    // Without this line, the function above could be a tail call. Callgrind would then consider this function finished
+    // Without this line, the call of `run` could be a tail call. Callgrind would then consider this function finished
     // before `run` has finished.
     black_box(());
 }

@@ -43,7 +43,6 @@ pub struct Options<'a> {
     pub counted: bool,
 }
 
-/// All ladders, in the order in which the simulation of a scene needs them.
 fn ladders() -> Result<Vec<Ladder>> {
     Ok(vec![
         rolling_models::ladder()?,
@@ -108,7 +107,7 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     stages::write(&stages, stage_counts, patience, options.out)
 }
 
-/// Number of evaluations per run, for each rung of the ladders.
+/// Number of evaluations per run of each rung, in the order of the ladders.
 fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
     let stages = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
     stages.flat_map(|stage: &SceneRungs| stage.rungs.iter().map(|rung| rung.evaluation.scale()))
@@ -120,7 +119,8 @@ fn measure(
     patience: Duration,
 ) -> Result<Vec<MeasuredRung>> {
     let measure = |rung: ladder::Rung| {
-        // Compute the error before the time, because computing the error checks that the rung can be evaluated.
+        // Compute the error before measuring the time, because computing the error checks that the rung can be
+        // evaluated.
         let error = (rung.error)().with_context(|| rung.name.clone())?;
         let mut evaluation: Evaluation = rung.evaluation;
         let ns = evaluation.time(patience);

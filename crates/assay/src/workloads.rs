@@ -24,14 +24,13 @@ use unit_rolls::{Chart, Ep1, Model};
 /// Number of trials of a workload. The sweep runner divides them into four blocks.
 const TRIALS: u64 = 4096;
 
-/// Name of a workload, and the function that creates its computation from the name.
+/// Name of a workload, and a function that creates its computation. The function's argument is the name.
 type Workload = (&'static str, Box<dyn Fn(&str) -> Result<Evaluation>>);
 
 fn workload(name: &'static str, make: impl Fn(&str) -> Result<Evaluation> + 'static) -> Workload {
     (name, Box::new(make))
 }
 
-/// All workloads. Each run of a workload does the same work.
 fn workloads() -> Vec<Workload> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 16, chart };
@@ -178,7 +177,6 @@ pub fn count(name: &str) -> Result<()> {
     Ok(())
 }
 
-/// Evaluates the heights of a formula and their derivatives.
 fn formula(name: &str, points: u32) -> Result<Evaluation> {
     let parameters = BTreeMap::from([("a".to_owned(), 0.2)]);
     let formula = Formula::parse("a * sin(2 * x) * cos(2 * y) + x^2 / 8", &parameters)?;
@@ -189,7 +187,6 @@ fn formula(name: &str, points: u32) -> Result<Evaluation> {
     }))
 }
 
-/// Reads a config with two sweeps and two plots.
 fn config(name: &str) -> Result<Evaluation> {
     let text = include_str!("../../../examples/press-a-ball.toml");
     palpate_study::config::parse("press-a-ball.toml", text)?;

@@ -104,8 +104,8 @@ impl AutoChoice {
         matches!(self.models[place].rung.accuracy, palpate::Accuracy::Error(error) if error <= self.tolerance)
     }
 
-    /// Indices of the models whose instructions are counted: the chosen model, and all other models whose error is
-    /// within the tolerance and which could be cheaper.
+    /// Indices in `models` of the models whose instructions are counted: the chosen model, and all other models whose
+    /// error is within the tolerance and which may be cheaper.
     pub(super) fn counted(&self) -> impl Iterator<Item = usize> {
         let taken = self.models[self.taken].evaluations;
         (0..self.models.len()).filter(move |&place| {
@@ -115,12 +115,12 @@ impl AutoChoice {
         })
     }
 
-    /// For each counted model, the computation whose instructions are counted.
+    /// The computation whose instructions are counted, for each counted model.
     pub(super) fn evaluations(&self) -> Result<Vec<Evaluation>> {
         self.counted().map(|place| self.evaluation(place)).collect()
     }
 
-    /// The computation of the scene's true values with the model at index `place` of `models`.
+    /// The computation of the scene's true values with the model `models[place]`.
     fn evaluation(&self, place: usize) -> Result<Evaluation> {
         let rung = &self.models[place].rung;
         let mut run = truth(&self.study, rung)?;
@@ -130,12 +130,12 @@ impl AutoChoice {
     }
 }
 
-/// A computation that can be repeated. It returns the number of contacts or markers that it has computed.
+/// A repeatable computation. It returns the number of contacts or markers that it has computed.
 type Computation = Box<dyn FnMut() -> Result<usize>>;
 
-/// Returns a computation that simulates the first scene of the study with the model `rung`, without noise. It computes
-/// the contacts of a roll or a glide, or the marker displacements of a press. The set-up of the scene is not part of
-/// the computation.
+/// Returns a computation that simulates the first cell of the study with the model `rung`, without noise: the contacts
+/// of a roll or a glide, or the marker displacements of a press. The set-up of the scene is not part of the
+/// computation.
 fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     let scene = &study.config.scene;
     match (scene.with_model(&rung.model), &rung.model) {
@@ -155,7 +155,6 @@ fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     }
 }
 
-/// Computes the rolls of all probes.
 fn rolls(scene: Scene) -> Result<Computation> {
     let Scene::Roll(scene) = scene else {
         bail!("the scene is not a roll");
@@ -169,7 +168,6 @@ fn rolls(scene: Scene) -> Result<Computation> {
     }))
 }
 
-/// Computes the contact of a press and the displacements of the markers.
 fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> {
     let (body, markers) = (body(config, model)?, markers(config)?);
     let object_curvature = curvature(config)?;

@@ -45,8 +45,8 @@ pub fn config_text(kind: Kind, number: u64) -> String {
     )
 }
 
-/// Config text of an object that a probe of radius `r` touches only at one point. The returned number is the largest
-/// distance from the object's middle at which a contact may lie.
+/// Config text of an object that a probe of radius `r` touches only at one point, and the largest distance from the
+/// object's middle at which a contact may lie.
 fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     let size = r * draws.log_between(0.5, 30.0);
     match kind {
@@ -94,8 +94,8 @@ fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     }
 }
 
-/// Config text of a random roll. Most of these rolls need an integrator, because few objects have a closed-form
-/// solution. In addition, some rolls start beside the apex, have spin, or consist of several motions.
+/// Config text of a random roll. Few of the objects have a closed-form solution, so most rolls need an integrator. Some
+/// rolls start beside the apex, have spin, or consist of several motions.
 fn roll(mut draws: Draws) -> String {
     const KINDS: [usize; 12] = [0, 1, 2, 3, 4, 4, 4, 5, 6, 6, 6, 7];
     let radius = draws.log_between(1e-2, 1e2);
@@ -113,8 +113,8 @@ fn roll(mut draws: Draws) -> String {
         0 => format!(", spin_rad_per_s = {:e}", turn * draws.between(-1.0, 1.0)),
         _ => String::new(),
     };
-    // The check itself uses rolls without noise. Noise that is drawn at several instants is stated here only because it
-    // divides a roll into several motions.
+    // The check itself uses rolls without noise. Noise is stated here only because noise that is drawn at several
+    // instants divides a roll into several motions.
     let noise = match draws.index(4) {
         0 => format!(
             "noise = {{ angular_velocity = {{ kind = \"gaussian\", fraction = 0.01, when = \"per-instant\", \
@@ -151,8 +151,8 @@ fn glide(mut draws: Draws) -> String {
     )
 }
 
-/// Config text of a random press. Some presses are on layers so thick that the cheapest model is accurate enough.
-/// Others are on layers so thin that the rigid base under the layer dominates the contact.
+/// Config text of a random press. In some presses, the layer is so thick that the cheapest model is accurate enough. In
+/// others, it is so thin that the rigid base under the layer dominates the contact.
 fn press(mut draws: Draws) -> String {
     let radius = draws.log_between(1.0, 1e2);
     let size = radius * draws.log_between(1.0, 30.0);

@@ -16,13 +16,13 @@ use palpate_study::config::{
 use crate::contact_reference::{tip_on_ellipsoid, tip_on_quadric, tip_on_waves};
 use crate::paraboloid_reference::{Body, ParaboloidPress};
 
-/// Compared numbers of steps of the integrator RK4.
+/// Numbers of steps with which the integrator RK4 competes.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Compared tolerances of DOP853 and of Newton's method, as negative decimal exponents: 1 means a tolerance of 0.1.
+/// Tolerances with which DOP853 and Newton's method compete, as negative decimal exponents: 1 means a tolerance of 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Largest difference at which two distances of markers from the contact count as equal, relative to the sensor's
+/// Two distances of markers from the contact count as equal if they differ by less than this share of the sensor's
 /// radius.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
@@ -39,7 +39,6 @@ pub struct CompetingModel {
 pub(super) struct CompetingModels {
     pub(super) all: Vec<CompetingModel>,
     pub(super) taken: usize,
-    /// Name of the reference method.
     pub(super) truth: &'static str,
 }
 
@@ -98,15 +97,14 @@ fn roll_models(study: &Study) -> Result<CompetingModels> {
     })
 }
 
-/// Reference for rolls. It uses Montana's equations in the charts of both bodies, with coordinates, metrics and
-/// Christoffel symbols. The reference is independent, because the models under test use other quantities: a normal and
-/// a shape operator in 3D.
+/// Reference for rolls: Montana's equations in the charts of both bodies, with coordinates, metrics and Christoffel
+/// symbols. It is independent, because the competing models use a normal and a shape operator in 3D instead of charts.
 const TRUE_ROLL: Model = Model::Dop853 {
     tolerance: Model::SMALLEST_TOLERANCE,
     chart: Chart::Montana(HeldAxis::Transported),
 };
 
-/// Contact at the end of each roll: the point on the object, then the point on the probe.
+/// Contact points at the end of each roll: first the point on the object, then the point on the probe.
 fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f64>>> {
     let radius = roller.probe().radius();
     let roller = roller.on(model, rolls)?;
@@ -118,8 +116,8 @@ fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f6
     Ok(ends)
 }
 
-/// Length scale of the contact: the distance that the contact moves per radian of rolling at the start, in the
-/// direction in which this distance is smallest.
+/// Distance that the contact moves per radian of rolling at the start of a roll, in the direction in which this
+/// distance is smallest.
 fn length_scale(roller: &Roller) -> Result<f64> {
     let first = roller.first_contact();
     let (_, curvature) = roller
@@ -130,14 +128,12 @@ fn length_scale(roller: &Roller) -> Result<f64> {
     Ok(1.0 / (1.0 / roller.probe().radius() + sharpest))
 }
 
-/// Largest distance between the two points of a pair, over all pairs.
 fn farthest<'a>(pairs: impl Iterator<Item = (&'a Point3<f64>, &'a Point3<f64>)>) -> f64 {
     pairs.fold(0.0, |most: f64, (one, other)| {
         most.max((one - other).norm())
     })
 }
 
-/// The config that selects this roll model.
 fn named(model: Model) -> Result<RollModelConfig> {
     let chart = config::Chart::Free;
     Ok(match model {
@@ -152,7 +148,7 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// Models of a glide, with their errors. If the object has a model with a closed form, this model and Newton's method
+/// Models of a glide, with their errors. If a model has a closed form for the object, this model and Newton's method
 /// are the references for each other. For other objects, the reference is the closed-form solution of the offset
 /// surface.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
@@ -215,8 +211,8 @@ fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Contacts of all fingers, computed from the closed-form solution of the offset surface. `None` for objects for which
-/// a competing model has a closed form itself.
+/// Contacts of all fingers, from the closed-form solution of the offset surface (the surface of all centres of the
+/// tip). `None` for objects for which a competing model itself has a closed form.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {
@@ -293,7 +289,6 @@ fn press_models(config: &PressConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Distances of the markers from the contact, without duplicates.
 fn distances(config: &PressConfig) -> Result<Vec<f64>> {
     let markers = markers(config)?;
     let mut distances = markers.distances([0.0; 2]);
@@ -303,7 +298,6 @@ fn distances(config: &PressConfig) -> Result<Vec<f64>> {
     Ok(distances)
 }
 
-/// The soft body of a model.
 pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<press::Body> {
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     Ok(match *model {
@@ -318,7 +312,7 @@ pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<pre
     })
 }
 
-/// Curvature of the object, which must be round.
+/// Curvature of the pressed object. An error if the object is not round, that is, has two different curvatures.
 pub(super) fn curvature(config: &PressConfig) -> Result<f64> {
     Ok(match config.object {
         PressObjectConfig::Sphere { radius } => radius.recip(),
@@ -330,7 +324,7 @@ pub(super) fn curvature(config: &PressConfig) -> Result<f64> {
     })
 }
 
-/// Markers in the layout of the published sensor, under a skin with the config's radius.
+/// Markers in the layout of the 2020 paper's sensor, under a skin with the radius in the config.
 pub(super) fn markers(config: &PressConfig) -> Result<Markers> {
     let PressProbeConfig::MarkerSphere { radius, .. } = config.probe;
     let places = Layout::published().places(radius)?;

@@ -1,5 +1,5 @@
-//! Counts warnings, errors and correct intervals over the trials of a scene, and computes from them the score of a
-//! family of scenes.
+//! Counts warnings, errors and correct intervals over the trials of a scene, and computes the score of a family of
+//! scenes from these counts.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::random_scene::RandomScene;
 /// as a warning.
 const REJECTED: &str = "other-body";
 
-/// Number of trials with each kind of warning or error.
+/// Number of trials for each name of a warning or error.
 type NameCounts = BTreeMap<&'static str, f64>;
 
 /// Counts of warnings, errors and intervals that contain the true value, over the trials of a scene.
@@ -19,17 +19,15 @@ type NameCounts = BTreeMap<&'static str, f64>;
 pub(super) struct SceneCoverage {
     trials: f64,
     estimates: f64,
-    /// Number of trials with a warning.
     warned: f64,
     warnings: NameCounts,
     failures: NameCounts,
-    /// For each counted quantity: the number of estimates, and how many of the 50, 80 and 95 % intervals contain the
-    /// true value.
+    /// For each counted quantity: the number of estimates, and the numbers of the 50, 80 and 95 % intervals that
+    /// contain the true value.
     quantities: Vec<(f64, [f64; 3])>,
 }
 
 impl SceneCoverage {
-    /// Runs a trial of a scene and adds its result to the counts.
     pub(super) fn add(&mut self, scene: &RandomScene, trial: u64) {
         let mut hits: Vec<(usize, [bool; 3])> = Vec::new();
         let warnings = scene.trial(trial, &mut |quantity, outcome| {
@@ -46,8 +44,8 @@ impl SceneCoverage {
         self.count(warnings, &hits);
     }
 
-    /// Adds the result of a trial to the counts: its warnings or its error, and for each quantity whether its intervals
-    /// contain the true value.
+    /// Adds a trial to the counts: its warnings or its error, and for each quantity whether the intervals contain the
+    /// true value.
     fn count(
         &mut self,
         warnings: Result<Vec<&'static str>, &'static str>,
@@ -76,8 +74,8 @@ impl SceneCoverage {
         }
     }
 
-    /// Coverage of the intervals of a quantity. A trial without an estimate counts as if its interval missed the true
-    /// value.
+    /// Coverage of the 50, 80 and 95 % intervals of one quantity. A trial without an estimate counts as if its
+    /// intervals missed the true value.
     fn shares(&self, quantity: usize) -> [f64; 3] {
         match self.quantities.get(quantity) {
             Some((count, sums)) if *count > 0.0 => {
@@ -93,7 +91,6 @@ impl SceneCoverage {
 pub(super) struct Score {
     pub(super) scenes: usize,
     pub(super) trials: f64,
-    /// Share of trials without an estimate.
     pub(super) failed: f64,
     pub(super) failures: String,
     /// Coverage of the 50, 80 and 95 % intervals of one quantity: the quantity whose 95 % intervals have the lowest
@@ -101,7 +98,6 @@ pub(super) struct Score {
     pub(super) coverage: [f64; 3],
     /// Lowest coverage of 95 % intervals in a single scene, for the same quantity as in `coverage`.
     pub(super) lowest: f64,
-    /// Share of estimates with a warning.
     pub(super) warned: f64,
     pub(super) warnings: String,
 }
@@ -144,7 +140,6 @@ impl Score {
         }
     }
 
-    /// The score as columns of the table of families of scenes.
     pub(super) fn columns(&self) -> [(&'static str, String); 10] {
         let [half, most, all] = self.coverage;
         [
@@ -162,7 +157,6 @@ impl Score {
     }
 }
 
-/// A share, rounded to thousandths.
 fn rounded(share: f64) -> f64 {
     (1e3 * share).round() / 1e3
 }

@@ -12,27 +12,25 @@ use serde_json::json;
 
 use crate::random_draws::Draws;
 
-/// Path of the config field for the curvature of random surfaces. If the range of this field contains negative values,
-/// the surfaces are balls and dishes. If the range starts at 0, the surfaces have waves, and its upper end limits their
-/// curvature.
+/// Path of the field in the table of families that states the curvature of random surfaces. If its range contains
+/// negative values, the surfaces are balls and dishes. If its range starts at 0, the surfaces are quadrics with waves,
+/// and the upper end of the range limits their curvature.
 const CURVATURE: &str = "scene.object.curvature";
-/// Fields whose values are integers.
 const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];
 /// Formula of a surface that is a quadric with two waves.
 const WAVES: &str = "a*x*x + b*x*y + c*y*y + p*sin(k*x + l*y + f) + q*sin(m*x + n*y + g)";
-/// Smallest and largest wave number, in units of 1 / (distance between the outermost fingers).
+/// Smallest and largest wave number of a wave, in units of 1 / (distance between the outermost fingers).
 const WAVE_NUMBERS: [f64; 2] = [1.2, 4.8];
 
-/// A random scene, and the quantities for which the coverage of intervals is measured.
 pub(super) struct RandomScene {
     scene: Scene,
     flaw: PressFlaw,
-    /// Indices of the quantities for which the coverage is measured.
+    /// Indices of the scene's quantities for which the coverage of intervals is measured.
     pub(super) quantities: Vec<usize>,
 }
 
 impl RandomScene {
-    /// Draws scene `number` of a family. `cells` contains the family's row of the table: pairs of a column name and a
+    /// Draws scene `number` of a family. `cells` is the family's row of the table, as pairs of a column name and a
     /// text.
     pub(super) fn new(cells: &[(&str, &str)], seed: u64, number: u64) -> Result<Self> {
         let mut draws = Draws(Stream::new(seed, number, Channel::PadOffset));
@@ -69,10 +67,10 @@ impl RandomScene {
         })
     }
 
-    /// Runs a trial and returns the names of its warnings.
+    /// Simulates and estimates a trial, and returns the names of the estimate's warnings.
     ///
     /// # Errors
-    /// The name of the failure.
+    /// The name of the failure if the trial has no estimate.
     pub(super) fn trial(
         &self,
         trial: u64,
@@ -85,8 +83,8 @@ impl RandomScene {
     }
 }
 
-/// The flaw that this text describes, for example `outlier of 8 standard deviations`, if it is a flaw of a press. Flaws
-/// of other kinds are already part of the scene.
+/// The flaw of a press that the text `flaw` describes, for example `outlier of 8 standard deviations`. Flaws of other
+/// kinds are already part of the scene.
 fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     let SceneConfig::Press(press) = scene else {
         return PressFlaw::default();
@@ -108,8 +106,8 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     }
 }
 
-/// Random value of a field between two limits. Positive values are uniform on a logarithmic scale. For curvatures
-/// relative to the probe's curvature, 1 plus the curvature is uniform on a logarithmic scale.
+/// Random value of a field between two limits. Positive values are uniform on a logarithmic scale. If the field is a
+/// curvature relative to the probe's curvature, 1 plus the value is uniform on a logarithmic scale.
 fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     match field {
         _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),
@@ -119,7 +117,7 @@ fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// A random quadric with two waves, in the form of the config. The second derivatives of the quadric and of each wave
+/// A random quadric with two waves, as an object of a config. The second derivatives of the quadric and of each wave
 /// are at most half of `max`.
 fn waves(draws: &mut Draws, max: f64) -> serde_json::Value {
     let second = 0.5 * max;

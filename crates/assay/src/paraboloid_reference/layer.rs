@@ -1,4 +1,6 @@
-//! Contact with a bonded layer. Lengths are in units of the layer's thickness.
+//! Contact of a paraboloid with a bonded layer. The auxiliary function φ of the pressure satisfies the following
+//! integral equation for 0 ≤ t ≤ α, where α is the contact radius. Lengths are in units of the layer's thickness, and D is the indentation
+//! divided by the relative curvature.
 //!
 //! ```text
 //! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²),   φ(α) = 0
@@ -13,16 +15,16 @@ use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
 use super::quadrature::{NEGLIGIBLE, PHASE, abel, around, on_panels, over, sum};
 
-/// Maximum number of steps of the secant method; usually about eight are needed.
+/// Maximum number of steps of the secant method for the contact radius; usually about eight steps are needed.
 const MAX_STEPS: usize = 60;
 
 /// The contact of a paraboloid with the layer.
 #[derive(Debug)]
 pub(super) struct Layer {
     pub(super) thickness: f64,
-    /// Radius α of the contact area.
+    /// Radius of the contact area, α in the equations.
     pub(super) contact: f64,
-    /// Indentation divided by relative curvature; its symbol in the equations is D.
+    /// Indentation divided by the relative curvature, D in the equations.
     indentation: f64,
     nodes: Vec<Node>,
 }
@@ -31,19 +33,18 @@ pub(super) struct Layer {
 #[derive(Debug)]
 struct Node {
     place: f64,
-    /// Weight of the node in the quadrature.
     weight: f64,
     phi: f64,
 }
 
 impl Layer {
-    /// The contact for which indentation divided by relative curvature is `indentation_over_curvature`. The thickness
-    /// of the layer must be in the same unit of length.
+    /// The contact with this ratio of indentation to relative curvature. `thickness` must be in the same unit of
+    /// length.
     pub(super) fn at_indentation(thickness: f64, indentation_over_curvature: f64) -> Result<Self> {
         let wanted = indentation_over_curvature / (thickness * thickness);
         let solve = |contact: f64| Self::with_radius(thickness, contact);
-        // Use logarithms in the secant method. The logarithm of D (indentation divided by relative curvature) is almost
-        // a linear function of the logarithm of the contact radius α.
+        // Use logarithms in the secant method: ln D (D is the ratio of indentation to relative curvature) is almost a
+        // linear function of ln α (α is the contact radius).
         let [mut before, mut here] = [solve(wanted.sqrt())?, solve(1.2 * wanted.sqrt())?];
         for _ in 0..MAX_STEPS {
             let slope = libm::log(here.contact / before.contact)
@@ -63,7 +64,7 @@ impl Layer {
         }
     }
 
-    /// The contact with a contact area of radius α = `contact`, in units of the layer's thickness.
+    /// The contact whose radius α is `contact`, in units of the layer's thickness.
     fn with_radius(thickness: f64, contact: f64) -> Result<Self> {
         let intervals = 2 * (12.0 + 8.0 * contact).ceil() as usize;
         let places: Vec<[f64; 2]> = over(0.0, contact, intervals).collect();
@@ -99,7 +100,7 @@ impl Layer {
         })
     }
 
-    /// The Hankel transform Q(k) of the pressure.
+    /// The Hankel transform Q of the pressure at the wavenumber k.
     fn transform(&self, k: f64) -> f64 {
         let nodes = self.nodes.iter();
         nodes
@@ -107,8 +108,8 @@ impl Layer {
             .sum()
     }
 
-    /// The auxiliary function φ of the pressure, at the distance t from the middle of the contact. Its value is
-    /// interpolated by the polynomial through the values at the Chebyshev nodes.
+    /// The auxiliary function φ of the pressure at the distance t from the middle of the contact: the polynomial
+    /// through the values at the Chebyshev nodes.
     fn phi(&self, t: f64) -> f64 {
         let last = self.nodes.len() - 1;
         let (mut sum, mut weights) = (0.0, 0.0);
@@ -129,9 +130,9 @@ impl Layer {
         sum / weights
     }
 
-    /// Displacements per unit of relative curvature, inward (normal) and outward (radial), for each of these distances
-    /// from the middle of the contact. Each displacement is that of a half-space under the same pressure, plus the
-    /// effect of the rigid core.
+    /// Displacements per unit of relative curvature, inward and outward, at each of these distances from the middle of
+    /// the contact. Each displacement is that of a half-space under the same pressure, plus the effect of the rigid
+    /// core.
     pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
         let waves = |k: f64| core_effect(k, depth).map(|share| share * self.transform(k));
         let reach = NEGLIGIBLE / (2.0 - depth);

@@ -2,7 +2,6 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Number of intervals between the nodes of a panel.
 const INTERVALS: usize = 24;
 
 /// Nodes (in decreasing order) and weights of the Clenshaw–Curtis quadrature on [−1, 1], including both ends.
@@ -46,7 +45,7 @@ pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]
 }
 
 /// Nodes and weights of the quadrature from 0 to `end`, for functions that vary over a length of `width` near `place`.
-/// Panels are short near `place`, and longer farther away.
+/// Panels are short near `place`, and longer farther away from it.
 pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
     let mut bounds = vec![0.0, end, place];
     let mut reach = width;
@@ -63,13 +62,13 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
         .flat_map(|[from, to]| over(from, to, INTERVALS))
 }
 
-/// Exponent p above which the factor e⁻ᵖ is negligible.
+/// Factors e⁻ᵖ are negligible if p exceeds this number.
 pub(super) const NEGLIGIBLE: f64 = 30.0;
 /// Largest change (rad) of the integrand's phase over one panel.
 pub(super) const PHASE: f64 = 12.0;
 
-/// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a. It is the
-/// integral of φ(t)/√(r² − t²) from 0 to min(a, r), where φ is the auxiliary function of the pressure.
+/// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a: the integral of
+/// φ(t)/√(r² − t²) from 0 to min(a, r), where φ is the auxiliary function of the pressure.
 pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
     let most = if r > a { libm::asin(a / r) } else { FRAC_PI_2 };
     over(0.0, most, 48)
@@ -78,7 +77,7 @@ pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
 }
 
 /// Two integrals over wavenumbers up to `reach`: the inward displacement (with the Bessel function J₀) and the outward
-/// displacement (with J₁). The integrands must be smooth over a width of `smooth`.
+/// displacement (with J₁). The integrands must be smooth over a width of `smooth` in wavenumber.
 pub(super) fn sum(
     reach: f64,
     smooth: f64,

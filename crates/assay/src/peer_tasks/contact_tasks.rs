@@ -11,21 +11,20 @@ use super::{Figure, MANY, PATCHES};
 use crate::accuracy::rms;
 use crate::workloads::ep2_contacts;
 
-/// Number of points along a side of a curvature map.
 const SIDE: usize = 30;
-/// Number of knot intervals along each side of the peer's spline, which has six inner knots.
+/// Number of knot intervals along each side of the peer program's spline, which has six inner knots.
 const INTERVALS: usize = 7;
 
-/// Name of a method, the method, and a function that drops the parts of a fit that the peer does not compute.
+/// Name of a method, the method, and a function that removes the parts of a fit that the peer program does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
-/// Measures surface fits on all patches with few contacts. Every method is measured without standard errors, like the
-/// peer. The quadric is also measured with standard errors. The first pass of the method `two-pass` fits the same
-/// smoothing spline as the peer.
+/// Measures surface fits on all patches with few contacts. Every method is measured without standard errors, as in the
+/// peer program. The quadric is also measured with standard errors. The first pass of the method `two-pass` fits the
+/// same smoothing spline as the peer program.
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,
-        // Fit in the unit of length of the readings, because the peer's weights are also per this unit of length.
+        // Fit in the length unit of the readings, because the peer program's weights are per this unit.
         unit_length: Some(1.0),
         ..TwoPass::default()
     };
@@ -90,7 +89,6 @@ impl Method for Estimate {
     }
 }
 
-/// Measures the penalised spline on many contacts.
 pub(super) fn many() -> Result<Vec<Figure>> {
     let contacts = ep2_contacts::many(MANY);
     let method = Penalised {
@@ -116,8 +114,8 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
     contacts.iter().map(position).collect()
 }
 
-/// Fits a surface to the points, and computes its curvatures on a map. The function makes the same calls as a user's
-/// Python code would.
+/// Fits a surface to the points, and computes the curvatures on a map of this surface. The calls are those of a user's
+/// Python code.
 fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
     let readings = GlideRecording::new(points, None, None, None)?;
     let fitted = GlideFitResult::new(Cow::Owned(readings), &GlideOptions::default())?;
@@ -126,13 +124,12 @@ fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedErro
     Ok(curvatures)
 }
 
-/// Relative errors of the mean curvatures on the map of a patch with few contacts.
+/// Relative errors of the mean curvatures at the points of the map for a patch with few contacts.
 fn map_errors(map: &[Curvature]) -> impl Iterator<Item = f64> {
     map.iter()
         .map(|curvature| curvature.mean * ep2_contacts::RADIUS - 1.0)
 }
 
-/// Measures estimates from recorded glides with few and with many contacts.
 pub(super) fn recorded() -> Result<Vec<Figure>> {
     const RUNG: &str = "palpate in Rust";
     let few: Vec<_> = (0..PATCHES)

@@ -11,7 +11,7 @@ use crate::workloads::unit_rolls::{self, Chart, Ep1, Model, motion, paraboloid, 
 
 const LONG_RAD: f64 = 6.0;
 const SHORT_RAD: f64 = 0.1;
-/// Tolerances of the integrator DOP853, largest first.
+/// Tolerances that are tried for the integrator DOP853, largest first.
 const TOLERANCES: [f64; 16] = [
     1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13,
     1e-13, 3e-14,
@@ -21,8 +21,8 @@ const DEFAULT_ERROR: f64 = 1e-12;
 /// Number of trials whose time is measured.
 const TRIALS: u64 = 1 << 17;
 
-/// Measures rolls by 6 rad with two models: an integrator, and the cheapest model. `error_at_most` contains the largest
-/// allowed error of the integrator for each task.
+/// Measures rolls by 6 rad with two models: an integrator, and the cheapest model. `error_at_most` contains the
+/// integrator's largest allowed error for each task.
 pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
@@ -36,7 +36,6 @@ pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Measures rolls by 0.1 rad with the cheapest model.
 pub(super) fn short() -> Result<Vec<Figure>> {
     let objects = [("sphere", sphere()?), ("paraboloid", paraboloid()?)];
     let roll = |(name, object)| {
@@ -56,7 +55,7 @@ fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     roller(object.clone(), model, angle_rad)
 }
 
-/// A roller with the integrator DOP853, at the largest tolerance that keeps the error at most `error_at_most`.
+/// A roller with the integrator DOP853, with the largest tolerance for which the error is at most `error_at_most`.
 fn integrator(object: &Shape, error_at_most: f64) -> Result<Roller> {
     for tolerance in TOLERANCES {
         let model = Model::Dop853 {
@@ -80,8 +79,8 @@ fn figure(task: &str, roller: Roller, angle_rad: f64) -> Result<Figure> {
     }))
 }
 
-/// Measures trials of estimates from rolls (EP1): without statistics, like the peer, and with the statistics of the
-/// sweep runner.
+/// Measures trials of estimates from rolls (EP1): without statistics, as in the peer program, and with the statistics
+/// of the sweep runner.
 pub(super) fn ep1() -> Result<Vec<Figure>> {
     const TASK: &str = "EP1 trial, 8 probes";
     let [alone, whole] = [Ep1::new(Ep1::UNIFORM)?, Ep1::new(Ep1::UNIFORM)?];

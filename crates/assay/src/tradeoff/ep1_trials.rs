@@ -4,7 +4,7 @@
 use super::ladder::Ladder;
 use super::scene_trials::{Choice, Measure, relative_rms, scenes};
 
-/// Index of the curvature, whose error is measured, among the quantities of a roll.
+/// Index of the curvature whose error is measured among the quantities of a roll.
 const CURVATURE: usize = 0;
 
 const PITCHES_MM: [f64; 8] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.02];
@@ -115,8 +115,7 @@ pub(super) fn probes() -> Ladder {
     }
 }
 
-/// Roll directions at equal angles, one for each probe. If there are only two probes, their directions are at a right
-/// angle.
+/// Roll directions at equal angles, one for each probe. The directions of two probes are at a right angle.
 fn directions_deg(probes: u32) -> Vec<f64> {
     let turn = if probes == 2 { 180.0 } else { 360.0 };
     (0..probes)

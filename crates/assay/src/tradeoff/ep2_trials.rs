@@ -7,24 +7,18 @@ use palpate_scene::Scene;
 use super::ladder::{Ladder, RungError};
 use super::scene_trials::{Choice, Measure, outcomes, root_mean, scenes};
 
-/// Compared numbers of contacts per finger. There are three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
 /// Largest number of contacts per finger for the two-pass method, which takes several seconds with more contacts.
 const MAX_OF_TWO_PASS: u32 = 30;
-/// Compared numbers of knot intervals along each side of the penalised spline.
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
 /// With these numbers of contacts per finger, all numbers of knot intervals are compared.
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
 /// Compared smoothing factors of the two-pass method, used in both passes. The method adds knots until the residuals
 /// are below a limit that is proportional to this factor. The default is 1000.
 const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
-/// Index of the Gaussian curvature among the quantities of a glide.
 const GAUSSIAN: usize = 0;
-/// Index of the mean curvature among the quantities of a glide.
 const MEAN: usize = 1;
-/// Number of trials over which the error is averaged.
 const TRIALS: u64 = 40;
-/// Number of trials over which the cost is averaged.
 const TIMED: u32 = 2;
 
 /// Config lines that all scenes share. Each rung adds its motion and its estimator.
@@ -112,13 +106,13 @@ pub(super) fn fits() -> Ladder {
     }
 }
 
-/// Sums of squared errors and of squared true values, over all places of the map in one trial.
+/// Sums of squared errors and of squared true values, over all points of the map in one trial.
 #[derive(Default)]
 struct Squares {
     gaussian: f64,
     mean: f64,
-    /// The sums Σ C² and Σ C⁴ over the places, where C is the true curvedness. It is computed from C² = 2H² − K, with
-    /// the mean curvature H and the Gaussian curvature K.
+    /// The sums Σ C² and Σ C⁴ over the points of the map, where C is the true curvedness. It is computed from C² = 2H²
+    /// − K, with the mean curvature H and the Gaussian curvature K.
     curvedness: [f64; 2],
 }
 

@@ -1,4 +1,4 @@
-//! The ladder of gliding. It compares models that find the contact of a round tip.
+//! The ladder of gliding, which compares models that find the contact of a round tip.
 
 use anyhow::{Context, Result};
 use nalgebra::Point3;
@@ -12,9 +12,7 @@ use crate::contact_reference::{tip_on_ball, tip_on_ellipsoid, tip_on_quadric};
 
 /// Compared tolerances of Newton's method, as decimal exponents: −3 means a tolerance of 0.001.
 const TOLERANCES: [i32; 7] = [-1, -2, -3, -5, -7, -10, -13];
-/// Number of contacts along a finger's path.
 const PLACES: u32 = 32;
-/// Radius of the ball.
 const BALL: f64 = 5.0;
 /// Coefficient a of the saddle z = a (x² − y²).
 const SADDLE: f64 = 0.1;
@@ -82,7 +80,7 @@ impl Path {
             (name, Some(tolerance), TouchModel::Newton { tolerance })
         }));
         let rungs = models.into_iter().filter_map(|(name, setting, model)| {
-            // Skip the model `ClosedForm` if the contact of the tip with this object has no closed-form solution.
+            // Skip the model `ClosedForm` if the tip's contact with this object has no closed-form solution.
             let glider = self.glider(model).ok()?;
             let (path, errs) = (*self, glider.clone());
             let rung = Rung::new(

@@ -5,19 +5,15 @@ use anyhow::Result;
 
 use crate::timing::Evaluation;
 
-/// How hard it is for the rungs of a ladder to be accurate on a scene.
+/// How easy it is for the rungs (models or settings) of a ladder to be accurate on a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ease {
-    /// A scene on which even the cheapest rungs are accurate.
     Easy,
-    /// A scene similar to the scenes of most users.
     Typical,
-    /// A scene on which some rungs fail.
     Hard,
 }
 
 impl Ease {
-    /// Name of the difficulty in the tables.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Easy => "easy",
@@ -27,44 +23,40 @@ impl Ease {
     }
 }
 
-/// A ladder: the rungs from which a user can choose, on three scenes.
+/// A ladder: models or settings (rungs) for the same question, among which a user can choose, on three scenes.
 pub(super) struct Ladder {
     /// Name of the ladder in the tables: lower-case words with hyphens.
     pub(super) name: &'static str,
-    /// The question that the rungs answer, in one line.
+    /// The question that all rungs answer, in one line.
     pub(super) title: &'static str,
-    /// Definition of the rungs' error: the quantity that has the error, and the scale to which the error is relative.
+    /// Definition of a rung's error: the quantity that has the error, and the scale to which the error is relative.
     pub(super) error: &'static str,
-    /// Description of the evaluation whose cost is measured.
+    /// Description of the computation whose cost is measured.
     pub(super) evaluation: &'static str,
-    /// Three scenes: an easy, a typical and a hard scene.
     pub(super) scenes: Vec<SceneRungs>,
 }
 
-/// A scene and its rungs.
+/// A scene, and the rungs (models or settings) of its ladder.
 pub(super) struct SceneRungs {
-    /// Difficulty of the scene.
+    /// How easy the scene is.
     pub(super) ease: Ease,
-    /// Short description of the scene.
     pub(super) scene: String,
-    /// The rungs, in the order of the ladder.
     pub(super) rungs: Vec<Rung>,
 }
 
 #[cfg(test)]
 impl SceneRungs {
-    /// Computes the errors of all rungs.
     pub(super) fn errors(self) -> Vec<f64> {
         let errors = self.rungs.into_iter().map(|rung| (rung.error)());
         errors.map(|error| error.unwrap().error).collect()
     }
 }
 
-/// Error of a rung, in the sense of [`Ladder::error`].
+/// Error of a rung, as defined by [`Ladder::error`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {
     pub(super) error: f64,
-    /// Standard error of the rung's error; `None` if the error is not computed from trials.
+    /// Standard error of `error`; `None` if the rung's error is not computed from trials.
     pub(super) std: Option<f64>,
 }
 
@@ -88,7 +80,6 @@ pub(super) struct Rung {
 }
 
 impl Rung {
-    /// A rung without a setting.
     pub(super) fn new<T, E: Into<RungError>>(
         name: impl Into<String>,
         error: impl FnOnce() -> Result<E> + 'static,
@@ -103,14 +94,12 @@ impl Rung {
         }
     }
 
-    /// Adds the setting of the rung, as a number.
     #[must_use]
     pub(super) fn set(mut self, setting: impl Into<Option<f64>>) -> Self {
         self.setting = setting.into();
         self
     }
 
-    /// Sets the number of evaluations per run.
     #[must_use]
     pub(super) fn evaluations_per_run(mut self, evaluations: u32) -> Self {
         self.evaluation = self.evaluation.evaluations_per_run(evaluations);

@@ -9,7 +9,7 @@ use super::pareto_front::{CostError, answer, pareto};
 use crate::csv_table::{self, Column, or_empty};
 use crate::timing::Spread;
 
-/// Target errors as text and as numbers. For each target, the tables state the cheapest rung whose error is small
+/// Target errors, as text and as number. For each of them, a table states the cheapest rung whose error is small
 /// enough.
 const TARGETS: [(&str, f64); 4] = [
     ("10 %", 0.1),
@@ -30,7 +30,6 @@ pub(super) struct MeasuredScene {
     pub(super) rungs: Vec<MeasuredRung>,
 }
 
-/// Measured cost and error of one model or setting of a ladder.
 pub(super) struct MeasuredRung {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
@@ -125,7 +124,7 @@ fn write_answers(measured: &[MeasuredScene], folder: &Path) -> Result<()> {
     csv_table::write(&folder.join("answers.csv"), rows)
 }
 
-/// Median and quartiles of a time as columns. The numbers are rounded to their significant digits.
+/// Median and quartiles of a time as columns of a table. The numbers are rounded to their significant digits.
 pub(super) fn nanoseconds(spread: &Spread) -> [Column; 3] {
     let digits = if spread.median < 100.0 { 1 } else { 0 };
     [

@@ -1,4 +1,4 @@
-//! The ladder of press models, which compares models of the soft body.
+//! The ladder of press models, which compares models of the soft body under the skin.
 
 use std::cell::OnceCell;
 
@@ -9,9 +9,7 @@ use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::scene_trials::at_least_rounding;
 use crate::paraboloid_reference::{self, ParaboloidPress, largest_error};
 
-/// Radius of the sensor, mm.
 const RADIUS: f64 = 20.0;
-/// Poisson's ratio of the soft body.
 const POISSON: f64 = 0.5;
 /// Number of distances from the contact at which displacements are computed. It equals the number of markers of the
 /// published sensor.
@@ -19,8 +17,8 @@ const PLACES: usize = 77;
 /// Largest distance (mm) from the contact at which displacements are computed.
 const REACH: f64 = 20.0;
 
-/// Factors for the number of quadrature nodes, each with the text that it adds to the name of a rung. The factors apply
-/// to contacts that are solved directly instead of interpolated.
+/// Factors of the number of quadrature nodes, each with the text that it adds to the name of a rung. The factors apply
+/// only to contacts that are solved directly instead of interpolated.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
     (" × 3/8", 0.375),
@@ -29,7 +27,6 @@ const RESOLUTIONS: [(&str, f64); 5] = [
     ("", 1.0),
 ];
 
-/// A press of an object onto a layer.
 #[derive(Clone, Copy)]
 struct Press {
     ease: Ease,
@@ -77,7 +74,7 @@ pub(super) fn ladder() -> Ladder {
     }
 }
 
-/// Displacements for each distance from the contact: inward (along the normal), and outward (along the skin, away from
+/// Displacements at each distance from the contact: inward (along the normal), and outward (along the skin, away from
 /// the contact).
 type Profile = Vec<[f64; 2]>;
 
@@ -154,7 +151,7 @@ impl Press {
             .collect())
     }
 
-    /// The true displacements, computed by quadrature.
+    /// The true displacements at all distances, by quadrature over wavenumbers.
     fn truth(&self) -> Result<Profile> {
         let layer = paraboloid_reference::Body::Layer {
             thickness: self.thickness,

@@ -40,7 +40,7 @@ motion = { indentation = 0.3 }
     ),
 ];
 
-/// Sensors that are simulated without rendered frames: the name and the noise of each.
+/// Name and noise of each sensor that is simulated without rendered frames.
 const WITHOUT_PIXELS: [(&str, &str); 2] = [
     (
         "direct",
@@ -51,17 +51,15 @@ const WITHOUT_PIXELS: [(&str, &str); 2] = [
         r#"hue = { kind = "gaussian", std = 1e-4 }, centroid = { kind = "gaussian", std = 0.01 }, size = { kind = "gaussian", std = 4e-4 }"#,
     ),
 ];
-/// Noise of the sensors whose frames are rendered.
 const PIXEL_NOISE: &str = r#"pixel = { kind = "gaussian", std = 2.0 }"#;
-/// Calibration of the sensors with a camera.
 const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
-/// Calibration that replaces the usual calibration when the time is measured. It has few presses, so the set-up is
-/// faster. A simulated press costs the same with both calibrations.
+/// Calibration that replaces `CALIBRATION` while the time is measured. It has few presses, so the set-up is faster. A
+/// simulated press costs the same with both calibrations.
 const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
 /// The ladder of press sensors: sensors that measure displacements directly, sensors with projected markers, and
-/// sensors with rendered frames. Each rung has its own noise, which the description of the ladder's error states.
-/// Therefore the errors of two rungs do not show which real camera is more accurate.
+/// sensors with rendered frames. Each rung has its own noise, which the ladder's description of the error states.
+/// Therefore a comparison of two errors does not show which real camera is more accurate.
 pub(super) fn sensors() -> Ladder {
     let mut choices: Vec<Choice> = WITHOUT_PIXELS
         .iter()
@@ -131,14 +129,13 @@ model = { kind = "bonded-layer", thickness = 5.0 }
     ),
 ];
 
-/// Compared estimators: the name, the kind in the config, and further settings of each.
+/// Compared estimators: name, kind in the config, and further settings.
 const ESTIMATORS: [(&str, &str, &str); 3] = [
     ("Gaussian", "gaussian", ""),
     ("half-space", "half-space", ""),
     ("layer", "bonded-layer", ", thickness = $layer"),
 ];
 
-/// The ladder of press estimators.
 pub(super) fn estimators() -> Ladder {
     let measure = Measure {
         error: |scene, trials| relative_rms(scene, EFFECTIVE_RADIUS, trials),

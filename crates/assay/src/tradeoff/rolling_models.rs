@@ -15,18 +15,16 @@ use crate::contact_reference::RollEnd;
 
 const STEPS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 const TOLERANCES: [i32; 6] = [-3, -5, -7, -9, -11, -13];
-/// Radius of the probe.
 const RADIUS: f64 = 1.0;
-/// Radius of the ball.
 const BALL: f64 = 5.0;
 /// Coefficient c of the paraboloid z = −c r².
 const PARABOLOID: f64 = 0.2;
-/// Largest allowed difference between two independent references, relative to the length of the contact's path.
+/// Largest allowed difference between two independent references for the same roll, relative to the length of the
+/// contact's path.
 const MAX_DIFFERENCE: f64 = 1e-12;
 /// Initial direction of the contact, rad.
 const DIRECTION: f64 = FRAC_PI_6;
 
-/// A roll and the true contact at its end.
 struct Roll {
     ease: Ease,
     scene: &'static str,
@@ -34,7 +32,7 @@ struct Roll {
     at: (f64, f64),
     angle: f64,
     truth: fn(&Roll) -> Result<RollEnd>,
-    /// The true contact at the end of the roll. It is computed when it is needed for the first time.
+    /// The true contact at the end of the roll, computed at its first use.
     end: OnceCell<RollEnd>,
 }
 
@@ -137,7 +135,6 @@ impl Roll {
     }
 }
 
-/// Name, numeric setting and model of every rung.
 fn models() -> Vec<(String, Option<f64>, Model)> {
     let charts = [
         ("", Chart::Free),

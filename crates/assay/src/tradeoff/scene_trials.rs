@@ -1,4 +1,5 @@
-//! Rungs that differ in the config of a scene. The cost and the error of the scene's trials are measured.
+//! Rungs (entries of a ladder) that differ in the config of a scene. The cost and the error of the scene's trials are
+//! measured.
 
 use std::cell::OnceCell;
 
@@ -9,13 +10,12 @@ use palpate_sweep::Observation;
 
 use super::ladder::{Ease, Rung, RungError, SceneRungs};
 
-/// Placeholder in the config text of a scene. The config lines of a rung replace it.
+/// Placeholder in the config text of a scene. It is replaced by the config lines of a rung.
 const RUNG: &str = "$rung";
 
 /// Config text of a scene, with a placeholder for the config lines of a rung.
 pub(super) struct Template {
     pub(super) ease: Ease,
-    /// Short description of the scene.
     pub(super) scene: &'static str,
     /// TOML text of `[scene]` with the placeholder `$rung`.
     pub(super) text: String,
@@ -37,7 +37,7 @@ impl Template {
     }
 }
 
-/// Three scenes (easy, typical and hard) with the same rungs. `common` and `own` are as in [`Template::all`].
+/// Three scenes (easy, typical and hard) with the same rungs. For `common` and `own` see [`Template::all`].
 pub(super) fn scenes(
     common: &str,
     own: [(&'static str, &str); 3],
@@ -54,8 +54,8 @@ pub(super) struct Choice {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
     pub(super) text: String,
-    /// Text that replaces `$rung` when the cost is measured, if it differs from `text`. The trials of both scenes cost
-    /// the same, but the scene with this text is set up faster.
+    /// Text that replaces `$rung` when the cost is measured, if it differs from `text`. A trial costs the same with
+    /// both texts, but the scene is set up faster with this text.
     pub(super) evaluated: Option<String>,
 }
 
@@ -80,7 +80,7 @@ impl Choice {
 /// How the error and the cost of a rung are measured.
 #[derive(Clone, Copy)]
 pub(super) struct Measure {
-    /// Computes the error of a scene from this number of trials.
+    /// Computes the error of the scene's estimates from this number of trials.
     pub(super) error: fn(&Scene, trials: u64) -> Result<RungError>,
     /// Number of trials from which the error is computed.
     pub(super) trials: u64,
@@ -119,8 +119,8 @@ pub(super) fn scene_of(text: &str) -> Result<Scene> {
     study.estimable_scene(0).with_context(|| text.to_owned())
 }
 
-/// A function that runs trials of the scene with this config text. The first call sets the scene up. If the text is
-/// invalid, the function does nothing, so check the text with [`scene_of`] first.
+/// A function that runs trials of the scene with this config text, and sets up the scene in its first call. If the text
+/// is invalid, the function does nothing, so check the text with [`scene_of`] first.
 pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64> + 'static {
     let scene = OnceCell::new();
     move || {
@@ -129,8 +129,7 @@ pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64
     }
 }
 
-/// Runs trials in the same way as a study, and returns the sum of their estimates, so that the compiler cannot skip the
-/// trials.
+/// Runs trials as a study does. Returns the sum of all estimates, so that the compiler cannot omit the trials.
 pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
     let trials = u64::from(trials);
     let mut sum = 0.0;
@@ -149,7 +148,8 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
     sum
 }
 
-/// Root mean square of the relative errors of one quantity. The relative error of a failed trial is 1.
+/// Root mean square of the relative errors of one quantity over all trials. The relative error of a failed trial counts
+/// as 1.
 pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Result<RungError> {
     let truth = scene
         .truth(quantity)
@@ -180,8 +180,8 @@ pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
     Ok(RungError { error, std })
 }
 
-/// Observations of each trial, each with the index of its quantity. In a failed trial, all estimates are set to 0, so
-/// the relative error is 1.
+/// For each trial, its observations with the indices of their quantities. In a failed trial, all estimates are set to
+/// 0, so the relative error is 1.
 pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Observation)>>> {
     let attempts = (0..scene.trials(trials)).map(|trial| {
         let mut outcomes = Vec::new();
@@ -200,7 +200,7 @@ pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Obs
         .collect())
 }
 
-/// The larger of two numbers: the error, and the rounding error of a double. Smaller errors are not significant.
+/// The larger of `error` and the rounding error of a double, because smaller errors are not significant.
 pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
     if error.is_finite() {
         Ok(error.max(f64::EPSILON))

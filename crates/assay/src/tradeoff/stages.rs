@@ -1,5 +1,5 @@
-//! Measures how the cost of a trial grows when stages (such as noise or a sensor) are added to a scene. The costs show
-//! that a stage costs nothing in scenes without this stage.
+//! Measures how the cost of a trial grows when stages (such as noise or a sensor) are added to a scene. So the table
+//! shows that a stage costs nothing in scenes without this stage.
 
 use std::path::Path;
 use std::time::Duration;
@@ -19,7 +19,7 @@ struct StagedScene {
     kind: &'static str,
     /// TOML lines of `[scene]` that all stages share, one key per line.
     base: &'static str,
-    /// Names of the stages. Each name comes with the config lines that the stage adds or replaces.
+    /// Name of each stage, with the config lines that the stage adds or replaces.
     stages: &'static [(&'static str, &'static str)],
 }
 
@@ -126,14 +126,12 @@ noise = {}
     },
 ];
 
-/// The scene that consists of the base scene and all stages up to this one.
 pub(super) struct Stage {
     kind: &'static str,
     name: &'static str,
     text: String,
 }
 
-/// All stages of all scenes, in order.
 pub(super) fn stages() -> Vec<Stage> {
     let key = |line: &str| line.split(" = ").next().map(str::to_owned);
     let mut all = Vec::new();

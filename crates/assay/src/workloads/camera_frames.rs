@@ -14,7 +14,6 @@ use super::marker_presses::SKIN;
 use crate::accuracy::rms;
 use crate::timing::Evaluation;
 
-/// Seed of the frame that contains discs with random hues.
 const FRAME: u64 = 11;
 
 /// The published sensor, whose camera images have no defects such as blur. Its discs are misaligned by up to 0.3 of

@@ -13,7 +13,7 @@ use crate::timing::Evaluation;
 /// Radius of the sphere on which the contacts of [`few`] lie.
 pub const RADIUS: f64 = 5.0;
 const SEED: u64 = 1;
-/// Largest error of a coordinate in [`few`]: 5 % of the distance between fingers.
+/// Largest error of a coordinate in [`few`], in units of the distance between fingers, which is 1.
 const MAX_ERROR_OF_FEW: f64 = 0.05;
 /// Largest error of a height in [`many`].
 const MAX_ERROR_OF_MANY: f64 = 0.02;
@@ -66,8 +66,7 @@ pub fn places_on_sphere() -> Vec<Point3<f64>> {
     (0..900).map(place).collect()
 }
 
-/// A grid of 30 × 30 places on the surface of [`many`], each with its true mean curvature. The mean curvature of a peak
-/// is positive.
+/// A grid of 30 × 30 places on the surface of [`many`], each with its true mean curvature (positive at a peak).
 fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = move |index: usize| {

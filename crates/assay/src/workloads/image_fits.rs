@@ -16,8 +16,7 @@ use crate::timing::Evaluation;
 
 /// Depths (mm) of the magenta and the yellow discs under the skin.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
-/// Step (mm) in the depth of a disc. Derivatives with respect to the depth are computed by finite differences with this
-/// step.
+/// Step (mm) of a disc's depth for finite differences with respect to this depth.
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
 /// Standard deviations of the parameters of a [`Departure`], which describes how a real sensor differs from its config.
 /// The parameters are the depths and diameters of the discs, the image centre, the focal length, the position and
@@ -27,8 +26,8 @@ const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
 ];
-/// Standard deviation (rad) of each of the two angles by which a disc is misaligned. The discs have a diameter of 2 mm
-/// and are misaligned by up to 0.3 of their diameter.
+/// Standard deviation (rad) of each of the two misalignment angles of a disc. The discs have a diameter of 2 mm and are
+/// misaligned by up to 0.3 of their diameter.
 const MISALIGNMENT_STD: f64 = 0.5 * 0.3 * 2.0 / 19.0;
 /// Standard deviations of the tracker's readings: the two coordinates of the centroid (px), the hue (turns), and the
 /// logarithm of the size.
@@ -135,8 +134,8 @@ impl CameraPress {
     }
 }
 
-/// The bodies at the depths of the discs, and the bodies at slightly larger depths for the derivatives with respect to
-/// the depth.
+/// For the two discs of the markers: the soft bodies at their depths, and the bodies at depths that are larger by
+/// [`DEPTH_STEP`].
 fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     let [magenta, yellow] = DEPTHS;
     let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;
@@ -170,7 +169,6 @@ pub fn workload(name: &str, bodies: Bodies, step: Step) -> Result<Evaluation> {
 mod tests {
     use super::*;
 
-    /// An image model whose derivatives are computed by finite differences.
     #[derive(Clone)]
     struct Differences(ImageModel);
 

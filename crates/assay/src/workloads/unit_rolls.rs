@@ -119,7 +119,8 @@ impl Ep1 {
         Some((sum / trials as f64).sqrt())
     }
 
-    /// Runs trials without statistics: several together where this is possible, the other trials one by one.
+    /// Runs trials without statistics. Trials that can be computed together are computed together, the others one by
+    /// one.
     fn run(&self, trials: u64) -> Option<()> {
         let roll = self.roll()?;
         let together = roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
@@ -147,7 +148,6 @@ impl Ep1 {
     }
 }
 
-/// Statistics of `trials` trials on one thread.
 fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     let options = RunOptions {
         threads: NonZeroUsize::new(1),
@@ -158,8 +158,8 @@ fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     statistics.into_iter().next().context("no cell")
 }
 
-/// A trial that simulates nothing, so that the cost of the statistics alone can be measured. It returns five
-/// quantities, all with the same almost uniformly distributed errors.
+/// A trial that simulates nothing, for measuring the cost of statistics. It returns five quantities, all with the same
+/// almost uniformly distributed errors.
 pub struct Statistics;
 
 impl Statistics {

@@ -1,7 +1,7 @@
-//! Tests of the model that `auto` chooses. The error of this model must be at most the tolerance of `auto`, and the
-//! model must be cheap. A test cannot count processor instructions. Therefore, the tests of rolls compare the numbers
-//! of evaluations of the contact equations. The tests of glides and presses use the order of the models by cost: the
-//! error of every cheaper model must exceed the tolerance.
+//! Tests that the model that `auto` chooses is cheap and that its error is at most the tolerance of `auto`. A test
+//! cannot count processor instructions. Therefore, the tests of rolls compare the numbers of evaluations of the contact
+//! equations. The tests of glides and presses use the order of the models by cost: the error of every cheaper model
+//! must exceed the tolerance.
 
 use palpate_assay::auto_check::{AutoChoice, Kind, SCENES};
 use palpate_scene::Scenes;
@@ -60,8 +60,6 @@ fn presses_err_within_their_tolerance() {
     check(Kind::Press);
 }
 
-/// With a larger tolerance, DOP853 must evaluate fewer derivatives, also for noisy rolls. For noisy rolls, `auto`
-/// compares no models.
 #[test]
 fn a_coarser_integration_of_noisy_rolls_is_no_dearer() {
     for object in [

@@ -1,4 +1,4 @@
-//! Counts the work (such as integrated rolls and drawn random numbers) that scenes cause. The tests check that no scene
+//! Counts the work that scenes cause, such as integrated rolls and drawn random numbers. The tests check that no scene
 //! does unnecessary work.
 
 use palpate_scene::Scenes;
@@ -47,12 +47,12 @@ NOISE
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// Work of the setup of a scene, and work of its first trial.
+/// Work for setting up a scene, and work of its first trial.
 fn work(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
     run(template, parts, 1)
 }
 
-/// Work of the setup of a scene, and work of its first `trials` trials together.
+/// Work for setting up a scene, and work of its first `trials` trials together.
 fn run(template: &str, parts: &[(&str, &str)], trials: u64) -> [Tally; 2] {
     let text = parts
         .iter()
@@ -132,7 +132,7 @@ fn an_object_without_a_closed_form_is_integrated() {
     assert_eq!(trial.draws, 16);
 }
 
-/// The counted work of a scene, without the number of random words.
+/// The counted work of a scene, with the number of random words set to 0.
 fn without_draws(tally: Tally) -> Tally {
     Tally { draws: 0, ..tally }
 }
@@ -246,8 +246,8 @@ fn a_camera_paints_one_frame_for_each_press_and_draws_only_noise() {
     let noisy = work(PRESS, &[HALF_SPACE, rendered, noise])[1];
     assert_eq!(noisy.frames, 1);
     // Each of the 55,155 pixels in the image circle needs three random numbers, and one random word gives two numbers.
-    // A number that is left over at the end of a row is not used.
+    // If a row needs an odd number, the last number of its last word is not used.
     assert!((82_733..85_000).contains(&noisy.draws), "{noisy:?}");
-    // The true positions of the 77 markers are needed to detect wrong matches.
+    // The true positions of the 77 markers are computed once, to detect wrong matches.
     assert_eq!(noisy.projections, 77);
 }
