@@ -1,5 +1,5 @@
-//! Runs and stores the trials that a search needs. Each cell of the study (one combination of the values that the study
-//! sweeps) has its own trials at each tested value of the searched field.
+//! Runs and stores the trials that a search for target values needs. Each cell of the study (one combination of the
+//! values that the study sweeps) has its own trials at each tested value of the searched field.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,45 +15,42 @@ use crate::trial_counts::TrialCounts;
 
 /// Number of the first fresh trial. Fresh trials only verify an answer; the search uses trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
-/// Largest number of scenes in memory. If there are more, the scenes that are not needed now are dropped, because
-/// scenes with a camera are large.
+/// Largest number of scenes in memory. If there are more, scenes that are not needed in the current round are dropped,
+/// because scenes with a camera are large.
 const MAX_CACHED_SCENES: usize = 64;
 /// Kind of failure of a scene whose readings do not determine an estimate, even without noise.
 const UNDETERMINED: &str = "undetermined";
 
-/// All trials of one search, for each cell of the study and each tested value of the searched field.
 pub(crate) struct CellTrials<'a> {
     source: Source<'a>,
     runner: &'a Runner,
     /// Function that receives the progress: the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
-    /// The scene of each cell at each tested value of the searched field.
     scenes: BTreeMap<Place, Setup>,
-    /// Trials of each cell at each tested value. The flag is `false` for the trials of the search, and `true` for the
-    /// fresh trials that verify the answer.
+    /// Trials of each cell at each tested value of the searched field. The flag is `false` for the trials of the
+    /// search, and `true` for the fresh trials that verify the answer.
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// Creates the scenes of the study, with the fields of the question's grid fixed to one combination of their values.
+/// Creates the scenes of the study. The fields on the question's grid are fixed to one combination of their values.
 struct Source<'a> {
     study: &'a Study,
     region: &'a Region,
     fixed: Vec<(String, Vec<toml::Value>)>,
 }
 
-/// Key of a scene: a value of the searched field (the bits of the number), and the index of a cell.
+/// Key of a scene: the searched field's value (as the bits of the number), and the index of the cell.
 type Place = (u64, usize);
 
 /// The scene of a cell at a value of the searched field, or the reason why this scene has no estimate.
 enum Setup {
-    /// A scene, and the target that its trials should meet.
     Scene(Box<SceneTrial>, SceneTarget),
     /// No estimate is possible, because the readings do not determine it. The text names the kind of failure.
     NotEstimable(&'static str),
 }
 
 impl<'a> CellTrials<'a> {
-    /// An empty collection of trials. `place` contains the values of the fields on the question's grid.
+    /// A collection without trials. `place` contains the values of the fields on the question's grid.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,
@@ -74,8 +71,8 @@ impl<'a> CellTrials<'a> {
         }
     }
 
-    /// Results of all cells at a value of the searched field. If `is_fresh` is true, the results come from the fresh
-    /// trials, otherwise from the trials of the search.
+    /// Results of all cells at the value `value` of the searched field, from the fresh trials if `is_fresh` is true,
+    /// otherwise from the trials of the search.
     pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self
@@ -85,7 +82,6 @@ impl<'a> CellTrials<'a> {
         chosen.map(|(_, (_, sample))| *sample).collect()
     }
 
-    /// Creates the scenes for these values and cells, unless they are already in memory.
     fn set_up(&mut self, places: &BTreeSet<Place>) -> Result<(), AnswerError> {
         if self.scenes.len() > MAX_CACHED_SCENES {
             self.scenes.retain(|place, _| places.contains(place));
@@ -111,8 +107,8 @@ impl<'a> CellTrials<'a> {
         Ok(())
     }
 
-    /// Returns the error [`AnswerError::Undefined`]: the statistic of the target cannot be computed at the requested
-    /// value and cell. `why` is the reason.
+    /// The error [`AnswerError::Undefined`]: the target's statistic cannot be computed at the requested value and cell,
+    /// for the reason `why`.
     fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> AnswerError {
         let found = self.source.study_at(ask.value);
         let found = found.and_then(|study| Ok((study.cell(ask.cell)?.coordinates, study)));

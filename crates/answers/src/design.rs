@@ -24,8 +24,8 @@ use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
 use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 
-/// Number of trials that are run at the best value if no value meets the target. With so many trials, the answer can
-/// state accurately how far this value misses the target.
+/// Number of trials at the best tested value if no value meets the target. With so many trials, the answer can state
+/// accurately how far this value misses the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
 /// Largest number of times that combinations are added to the grid around the best value.
 const REFINEMENTS: usize = 3;
@@ -126,15 +126,15 @@ struct Searches<'a> {
     runner: &'a Runner,
     clock: &'a Clock<'a>,
     progress: &'a dyn Fn(usize, u64),
-    /// Largest number of combinations of the grid's values. Each combination needs its own search.
+    /// Largest number of combinations of the grid's values that may be searched.
     max_columns: usize,
-    /// Number of values of the searched field that were tested so far, and number of trials that were run so far.
+    /// Number of tested values and number of trials so far, in all searches together.
     done: Cell<(usize, u64)>,
 }
 
 impl Searches<'_> {
     /// Runs the search at one combination of the grid's values. The remaining time is divided evenly among this search
-    /// and the searches that follow.
+    /// and the searches after it.
     fn column(&self, region: &Region, place: Vec<f64>) -> Result<RegionColumn, AnswerError> {
         let question = &region.question;
         let start = (self.clock)();
@@ -176,8 +176,8 @@ impl Searches<'_> {
             narrowed: found.narrowed,
             ended: found.ended,
         };
-        // If no value meets the target, the answer names the best value tried and its result. Run more trials at this
-        // value, so that the result is accurate.
+        // If no value meets the target, the answer names the best value tried, with its result. Run more trials at this
+        // value, so that this result is accurate.
         if column.on(Side::Meets).next().is_none()
             && let Some((_, point, sample)) = region.nearest([&column])
         {
@@ -199,8 +199,7 @@ impl Searches<'_> {
     }
 }
 
-/// Side of the target on which a value lies: the side of the range that contains the value; `None` if no range contains
-/// it.
+/// Side of the range in `runs` that contains `value`; `None` if no range contains it.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::trial_counts::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// If the share of failed trials is larger than this value, the sentences state the share.
+/// The sentences state the share of failed trials if it is larger than this value.
 const STATED_FAILURES: f64 = 0.05;
 
 /// How reliably the objects of a study are distinguished, both by one trial of each object and by the means of several
@@ -21,7 +21,7 @@ pub struct Discrimination {
     pub quantity: Quantity,
     /// Unit of the quantity, as in `cells.csv`.
     pub unit: &'static str,
-    /// Required probability that the means of several trials distinguish two objects.
+    /// Required probability that the means of several trials put two objects in the right order.
     pub confidence: f64,
     /// Word for the trials: `presses`, `glides`, or for example `trials of 8 rolls`.
     pub trials: String,
@@ -80,7 +80,7 @@ pub struct Pair {
 }
 
 impl Object {
-    /// The object of a cell. `means` contains the mean estimate and the mean true value of each trial; `None` for
+    /// The object of a cell. `means` contains, for each trial, the mean estimate and the mean true value; `None` for
     /// failed trials.
     pub(crate) fn new(
         cell: usize,
@@ -206,12 +206,13 @@ impl Discrimination {
         sentences
     }
 
-    /// The settings of a group in words. The text is empty if the study sweeps only fields that define objects.
+    /// Values of the swept fields that do not define objects, in words. All objects of a group share these values. The
+    /// text is empty if there are no such fields.
     pub(crate) fn settings_in_words(&self, group: &Group) -> String {
         settings_in_words(&self.columns, &group.settings)
     }
 
-    /// An object in words, that is, its swept values with their units.
+    /// The swept values that define an object, in words, with their units.
     pub(crate) fn object_in_words(&self, object: &Object) -> String {
         let pairs = self.object_columns.iter().zip(&object.label);
         let said = pairs.map(|(column, text)| Label::of_field(column).value(text));

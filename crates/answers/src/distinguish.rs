@@ -8,10 +8,10 @@ use palpate_sweep::{Runner, TrialMeans, in_order, repeats};
 use crate::discrimination::{Discrimination, Group, Object, Pair};
 use crate::error::{AnswerError, MAX_CELLS};
 
-/// A patch counts as correctly classified if the share of its correctly classified places is larger than this value.
+/// A patch counts as correctly classified if more than this share of its places is classified correctly.
 const MAJORITY: f64 = 0.5;
-/// Distance between the first trial numbers of two consecutive cells. It is so large that no two cells use the same
-/// trial numbers. Equal trial numbers would mean equal random numbers.
+/// Distance between the first trial numbers of consecutive cells, so large that no two cells use the same trial
+/// numbers. Equal trial numbers would mean equal random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
 /// Computes two results for each pair of objects that a study sweeps. The first is the probability that the estimates
@@ -66,7 +66,7 @@ pub fn distinguish(
     if cells > MAX_CELLS {
         return Err(AnswerError::TooManyCells(cells));
     }
-    // Check the quantity before the objects. If both are wrong, the error about the quantity is reported.
+    // Check the quantity first, so that the error about the quantity is reported if the objects are wrong too.
     let first = study.cell(0)?.config.scene;
     let (_, compared) = place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
@@ -130,8 +130,8 @@ pub fn distinguish(
     })
 }
 
-/// Name of a trial in the plural, such as `presses`. For a scene with rolls, the name contains the number of rolls,
-/// because one trial consists of several rolls.
+/// Name of the scene's trials in the plural, such as `presses`. For rolls, the name states the number of rolls per
+/// trial.
 fn trials(scene: &SceneConfig) -> String {
     match scene {
         SceneConfig::Press(_) => "presses".to_owned(),
@@ -141,8 +141,8 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// The quantity that is compared, and its index among the quantities of the scene. If the user names no quantity, the
-/// object's curvature is compared.
+/// The compared quantity, and its index among the quantities of the scene. If the user names no quantity, the object's
+/// curvature is compared.
 pub(crate) fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,
@@ -160,20 +160,17 @@ pub(crate) fn place_of(
     Ok((place, quantities[place]))
 }
 
-/// The cells of a study (combinations of its swept values), divided into groups. Cells of a group differ only in the
-/// swept fields that define the object.
+/// The cells of a study (combinations of its swept values) in groups. Cells of a group differ only in the swept fields
+/// that define the object.
 struct Layout {
-    /// Columns of the fields that define objects.
     objects: Vec<String>,
-    /// Columns of the swept fields that do not define objects.
     others: Vec<String>,
     groups: Vec<(Vec<String>, Members)>,
 }
 
-/// Index of each cell of a group, with the values that define the cell's object.
+/// Index of each cell in a group, with the values that define the cell's object.
 type Members = Vec<(usize, Vec<String>)>;
 
-/// Groups of at least two cells that differ only in their objects, in the order of the study's cells.
 fn grouped(study: &Study) -> Result<Layout, AnswerError> {
     let is_object = |path: &String| path == "scene.object" || path.starts_with("scene.object.");
     let texts_of = |of_object: bool, texts: &[String]| -> Vec<String> {

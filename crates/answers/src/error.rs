@@ -6,7 +6,6 @@ use thiserror::Error;
 
 use crate::grid::MAX_COLUMNS;
 
-/// Largest allowed number of cells (combinations of swept values) of a study.
 pub(crate) const MAX_CELLS: usize = 1000;
 
 /// Reason why a question has no answer.
@@ -96,7 +95,6 @@ pub enum AnswerError {
 }
 
 impl AnswerError {
-    /// The error for a quantity that a scene of this kind does not have. `quantities` are the quantities of the scene.
     pub(crate) fn no_quantity(scene: &'static str, name: &str, quantities: &[Quantity]) -> Self {
         let mut known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
         let is_principal = Quantity::PRINCIPAL.iter().any(|one| one.name == name);
@@ -109,7 +107,6 @@ impl AnswerError {
         }
     }
 
-    /// Returns an error unless the confidence is above 0 and below 1.
     pub(crate) fn unless_confidence(value: f64) -> Result<(), Self> {
         Self::unless(
             value > 0.0 && value < 1.0,
@@ -119,7 +116,6 @@ impl AnswerError {
         )
     }
 
-    /// Returns an error for the value of a setting if `is_in_range` is false.
     pub(crate) fn unless(
         is_in_range: bool,
         setting: &'static str,

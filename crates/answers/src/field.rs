@@ -1,4 +1,4 @@
-//! A varied field, whose values are available as numbers and in the form of the config.
+//! A varied field of a question. Its values are available as numbers and in the form of the config.
 
 use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
@@ -22,7 +22,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// The field of a study that `vary` describes. Each field in `fixed` has one fixed value.
+    /// The varied field that `vary` describes, for a study in which each field in `fixed` has one fixed value.
     ///
     /// # Errors
     /// [`AnswerError`] if the field does not exist or does not accept these values.
@@ -32,7 +32,7 @@ impl Field {
         vary: &Vary,
     ) -> Result<Self, AnswerError> {
         let path = vary.path.clone();
-        // Set the fixed fields first, because their values may determine whether the varied field accepts numbers,
+        // Set the fixed fields first, because their values can determine whether the varied field accepts numbers,
         // texts or tables.
         let takes = study.varied(fixed)?.takes(&path);
         let no_range = |why| {
@@ -76,7 +76,6 @@ impl Field {
         Ok(field)
     }
 
-    /// The values that a search may test, as a range or a list.
     pub(crate) fn among(&self) -> SearchRange {
         match self.listed.len() {
             0 => SearchRange::Span(self.span),
@@ -84,7 +83,6 @@ impl Field {
         }
     }
 
-    /// First value of the field's range. If the question lists the values, this is the index of the first listed value.
     pub(crate) fn first(&self) -> f64 {
         match self.is_listed() {
             true => 0.0,
@@ -92,7 +90,7 @@ impl Field {
         }
     }
 
-    /// The path of the field, and a list that contains only `value`, in the form of the config.
+    /// The path of the field, and a list with `value` as its only element, in the form of the config.
     pub(crate) fn fixed_at(&self, value: f64) -> (String, Vec<toml::Value>) {
         let value = match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),
@@ -102,7 +100,7 @@ impl Field {
         (self.path.clone(), vec![value])
     }
 
-    /// The value as a number; `None` for a listed value that is not a number.
+    /// The number for `value`; `None` if `value` is the index of a listed value that is not a number.
     pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),
@@ -112,22 +110,18 @@ impl Field {
         }
     }
 
-    /// Whether the question lists the values of the field. Otherwise, the field has a range of numbers.
     pub(crate) fn is_listed(&self) -> bool {
         !self.listed.is_empty()
     }
 
-    /// Text of a value of the field, with the unit.
     pub(crate) fn value(&self, value: f64) -> String {
         self.label.value(&self.text(value))
     }
 
-    /// The field's name and a value, in words.
     pub(crate) fn named_value(&self, value: f64) -> String {
         format!("{} {}", self.label.words, self.value(value))
     }
 
-    /// The range from one value to another in words, with the unit of the field.
     pub(crate) fn between(&self, from: f64, to: f64) -> String {
         match from == to {
             true => self.value(from),
@@ -138,7 +132,6 @@ impl Field {
         }
     }
 
-    /// The value of the field, formatted as in the tables.
     pub(crate) fn text(&self, value: f64) -> String {
         match self.listed.get(value as usize) {
             Some(toml::Value::String(text)) => text.clone(),

@@ -4,15 +4,12 @@ use crate::error::AnswerError;
 use crate::field::Field;
 use crate::search::SearchRange;
 
-/// Largest number of combinations in the grid.
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values on the grid for a field with a range. The first entry is for a grid of one field, the second for
-/// two fields, and the third for three or more fields.
+/// Number of grid values for a field with a range: on a grid of one field, of two fields, and of three or more fields.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
-/// All combinations of the values of the grid's fields, where the value of the last field changes fastest. Without
-/// fields, there is one empty combination. The values of a range are rounded to steps that are small compared with
-/// `gap`.
+/// All combinations of the grid fields' values. The value of the last field changes fastest. Without fields, there is
+/// one empty combination. Values within a range are rounded to steps that are small compared with `gap`.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];
@@ -35,9 +32,9 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// New combinations next to the combination `best`. In each field with a range, the new values are midpoints between
-/// the value of `best` and the nearest known values. Only the `known` combinations that differ from `best` in no other
-/// field are used.
+/// New combinations next to the combination `best`. In each field with a range, the new values are the midpoints
+/// between the value of `best` and the nearest values of those `known` combinations that differ from `best` only in
+/// this field.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

@@ -98,8 +98,6 @@ impl Question {
         })
     }
 
-    /// Returns an error if a setting is out of its range, if a field is both set and varied, or if a field is varied
-    /// twice.
     pub(crate) fn check(&self) -> Result<(), AnswerError> {
         let (failures, gap) = (self.max_failures, self.gap);
         let expected = "above 0 and at most 1 (0 cannot be verified with any number of trials)";
@@ -124,7 +122,6 @@ impl Question {
 }
 
 impl Extreme {
-    /// Whether the value `one` is better than `other`.
     pub(crate) fn prefers(self, one: f64, other: f64) -> bool {
         match self {
             Self::Largest => one > other,
@@ -132,7 +129,6 @@ impl Extreme {
         }
     }
 
-    /// The best end of a range: its largest or its smallest value.
     pub(crate) const fn end_of(self, span: Span) -> f64 {
         match self {
             Self::Largest => span.to,
@@ -140,7 +136,7 @@ impl Extreme {
         }
     }
 
-    /// The word for the best value (`largest`), and the word for values beyond it (`larger`).
+    /// The word for the best value (such as `largest`), and the word for values beyond it (such as `larger`).
     pub(crate) const fn words(self) -> [&'static str; 2] {
         match self {
             Self::Largest => ["largest", "more"],

@@ -101,7 +101,6 @@ impl RegionColumn {
         self.runs.iter().filter(move |run| run.side == side)
     }
 
-    /// The results of all cells at all tested values.
     pub(crate) fn samples(&self) -> impl Iterator<Item = &Sample> {
         let points = self.points.iter();
         points.flat_map(|point| point.searched.iter().chain(&point.fresh))
@@ -109,7 +108,6 @@ impl RegionColumn {
 }
 
 impl Region {
-    /// The region before the first search, without results.
     pub(crate) fn new(study: &Study, question: &Question) -> Result<Self, AnswerError> {
         let mut fixed: Vec<_> = single_values(&question.set).collect();
         let mut fields = Vec::new();
@@ -155,8 +153,7 @@ impl Region {
         })
     }
 
-    /// Fields with one value each: the fields that the question sets, and the grid's fields with their values at the
-    /// combination `place`.
+    /// Fields with one fixed value: those that the question sets, and the grid's fields at the combination `place`.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));
@@ -172,7 +169,7 @@ impl Region {
         }
     }
 
-    /// Whether the largest or the smallest value of the searched field is the answer; `None` if another field or no
+    /// Whether the answer is the largest or the smallest value of the searched field; `None` if another field or no
     /// field is optimised.
     pub(crate) fn searched_extreme(&self) -> Option<Extreme> {
         let sought = self.question.sought.as_ref()?;
@@ -210,8 +207,8 @@ impl Region {
         best
     }
 
-    /// Limit of the optimised field beyond which all values miss the target, at every combination of the grid. `None`
-    /// if such a limit is undecided at some combination, if the optimised field is not the searched field, or if its
+    /// Limit of the searched field beyond which all values miss the target, at every combination of the grid. `None` if
+    /// such a limit is undecided at some combination, if the searched field is not the optimised field, or if its
     /// values are listed.
     pub(crate) fn missed_from(&self) -> Option<f64> {
         let extreme = self.searched_extreme()?;
@@ -233,21 +230,20 @@ impl Region {
         })
     }
 
-    /// Whether the share of failed trials in the sample is larger than the question allows.
     pub(crate) fn is_failing(&self, sample: &Sample) -> bool {
         sample.counts.failure_rate() > self.question.max_failures
     }
 
-    /// The result of the decisive cell at a tested value. If too many trials fail in at least one cell, the cell with
-    /// the largest share of failures is decisive. Otherwise, the cell with the worst statistic is decisive.
+    /// The result of the decisive cell at a tested value. If too many trials fail in a cell, the cell with the largest
+    /// share of failures is decisive. Otherwise, the cell with the worst statistic is decisive.
     pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// The value that comes nearest to meeting the target at any combination in `columns`, with its combination and the
-    /// result of its decisive cell. If some values have few enough failures, the value with the best statistic among
-    /// them is returned. Otherwise, the value with the fewest failures is returned.
+    /// The tested value that comes nearest to meeting the target at any combination in `columns`, with its combination
+    /// and the result of its decisive cell. Among the values with few enough failures, this is the value with the best
+    /// statistic. If there are no such values, it is the value with the fewest failures.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,
@@ -259,9 +255,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Compares two results; the worse result is the greater one. Results with too many failures or without a statistic
-    /// are worse than all other results. They are compared with each other by their shares of failures. The other
-    /// results are compared by their statistics.
+    /// Orders two results; the worse result is the greater one. Results with too many failures or without a statistic
+    /// are worse than all others, and are ordered by their shares of failures. The other results are ordered by their
+    /// statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),
@@ -274,7 +270,6 @@ impl Region {
     }
 }
 
-/// The fields that the question sets, in the form of varied fields with one value each.
 fn single_values(
     set: &[(String, toml::Value)],
 ) -> impl Iterator<Item = (String, Vec<toml::Value>)> {
@@ -282,7 +277,6 @@ fn single_values(
     fields.map(|(path, value)| (path.clone(), vec![value.clone()]))
 }
 
-/// Returns an error if the optimised field is not varied, or if its values are not numbers.
 fn check_order(fields: &[Field], path: &str) -> Result<(), AnswerError> {
     let field = fields.iter().find(|field| field.path == path);
     let field = field.ok_or_else(|| AnswerError::NotVaried(path.to_owned()))?;

@@ -11,7 +11,7 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 use crate::words::settings_in_words;
 
-/// Largest number of cells for which the figure has one line per cell. If the study has more cells, one line shows the
+/// If a study has at most this number of cells, the figure has one line per cell. Otherwise, a single line shows the
 /// statistic of the decisive cell.
 const MAX_LINES: usize = 7;
 
@@ -43,8 +43,8 @@ impl Region {
             one.at[..further.len()] == other.at[..further.len()]
         };
         let mut panels: Vec<&[RegionColumn]> = self.columns.chunk_by(is_beside).collect();
-        // Do not draw panels for combinations of values that were tested only to refine the best value. A panel needs a
-        // whole row of neighbouring combinations.
+        // Draw no panels for combinations that were tested only to refine the best value: a panel needs a whole row of
+        // neighbouring combinations.
         if panels.iter().any(|columns| columns.len() > 1) {
             panels.retain(|columns| columns.len() > 1);
         }

@@ -1,4 +1,4 @@
-//! A region as tables and JSON.
+//! The answer of `palpate design` (a region of values that meet the target) as tables and JSON.
 
 use palpate_study::config::Study;
 use palpate_study::{Table, number};
@@ -81,7 +81,6 @@ impl Region {
         table
     }
 
-    /// Values of the grid's fields at one combination, formatted as in the tables.
     fn grid_texts(&self, column: &RegionColumn) -> impl Iterator<Item = String> {
         let pairs = self.grid.iter().zip(&column.at);
         pairs.map(|(field, value)| field.text(*value))
@@ -132,13 +131,12 @@ impl Region {
         value
     }
 
-    /// Path and value of each field of the grid at one combination. The paths become keys of a JSON object.
     fn grid_json(&self, column: &RegionColumn) -> impl Iterator<Item = (String, Value)> {
         let pairs = self.grid.iter().zip(&column.at);
         pairs.map(|(field, value)| (field.path.clone(), json_of(field, *value)))
     }
 
-    /// The results at one combination of the grid, as fields of a JSON object.
+    /// The results at one combination of the grid's values, as fields of a JSON object.
     fn column_json(&self, column: &RegionColumn) -> Map<String, Value> {
         let value = |value: f64| json_of(&self.searched, value);
         let runs = |side: Side| -> Value {
@@ -179,7 +177,6 @@ fn json_of(field: &Field, value: f64) -> Value {
     }
 }
 
-/// The word for a side of the target: whether values meet or miss it, or whether this is undecided.
 fn verdict(side: Option<Side>) -> &'static str {
     match side {
         Some(Side::Meets) => "meets",

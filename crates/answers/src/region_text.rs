@@ -1,4 +1,4 @@
-//! A region in sentences.
+//! The answer of `palpate design` (a region of values that meet the target) in sentences.
 
 use palpate_study::{Bound, Label, Statistic, number};
 
@@ -7,9 +7,8 @@ use crate::region::{Best, DesignPoint, Region, RegionColumn, Sample};
 use crate::search::{EndReason, Run, Side};
 use crate::words::{DIGITS, capitalized, joined, percent, settings_in_words};
 
-/// Number of significant digits of a standard error in a sentence.
 const ERROR_DIGITS: usize = 1;
-/// Largest number of clauses in a sentence. Longer lists of results are shortened.
+/// Largest number of clauses in a sentence. A longer list of results is shortened.
 const MAX_CLAUSES: usize = 12;
 
 impl Region {
@@ -58,7 +57,7 @@ impl Region {
         lines
     }
 
-    /// Notes about searches that reached one of their limits.
+    /// Notes about ends of ranges that were not verified, and about searches that reached the limit of time or trials.
     fn notes(&self) -> Vec<String> {
         let narrowed: usize = self.columns.iter().map(|column| column.narrowed).sum();
         let ends = match narrowed {
@@ -90,14 +89,12 @@ impl Region {
         notes.map(|(_, note)| format!("note     {note}")).collect()
     }
 
-    /// Label of the statistic of the target, with its unit.
     pub(crate) fn label(&self) -> Label {
         let target = &self.question.target;
         let name = target.quantity.map_or("", |quantity| quantity.name);
         target.statistic.label(&[name], self.unit)
     }
 
-    /// The target in words: the statistic with its limit, the allowed failures, and the cells.
     pub(crate) fn target_in_words(&self) -> String {
         let label = self.label();
         let bound = match self.question.target.bound {
@@ -123,7 +120,6 @@ impl Region {
         format!("{} {bound} {limit}, {failures}{cells}", label.words)
     }
 
-    /// The tested values of the searched field in words.
     fn values_in_words(&self) -> String {
         let points = self.columns.iter().map(|column| column.points.len());
         let count: usize = points.sum();
@@ -146,22 +142,22 @@ impl Region {
         format!("{values}{}", self.worst_cell())
     }
 
-    /// Text about the cell that is decisive for most of the tested values; empty if the study has only one cell.
+    /// Text about the cell that is decisive for most tested values; empty if the study has only one cell.
     fn worst_cell(&self) -> String {
         if self.cells.len() < 2 {
             return String::new();
         }
         let points = || self.columns.iter().flat_map(|column| &column.points);
         let decided = |cell: &usize| points().filter(|point| point.worst == *cell).count();
-        // `max_by_key` returns the last of several equal maxima. The order of the cells is reversed, so that the result
-        // is the first of them.
+        // `max_by_key` returns the last of several equal maxima. The order of the cells is reversed, so that the first
+        // of them is returned.
         let worst = (0..self.cells.len()).rev().max_by_key(decided);
         let settings = settings_in_words(&self.cell_columns, &self.cells[worst.unwrap_or(0)]);
         format!("; the worst cell is mostly {settings}")
     }
 
-    /// The values of the searched field in words: which of them meet the target, miss it, or are undecided at one
-    /// combination of the grid. The text `certainty` is inserted after the first of these statements.
+    /// The searched field at one combination of the grid, in words: which of its values meet the target, which miss it,
+    /// and which are undecided. The text `certainty` is inserted after the first of these statements.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
             let runs: Vec<String> = column.on(side).map(|run| self.run(run)).collect();
@@ -197,8 +193,8 @@ impl Region {
         }
     }
 
-    /// Text for a range that misses the target because too many trials fail at one of its ends. The text is empty if
-    /// there is no such range.
+    /// Text about a range that misses the target because too many trials fail at one of its ends; empty if there is no
+    /// such range.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -206,8 +202,8 @@ impl Region {
         }
     }
 
-    /// The first end, among the ends of the ranges that miss the target, at which too many trials fail. It is returned
-    /// with the result of its decisive cell. The ends of the whole searched range are ignored.
+    /// The first end of a range that misses the target at which too many trials fail, with the result of its decisive
+    /// cell. The ends of the whole searched range are ignored.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,
@@ -224,7 +220,7 @@ impl Region {
         })
     }
 
-    /// Text for a combination of the grid at which all values of the searched field lie on the same side of the target.
+    /// Text for a combination of the grid at which all values of the searched field are on the same side of the target.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {
@@ -237,7 +233,6 @@ impl Region {
         }
     }
 
-    /// Text for the values that are undecided.
     fn undecided(&self, column: &RegionColumn) -> Option<String> {
         let (field, span, runs) = (&self.searched, self.searched.span, &column.runs);
         if field.is_listed() {
@@ -273,7 +268,6 @@ impl Region {
         }
     }
 
-    /// The values of a range in words.
     fn run(&self, run: &Run) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         if field.is_listed() || run.from == run.to {
@@ -286,8 +280,8 @@ impl Region {
         }
     }
 
-    /// The result at a tested value, in words: the statistic of the target or, if too many trials fail, the share of
-    /// failed trials.
+    /// The result at a tested value, in words: the target's statistic or, if too many trials fail, the share of failed
+    /// trials.
     fn result_at(&self, point: &DesignPoint, sample: &Sample) -> String {
         let (value, label) = (self.searched.value(point.value), self.label());
         if self.is_failing(sample) || sample.counts.failed == sample.counts.trials {
@@ -312,7 +306,6 @@ impl Region {
         }
     }
 
-    /// The confidence of the answer in words.
     fn certainty(&self) -> String {
         format!("{} % sure", percent(self.question.confidence))
     }
@@ -346,7 +339,7 @@ impl Region {
         }
     }
 
-    /// The values of the other varied fields at which the best value meets the target, in words.
+    /// The values of the other varied fields for which the best value meets the target, in words.
     fn at_best(&self, best: &Best<'_>, sought: Option<usize>) -> String {
         let grid = self.grid.iter().zip(&best.column.at).enumerate();
         let grid = grid.filter(|(place, _)| Some(*place) != sought);
@@ -361,7 +354,6 @@ impl Region {
         }
     }
 
-    /// Text for the case that no value certainly meets the target.
     fn no_value_meets(&self) -> String {
         let span = self.searched.span;
         let all_miss = self.columns.iter().all(|column| {
@@ -397,7 +389,7 @@ impl Region {
         }
     }
 
-    /// Text with the values that meet the target at each combination of the grid. Neighbouring combinations with the
+    /// Text with the values that meet the target, at each combination of the grid. Neighbouring combinations with the
     /// same result share a clause if they differ in a single field.
     fn values_that_meet(&self) -> String {
         let words = &self.searched.label.words;
@@ -446,7 +438,6 @@ impl Region {
         )
     }
 
-    /// The values of the searched field that meet the target, in words, at one combination of the grid's values.
     fn values_that_meet_in(&self, column: &RegionColumn) -> String {
         let (span, is_listed) = (self.searched.span, self.searched.is_listed());
         let mut runs = column.on(Side::Meets).peekable();
@@ -460,7 +451,6 @@ impl Region {
         }
     }
 
-    /// The values of the grid's fields at one combination, in words.
     fn at(&self, column: &RegionColumn) -> String {
         let pairs = self.grid.iter().zip(&column.at);
         joined(pairs.map(|(field, value)| field.named_value(*value)))
@@ -487,8 +477,8 @@ impl Region {
 const MEETS: [&str; 2] = ["meets", "meet"];
 const MISSES: [&str; 2] = ["misses", "miss"];
 
-/// The form of a verb that agrees with the text `values`: `one` if the text states one value or range, `many` if it is
-/// a list.
+/// The form of a verb that agrees with the text `values`: `one` if the text states one value or one range, `many` if it
+/// is a list.
 fn verb(values: &str, [one, many]: [&'static str; 2]) -> &'static str {
     if values.contains(" and ") { many } else { one }
 }

@@ -31,7 +31,6 @@ pub use verify::Run;
 /// for the share of trials that fail.
 pub(crate) type Scores = [f64; 2];
 
-/// A request for the scores of one cell at one value of the searched field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ScoreRequest {
     /// Value of the searched field. For listed values, it is the index in the list.
@@ -51,10 +50,10 @@ pub(crate) trait Curves {
     /// Type of error if a score cannot be computed.
     type Error;
 
-    /// Number of cells that must all meet the target, at least 1.
+    /// Number of cells, at least 1. All cells must meet the target.
     fn cells(&self) -> usize;
 
-    /// Scores for some requests, in the order of the requests.
+    /// Scores for the requests, in the order of the requests.
     ///
     /// # Errors
     /// Reason why a score cannot be computed.
@@ -82,7 +81,7 @@ pub(crate) struct Search {
 /// Result of a search: the values that meet the target, and the values that miss it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SearchResult {
-    /// Values that were tested, ascending.
+    /// Tested values in ascending order.
     pub(crate) tested: Vec<TestedValue>,
     /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. It is undecided whether
     /// values between two ranges meet the target.
@@ -94,12 +93,10 @@ pub(crate) struct SearchResult {
     pub(crate) ended: EndReason,
 }
 
-/// A value that a search has tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TestedValue {
-    /// The value of the field that was tested.
     pub(crate) value: f64,
-    /// Whether the value meets or misses the target; `None` if the tests have not decided this.
+    /// Side of the target on which the value lies; `None` if the tests have not decided this.
     pub(crate) side: Option<Side>,
     /// Index of the cell that has the smallest score at this value.
     pub(crate) worst: usize,
@@ -107,7 +104,7 @@ pub(crate) struct TestedValue {
     pub(crate) trials: u64,
 }
 
-/// Searches for the values at which all cells meet the target.
+/// Searches for the values of a field at which all cells meet the target.
 ///
 /// Without a budget, the result depends only on the scores.
 ///

@@ -12,12 +12,11 @@ use crate::error::AnswerError;
 
 /// Number of trials in a block. Each block runs on one thread.
 const BLOCK: u64 = 32;
-/// Largest length of a list whose numbers are changed one by one. Longer lists are skipped, because a designer does not
-/// choose their numbers one by one.
+/// Largest length of a list in a config whose numbers are changed one by one. Longer lists are skipped, because a
+/// designer does not choose their numbers one by one.
 const LONGEST_LIST: usize = 3;
-/// Largest rms error, relative to the true value, that counts as a rounding error.
+/// An rms error counts as a rounding error if it is at most this share of the true value.
 const ROUNDING: f64 = 1e-10;
-/// Largest number of bars in the figure.
 const MAX_BARS: usize = 12;
 
 /// Effect of the numeric fields of a scene on the rms error of a quantity.
@@ -57,8 +56,8 @@ pub struct FieldEffect {
     pub failures: u64,
 }
 
-/// Squared error of each trial for one value of a field; `None` if the trial failed. If a trial estimates the quantity
-/// at several points of a patch, the squared error is averaged over these points.
+/// Squared error of the quantity in each trial, for one value of a field; `None` if the trial failed. If a trial
+/// estimates the quantity at several points of a patch, the squared error is averaged over these points.
 type SquaredErrors = Vec<Option<f64>>;
 
 /// Finds the numeric field of the study's scene that changes the rms error of a quantity most.
@@ -155,7 +154,7 @@ pub fn sensitivity(
     Ok(found)
 }
 
-/// Collects the numeric fields of a table and of the tables in it: the path and the value of each field.
+/// Collects the path and the value of each numeric field in a table and its subtables.
 fn numbers(node: &Value, path: &str, fields: &mut Vec<(String, f64)>) {
     let mut child = |key: &str, node: &Value| numbers(node, &format!("{path}.{key}"), fields);
     match node {
@@ -171,7 +170,6 @@ fn numbers(node: &Value, path: &str, fields: &mut Vec<(String, f64)>) {
     }
 }
 
-/// Runs the trials of the scene with changed values of fields.
 struct ErrorRuns<'a> {
     study: &'a Study,
     quantity: Quantity,
@@ -182,7 +180,7 @@ struct ErrorRuns<'a> {
 
 impl ErrorRuns<'_> {
     /// Runs the trials with these values of the fields. Returns the root mean square of the true values, and the
-    /// squared error of each trial.
+    /// squared error of the quantity in each trial.
     fn at(
         &self,
         fields: &[(String, Vec<toml::Value>)],
@@ -216,8 +214,8 @@ impl ErrorRuns<'_> {
         Ok((truth.sqrt(), errors))
     }
 
-    /// Effect of the field `path`, whose value in the config is `value`, or the reason why the effect cannot be
-    /// measured.
+    /// Effect on the rms error of the field `path`, whose value in the config is `value`; or the reason why it cannot
+    /// be measured.
     fn effect(
         &self,
         path: &str,
@@ -266,8 +264,8 @@ impl ErrorRuns<'_> {
         if !effect.is_finite() {
             return Err("no trial succeeds at both values, or one value has no error".to_owned());
         }
-        // Compute the standard error from pairs of trials with the same random numbers, because these make the errors
-        // of the two means correlated.
+        // Compute the standard error of the effect from pairs of trials with the same random numbers, because the
+        // errors of both means are correlated.
         let influences = pairs
             .iter()
             .map(|pair| 0.5 * (pair[1] / means[1] - pair[0] / means[0]));
@@ -351,7 +349,7 @@ impl Sensitivity {
         lines
     }
 
-    /// The effects of all fields as JSON.
+    /// The effects of all config fields on the rms error, as JSON.
     pub fn to_json(&self, study: &Study) -> Value {
         let effects = self.effects.iter().map(|one| {
             json!({

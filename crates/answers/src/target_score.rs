@@ -13,21 +13,19 @@ const NO_ESTIMATE_SHARE: f64 = 0.5;
 /// computed from a histogram.
 const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
-/// A target in a scene: a limit on a statistic of one of the scene's quantities.
+/// The target of a question, for one scene: a limit on a statistic of one of the scene's quantities.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SceneTarget {
     target: Target,
     max_failures: f64,
     quantities: &'static [Quantity],
-    /// Index of the target's quantity among the quantities of the scene.
     place: usize,
 }
 
-/// Reason why the statistic of a target is undefined although some trials succeed.
+/// Reason why the target's statistic is undefined although some trials succeed.
 pub(crate) struct NoValue(pub(crate) &'static str);
 
 impl SceneTarget {
-    /// The target in a scene with these quantities; `None` if the scene does not have the target's quantity.
     pub(crate) fn new(
         target: Target,
         max_failures: f64,
@@ -50,7 +48,7 @@ impl SceneTarget {
         self.quantities[self.place]
     }
 
-    /// Empty batches that will store only the quantities that the target needs.
+    /// Batches without trials, for only those quantities that the target needs.
     pub(crate) fn batches(&self, first: u64) -> Batches {
         let of = self.quantity().inverse_of(self.quantities);
         let stored = [self.place].into_iter().chain(of).collect();
@@ -61,7 +59,6 @@ impl SceneTarget {
         Batches::from_trial(first).keeping(stored, is_quantile)
     }
 
-    /// The statistic of the target with its standard error; `None` if the statistic is undefined.
     fn estimate(&self, scene: &Scene, batches: &Batches) -> Option<Estimate> {
         let estimate = batches.estimate(|all| self.statistic(scene, all))?;
         let truth = batches.statistics().quantities[self.place].truth;
@@ -85,7 +82,7 @@ impl SceneTarget {
         }
     }
 
-    /// Returns the scores of the statistic and of the share of failures, and the statistic itself if it is defined.
+    /// The scores of the target's statistic and of the share of failures, and the statistic itself if it is defined.
     pub(crate) fn scores(
         &self,
         scene: &Scene,
@@ -117,7 +114,8 @@ impl SceneTarget {
         Ok(([of_statistic, of_failures], estimate))
     }
 
-    /// Reason why the statistic is undefined for any number of trials. `None` if more trials may define it.
+    /// Reason why the target's statistic would be undefined for any number of trials. `None` if more trials may define
+    /// it.
     fn why_undefined(&self, all: &CellStatistics) -> Option<&'static str> {
         let summary = &all.quantities[self.place];
         let is_relative = matches!(
@@ -146,7 +144,8 @@ impl SceneTarget {
         }
     }
 
-    /// Score of an estimated statistic relative to the limit, after `successes` successful trials.
+    /// Distance of an estimated statistic from the limit in standard errors (its score), after `successes` successful
+    /// trials.
     fn score(&self, estimate: &Estimate, successes: u64) -> f64 {
         let Target {
             statistic,
@@ -190,7 +189,7 @@ impl SceneTarget {
     }
 }
 
-/// The value of a statistic in the summary of a quantity's trials.
+/// The statistic `statistic` in the summary of a quantity's trials.
 fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
     match statistic {
         Statistic::Mean => summary.mean,

@@ -18,7 +18,6 @@ pub struct TrialCounts {
 }
 
 impl TrialCounts {
-    /// Counts of a cell whose readings do not determine an estimate. `kind` names the kind of failure.
     pub(crate) fn not_estimable(kind: &'static str) -> Self {
         Self {
             main_failure: Some((kind, 0)),
@@ -26,7 +25,6 @@ impl TrialCounts {
         }
     }
 
-    /// Share of failed trials. It is 1 if there are no trials.
     pub(crate) fn failure_rate(&self) -> f64 {
         match self.trials {
             0 => 1.0,

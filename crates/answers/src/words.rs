@@ -5,12 +5,10 @@ use palpate_study::{Label, number};
 /// Number of significant digits of a number in a sentence.
 pub(crate) const DIGITS: usize = 3;
 
-/// A share in percent, without the percent sign.
 pub(crate) fn percent(share: f64) -> String {
     number::significant(100.0 * share, DIGITS)
 }
 
-/// The text with a capital first letter.
 pub(crate) fn capitalized(words: &str) -> String {
     let mut letters = words.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
@@ -26,7 +24,6 @@ pub(crate) fn joined(words: impl IntoIterator<Item = String>) -> String {
     }
 }
 
-/// The values of swept fields in words, with their names and units.
 pub(crate) fn settings_in_words(columns: &[String], values: &[String]) -> String {
     let pairs = columns.iter().zip(values).map(|(column, text)| {
         let label = Label::of_field(column);

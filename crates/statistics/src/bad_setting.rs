@@ -1,10 +1,10 @@
-//! The error which reports that a setting is out of its range.
+//! The error which reports that the value of a setting is out of its range.
 
 use thiserror::Error;
 
 use crate::Number;
 
-/// A setting that is out of its range. `Words` is the type of text in which the allowed values are stated.
+/// Error: the value of a setting is out of its range. `Words` is the type of the text that states the allowed values.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{setting} is {value}; it must be {expected}", value = Number(*value))]
 pub struct BadSetting<Words = &'static str> {

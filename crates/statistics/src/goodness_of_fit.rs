@@ -6,7 +6,7 @@ use crate::chi_squared_tail;
 /// correct.
 pub const SIGNIFICANCE_LEVEL: f64 = 0.005;
 
-/// Chi-squared of a fit, and the p-value of the test whether the stated noise explains the residuals.
+/// Chi-squared of a fit, and the p-value for the hypothesis that the stated noise explains the residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoodnessOfFit {
     /// Sum over all readings and priors of (residual / standard deviation)².
@@ -15,13 +15,13 @@ pub struct GoodnessOfFit {
     pub freedom: usize,
     /// Probability of a chi-squared that is at least as large as this one, if the model is correct and the noise is
     /// normal with the stated size. A small p-value means that the readings contradict the model or the stated noise.
-    /// If the readings agree with both, the p-value is distributed uniformly from 0 to 1. Without degrees of freedom,
-    /// the p-value is 1.
+    /// If the readings agree with the model and the noise, the p-value is distributed uniformly from 0 to 1. Without
+    /// degrees of freedom, the p-value is 1.
     pub p_value: f64,
 }
 
 impl GoodnessOfFit {
-    /// Goodness of fit for this chi-squared and this number of degrees of freedom.
+    /// Goodness of fit for a chi-squared with `freedom` degrees of freedom.
     pub fn new(chi_squared: f64, freedom: usize) -> Self {
         Self {
             chi_squared,
@@ -30,9 +30,9 @@ impl GoodnessOfFit {
         }
     }
 
-    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. In this case, the stated noise may be too small, and every
-    /// pattern in the residuals would seem significant. Therefore, patterns must then be compared with the scatter of
-    /// the residuals instead of the stated noise.
+    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. If it is, the stated noise may be too small, so that every
+    /// pattern in the residuals would seem significant. Compare patterns with the scatter of the residuals then, not
+    /// with the stated noise.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

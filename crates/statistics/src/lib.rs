@@ -1,4 +1,4 @@
-//! Probability distributions, numbers in messages, and counters of computational work. All crates may use them.
+//! Probability distributions, numbers in messages, and counters of computational work, for all crates of the workspace.
 
 mod bad_setting;
 mod goodness_of_fit;

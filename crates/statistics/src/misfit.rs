@@ -2,8 +2,8 @@
 
 use crate::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 
-/// A way in which readings contradict the fitted model. Each kind has a p-value: the probability of a contradiction at
-/// least as large as the observed one, if the model is correct.
+/// A way in which readings contradict the fitted model. Its p-value is the probability of a contradiction at least as
+/// large as the observed one if the model is correct.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Misfit {
     /// The residuals are larger than the noise can explain.
@@ -13,7 +13,7 @@ pub enum Misfit {
     },
     /// One reading contradicts the other readings.
     Outlier {
-        /// Number of the roll, contact or marker with this reading, counted from 0.
+        /// Number of the roll, contact or marker with the contradicting reading, counted from 0.
         reading: usize,
         /// P-value of the largest contradiction among all readings.
         p_value: f64,
@@ -67,14 +67,15 @@ impl StatedQuantity {
 }
 
 impl Misfit {
-    /// Returns [`Misfit::PoorFit`] if the p-value is below the significance `level`.
+    /// Returns [`Misfit::PoorFit`] if the p-value of `goodness` is below the significance `level`.
     pub fn poor_fit(goodness: GoodnessOfFit, level: f64) -> Option<Self> {
         let p_value = goodness.p_value;
         (p_value < level).then_some(Self::PoorFit { p_value })
     }
 
     /// Returns [`Misfit::Outlier`] for the reading with the smallest of these p-values, or `None` if this p-value is
-    /// not significant. Before the test, the p-value is multiplied by the number of p-values (Bonferroni).
+    /// not significant. Before the test for significance, the smallest p-value is multiplied by the number of p-values
+    /// (Bonferroni). `p_values` are pairs of a reading's number and its p-value.
     ///
     /// ```
     /// use palpate_statistics::Misfit;

@@ -1,7 +1,7 @@
 //! The normal distribution.
 
-/// Largest score, in standard deviations of the normal distribution, that [`score_of_tail`] returns. A statement with a
-/// score this large is practically certain.
+/// Largest value, in standard deviations of the normal distribution, that [`score_of_tail`] returns. A statement with
+/// such a score is practically certain.
 pub const CERTAIN: f64 = 40.0;
 
 /// Half-widths of the 50, 80 and 95 % intervals of the normal distribution, in standard deviations.
@@ -20,8 +20,9 @@ pub fn normal_tail(score: f64) -> f64 {
     0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The score that a standard normal variable exceeds with this probability. The absolute error of the score is at most
-/// 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, it is −[`CERTAIN`].
+/// The number (score) that a standard normal variable exceeds with this probability. The absolute error of the score is
+/// at most 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, it is
+/// −[`CERTAIN`].
 ///
 /// ```
 /// assert!((palpate_statistics::score_of_tail(0.025) - 1.959964).abs() < 1e-6);
@@ -55,7 +56,6 @@ mod tests {
         }
     }
 
-    /// The expected probabilities were computed by mpmath with 50 digits.
     #[test]
     fn far_tails_keep_their_digits_and_no_probabilities_have_the_last_scores() {
         for (score, due) in [

@@ -1,17 +1,16 @@
-//! Rao's score test. A pattern is a possible systematic part of the residuals. The test computes how much chi-squared
-//! would decrease if patterns were fitted in addition to the parameters of the model.
+//! Rao's score test. A pattern is a possible systematic part of the residuals of a fit. The test computes how much
+//! chi-squared would decrease if patterns were fitted in addition to the parameters of the model.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::{chi_squared_tail, ratio_tail};
 
-/// Smallest share of a pattern that must remain after the parameters of the model are fitted to it. Patterns with a
-/// smaller share are skipped, because the remainder may be due to the model's nonlinearity. Patterns that are noisy
-/// need a larger share.
+/// Smallest share of a pattern that must remain after the parameters of the model are fitted to it. The test skips
+/// patterns with a smaller share, because the remainder may be caused by the model's nonlinearity. Noisy patterns need
+/// a larger share.
 pub const LEFT: f64 = 0.02;
 
-/// Decrease of chi-squared, to first order, that results from fitting patterns in addition to the parameters of the
-/// model.
+/// Decrease of a fit's chi-squared, to first order, if patterns are fitted in addition to the parameters of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
     /// Decrease of chi-squared.
@@ -62,7 +61,7 @@ impl Explained {
         explained
     }
 
-    /// P-value of the decrease if the standard deviation of the noise is stated.
+    /// P-value of the decrease if the standard deviation of the noise is stated by the user.
     pub fn p_value(self) -> f64 {
         chi_squared_tail(self.fall, self.freedom)
     }
@@ -77,8 +76,8 @@ impl Explained {
 }
 
 /// The number of the alternative with the smallest p-value, and this p-value multiplied by the number of alternatives
-/// (Bonferroni). `chances` contains the number and the p-value of each alternative. An alternative may be, for example,
-/// that a certain probe is an outlier. Without alternatives, the result is (0, 1).
+/// (Bonferroni). `chances` are pairs of an alternative's number and its p-value. An alternative is, for example, that
+/// the probe with this number is an outlier. Without alternatives, the result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());

@@ -33,8 +33,8 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     (first + rest).min(1.0)
 }
 
-/// Largest number of degrees of freedom for which the exact series is summed. For more degrees of freedom, an expansion
-/// is used.
+/// Largest number of degrees of freedom for which the exact series of the chi-squared tail is summed. Above it, an
+/// expansion is used.
 const MOST_TERMS: usize = 1_000_000;
 
 /// Tail probability of chi-squared for many degrees of freedom: the regularised upper incomplete gamma function Q(a,
@@ -75,7 +75,7 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     if !ratio.is_finite() {
         return 0.0;
     }
-    // `share` is the chi-squared `above`, divided by the sum of `above` and `below`. It has a beta distribution.
+    // `share` is the chi-squared `above`, divided by the sum of the two chi-squared values. It has a beta distribution.
     let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
     let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
     // The probability can be computed in two equivalent forms. Use the form whose continued fraction converges fast.
@@ -133,17 +133,17 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
     high
 }
 
-/// Up to this probability, the density of Student's t is treated as constant over the interval. The relative error of
-/// the half-width is then at most 1e-11.
+/// Largest probability for which the density of Student's t is treated as constant over the interval. The relative
+/// error of the half-width is then at most 1e-11.
 const STRAIGHT: f64 = 1e-6;
 
-/// The continued fraction has converged if the next factor differs from 1 by less than this value.
+/// The continued fraction of the beta function has converged if the next factor differs from 1 by less than this value.
 const CONVERGED: f64 = 1e-13;
-/// Maximum number of factors of the continued fraction.
+/// Largest number of factors of the beta function's continued fraction that are computed.
 const MOST_FACTORS: usize = 20_000;
 
-/// Regularised incomplete beta function I_x(a, b), computed by Lentz's algorithm (DLMF 8.17.22). The first argument
-/// contains x and 1 − x, because the difference would lose digits if x is close to 1.
+/// Regularised incomplete beta function I_x(a, b), computed by Lentz's algorithm (DLMF 8.17.22). The first argument is
+/// the pair of x and 1 − x, because the difference 1 − x would lose digits if x is close to 1.
 fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     let log = a * libm::log(x) + b * libm::log(rest) - log_beta(a, b);
     let front = libm::exp(log) / a;
@@ -176,11 +176,10 @@ fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     front * value
 }
 
-/// For arguments above this number, the logarithm of the gamma function is computed with Stirling's series. The series
-/// avoids the cancellation of large logarithms.
+/// The logarithm of the gamma function is computed with Stirling's series if the argument is above this number. The
+/// series avoids the cancellation of large logarithms.
 const LARGE: f64 = 20.0;
 
-/// Logarithm of the beta function.
 fn log_beta(a: f64, b: f64) -> f64 {
     let (small, large) = if a < b { (a, b) } else { (b, a) };
     if large < LARGE {
@@ -254,8 +253,6 @@ mod tests {
         }
     }
 
-    /// Compares half-widths with percentage points of Student's t from published tables (Abramowitz and Stegun, table
-    /// 26.10).
     #[test]
     fn half_widths_are_those_of_tables() {
         for (freedom, probability, half_width) in [
@@ -325,7 +322,6 @@ mod tests {
         }
     }
 
-    /// The expected probabilities were computed by mpmath with 50 digits.
     #[test]
     fn far_tails_and_many_degrees_keep_their_digits() {
         let is_near = |found: f64, due: f64, bound: f64, what: &str| {
@@ -370,7 +366,7 @@ mod tests {
             let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
             is_near(found, due, bound, "ratio");
         }
-        // Student's t has quantiles in closed form for one degree of freedom (`of_one`, with a tangent) and for two
+        // Closed-form quantiles of Student's t: for one degree of freedom (`of_one`, with a tangent) and for two
         // (`of_two`, with a square root).
         for (probability, of_one, of_two) in [
             (

@@ -4,7 +4,7 @@
 //! Work is counted separately for each thread, and only with the feature `count`. Without this feature, every function
 //! here is empty.
 
-/// Counts of the work on one thread, by kind.
+/// Amount of work that was done on one thread, for each kind of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Number of random 64-bit words that were drawn from the random number generators.
@@ -19,7 +19,7 @@ pub struct Tally {
     pub layers: u64,
     /// Number of markers whose image was computed without rendering pixels.
     pub projections: u64,
-    /// Number of camera frames rendered.
+    /// Number of rendered camera frames.
     pub frames: u64,
 }
 

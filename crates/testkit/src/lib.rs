@@ -52,7 +52,7 @@ pub fn hue(light: [f64; 3]) -> f64 {
     let least = light.into_iter().fold(f64::INFINITY, f64::min);
     let [red, green, blue] = light.map(|one| one - least);
     let sixths = if blue == 0.0 {
-        // Blue is the weakest colour, so the hue lies between red and green, on the side of yellow.
+        // Blue is the weakest of the three colours, so the hue lies between red and green, on the side of yellow.
         if red >= green {
             green / red
         } else {
@@ -72,7 +72,6 @@ pub fn hue(light: [f64; 3]) -> f64 {
     sixths / 6.0
 }
 
-/// The colour with this hue (in turns), saturation 0.8 and value 1.
 fn colour(hue: f64) -> [f64; 3] {
     [0.0, 4.0, 2.0].map(|shift| {
         let ramp = ((6.0 * hue + shift).rem_euclid(6.0) - 3.0).abs() - 1.0;
@@ -80,8 +79,8 @@ fn colour(hue: f64) -> [f64; 3] {
     })
 }
 
-/// The pixels near a disc, each as (column, row, covered share). The covered share of a pixel is estimated with 8 × 8
-/// sample points.
+/// The pixels near a disc, each as (column, row, covered share). The share that the disc covers is estimated with 8 × 8
+/// sample points per pixel.
 fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)> {
     let bounds = |at: f64| {
         let first = (at - radius - 2.0).max(0.0) as usize;
@@ -101,7 +100,8 @@ fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)>
     pixels
 }
 
-/// Converts an image to bytes, and adds normal noise. The standard deviation `noise` is in grey levels, from 0 to 255.
+/// Converts an image to bytes, and adds normally distributed noise with the standard deviation `noise` (in grey levels
+/// from 0 to 255).
 fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> RgbImage {
     let mut frame = RgbImage::new(size as u32, size as u32);
     for (pixel, colour) in frame.pixels_mut().zip(plane) {
@@ -159,7 +159,7 @@ pub struct Bright {
     pub size: usize,
     /// Diameter of a disc, px.
     pub disc_px: f64,
-    /// Distance between the centres of the two discs of a marker, in disc diameters.
+    /// Distance between the centres of a marker's two discs, in disc diameters.
     pub apart: f64,
     /// Standard deviation of the blur, px.
     pub blur_px: f64,
@@ -175,7 +175,7 @@ pub const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
 pub const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
 
 /// A frame of markers at `places` on a white background. Each marker consists of a magenta and a yellow disc. The
-/// offset between the centres of the two discs has a random direction.
+/// direction from the centre of one disc to the centre of the other is random.
 pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
     let Bright { size, disc_px, .. } = how;
     let mut random = Random(seed);

@@ -1,12 +1,11 @@
-//! Explores a range: tests values all over the range, then more values around each crossing. A crossing is a place
-//! where the values change from meeting the target to missing it, or back.
+//! Explores a range of values: tests values all over the range, then more values around each crossing. A crossing is a
+//! place where the values change from meeting the target to missing it, or back.
 
 use super::limits::{Effort, FIRST, MAX_LOOKS, Rules, SCANNED};
 use super::points::{Point, Points};
 use super::span::Span;
 use super::{Curves, ScoreRequest};
 
-/// The values that a search may test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SearchRange {
     /// A range; the search may test all numbers in it.
@@ -31,10 +30,10 @@ pub enum EndReason {
 const EXPLORATION_SHARE: f64 = 0.6;
 /// Factor by which the number of trials at an undecided value is increased in each round.
 const GROWTH: f64 = 4.0;
-/// Largest factor by which the number of trials is increased at the undecided values within a crossing.
+/// Largest factor by which the number of trials is increased in one round at the undecided values within a crossing.
 const MOST_GROWTH: f64 = 16.0;
 /// Smallest factor by which the number of trials is increased. If the time budget is too short for a larger factor, the
-/// factor is halved repeatedly. Below this value, the exploration ends.
+/// factor is halved repeatedly. Below this smallest factor, the exploration ends.
 const LEAST_GROWTH: f64 = 1.5;
 /// Largest distance between neighbouring values within a crossing, as a share of the crossing's width. If two
 /// neighbours are farther apart, a value between them is tested.
@@ -103,7 +102,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
     }
 }
 
-/// Requests scores with the requests `asks`, and stores the scores in `points`.
+/// Requests the scores for `asks`, and stores them in `points`.
 fn request<C: Curves + ?Sized>(
     curves: &mut C,
     points: &mut Points,
@@ -116,7 +115,8 @@ fn request<C: Curves + ?Sized>(
     Ok(())
 }
 
-/// Whether the answer is still incomplete: a gap is too large, or a value outside of the gaps is undecided.
+/// Whether a gap between values that meet and values that miss the target is too large, or a value outside of the gaps
+/// is undecided.
 fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
     stretches(points, rules)
         .into_iter()
@@ -126,7 +126,6 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
         })
 }
 
-/// A sequence of consecutive tested values that needs more trials or more values.
 enum Stretch {
     /// Indices of the first and the last of several consecutive undecided values. The decided values before and after
     /// them are on the same side of the target, or the range ends there.
@@ -162,7 +161,7 @@ fn stretches(points: &Points, rules: &Rules) -> Vec<Stretch> {
     stretches
 }
 
-/// Whether the gap between the two ends of a crossing is small enough, or no further value fits between them.
+/// Whether the gap between the ends of a crossing is small enough, or no further value fits into it.
 fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     let [low, .., high] = crossing else {
         return true;
@@ -171,7 +170,7 @@ fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     is_close || crossing.len() == 2 && span.between(low.value, high.value, rules.gap).is_none()
 }
 
-/// Requests for the next round of trials. The number of trials at a value grows at most by the factor `growth`.
+/// Requests for the next round of trials. No value gets more than `growth` times its previous number of trials.
 fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec<ScoreRequest> {
     let mut asks = Vec::new();
     let all = &points.points;
@@ -198,7 +197,7 @@ fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec
 }
 
 /// Adds requests that locate a crossing more accurately. If neighbouring values are too far apart, values between them
-/// are tested. Otherwise, the undecided values get more trials.
+/// are requested. Otherwise, more trials of the undecided values are requested.
 fn closer(
     crossing: &[Point],
     span: &Span,
@@ -236,9 +235,8 @@ fn closer(
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // The number of trials is multiplied by `factor`, so that the undecided range becomes small enough for the
-    // requested gap. `factor` is a square, because the width of the undecided range is inversely proportional to the
-    // square root of the number of trials.
+    // The undecided range is to become small enough for the requested gap. Its width is inversely proportional to the
+    // square root of the number of trials, so the number of trials is multiplied by the square of a ratio of widths.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

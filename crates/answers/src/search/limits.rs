@@ -5,35 +5,31 @@ use std::time::Duration;
 use palpate_statistics::score_of_tail;
 use palpate_sweep::Clock;
 
-/// Share of the allowed error probability that the exploration may use. The remaining probability is for the
-/// verification of the ends of ranges.
+/// Share of the allowed error probability that the exploration may use. The rest is for verifying the ends of ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
 /// Largest number of tests in a search. A test compares the scores at one value with the scores that a decision
 /// requires.
 pub(super) const MAX_LOOKS: usize = 400;
-/// Number of values in the first scan. The 16 + 1 values include the ends, the middle and the quarters of the range.
+/// Number of values in the first scan: both ends of the range, and 15 values between them at equal distances. They
+/// include the middle and the quarters.
 pub(super) const SCANNED: usize = 17;
 /// Number of trials of each cell in the first test of a value.
 pub(super) const FIRST: u64 = 64;
 /// Largest number of attempts to verify an end of a range.
 pub(super) const ATTEMPTS: u32 = 5;
-/// Number of fresh trials that verify a value, as a multiple of the number of trials from which the search decided
-/// about this value.
+/// Number of fresh trials that verify a value, as a multiple of the number of trials in the search's decision about
+/// this value.
 pub(super) const FRESH: f64 = 2.0;
 
 /// Scores that a search requires for its decisions, and other limits of the search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
-    /// Allowed probability that any part of the answer is wrong.
     wrong: f64,
-    /// Largest gap that may remain between values that meet the target and values that miss it.
     pub(super) gap: f64,
-    /// Largest number of trials of a cell at one value of the searched field.
     pub(super) most_trials: u64,
     /// A value meets the target if the scores of all cells are at least this large.
     pub(super) meets: f64,
-    /// A negative score. A value misses the target if the score of at least one condition in one cell is below this
-    /// score.
+    /// A value misses the target if the score of at least one condition in one cell is below this negative number.
     pub(super) misses: f64,
 }
 
@@ -53,8 +49,8 @@ impl Rules {
         }
     }
 
-    /// Score that fresh trials must reach to confirm one end of a range, if the answer has `sides` such ends. Attempts
-    /// are counted from 0. Each attempt may be wrong with half the probability of the previous attempt.
+    /// Score that fresh trials must reach to confirm one end of a range. The answer has `sides` such ends. Attempts are
+    /// counted from 0; each may be wrong with half the probability of the previous one.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
@@ -62,11 +58,11 @@ impl Rules {
     }
 }
 
-/// The time budget of a search, and the speed of its trials.
+/// The time budget of a search, with the measured speed of its trials.
 pub(super) struct Effort<'a> {
     clock: &'a Clock<'a>,
     budget: Option<Duration>,
-    /// Duration of the last round of trials, and number of trials in this round.
+    /// Duration of the last round of trials, and the round's number of trials.
     last: (Duration, u64),
 }
 
@@ -79,7 +75,7 @@ impl<'a> Effort<'a> {
         }
     }
 
-    /// Calls `work`, which runs `trials` trials, and stores how long this takes.
+    /// Calls `work`, which runs `trials` trials, and stores its duration.
     pub(super) fn timed<R>(&mut self, trials: u64, work: impl FnOnce() -> R) -> R {
         if self.budget.is_none() {
             return work();
@@ -92,7 +88,7 @@ impl<'a> Effort<'a> {
         done
     }
 
-    /// Whether `trials` trials are expected to end within this share of the budget.
+    /// Whether `trials` trials are expected to end within the share `share` of the budget.
     pub(super) fn allows(&self, trials: u64, share: f64) -> bool {
         self.budget.is_none_or(|budget| {
             let after = (self.clock)().as_secs_f64() + self.seconds(trials);
@@ -100,7 +96,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of `trials` that can be run in the remaining time, at most 1.
+    /// Share of `trials` (at most 1) that can be run in the remaining time.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

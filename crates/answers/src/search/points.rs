@@ -12,7 +12,6 @@ pub enum Side {
     Misses,
 }
 
-/// Tested values of the searched field, in ascending order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     pub(super) points: Vec<Point>,
@@ -20,17 +19,14 @@ pub(super) struct Points {
     pub(super) looks: usize,
 }
 
-/// A tested value, and the scores of all cells at this value.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) value: f64,
     pub(super) cells: Vec<CellScores>,
 }
 
-/// Scores of a cell at a value.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellScores {
-    /// Number of trials that were requested for the cell.
     pub(super) trials: u64,
     scores: Scores,
 }
@@ -42,7 +38,7 @@ impl CellScores {
 }
 
 impl Point {
-    /// Index of the cell with the smallest score, and index of the condition with this score.
+    /// Indices of the cell and of the condition with the smallest score.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();
@@ -52,13 +48,11 @@ impl Point {
         least.map_or((0, 0), |(place, _)| place)
     }
 
-    /// Smallest score of all cells and conditions.
     pub(super) fn score(&self) -> f64 {
         let scores = self.cells.iter().map(CellScores::score);
         scores.fold(f64::INFINITY, f64::min)
     }
 
-    /// Side of the target on which the value lies; `None` if it is undecided.
     pub(super) fn side(&self, rules: &Rules) -> Option<Side> {
         match self.score() {
             score if score >= rules.meets => Some(Side::Meets),
@@ -67,13 +61,12 @@ impl Point {
         }
     }
 
-    /// Largest number of trials of any cell at this value.
     pub(super) fn trials(&self) -> u64 {
         let trials = self.cells.iter().map(|cell| cell.trials);
         trials.max().unwrap_or(0)
     }
 
-    /// For the cells that are undecided at this value, adds requests for `factor` times as many trials.
+    /// Adds requests for `factor` times as many trials, for the cells that are undecided at this value.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {
@@ -90,7 +83,6 @@ impl Point {
 }
 
 impl Points {
-    /// Number of additional trials that these requests need.
     pub(super) fn added(&self, asks: &[ScoreRequest]) -> u64 {
         let added = asks.iter().map(|ask| {
             let known = self.points.iter().find(|point| point.value == ask.value);
@@ -101,7 +93,6 @@ impl Points {
         added.fold(0, u64::saturating_add)
     }
 
-    /// Stores the scores that were computed for the requests `asks`.
     pub(super) fn store(&mut self, asks: &[ScoreRequest], scores: &[Scores], cells: usize) {
         let mut last = None;
         for (ask, scores) in asks.iter().zip(scores) {
@@ -135,7 +126,6 @@ impl Points {
         }
     }
 
-    /// Side of the target on which each tested value lies; `None` if this is undecided.
     pub(super) fn sides(&self, rules: &Rules) -> Vec<Option<Side>> {
         self.points.iter().map(|point| point.side(rules)).collect()
     }

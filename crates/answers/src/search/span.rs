@@ -14,9 +14,9 @@ pub struct Span {
     pub is_whole: bool,
 }
 
-/// If the ratio of the two ends of a range exceeds this number, its values are spaced logarithmically.
+/// Values are spaced logarithmically if the ratio of the two ends of the range exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Values are rounded to multiples of a step. About this many steps fit into a gap.
+/// Values are rounded to multiples of a step. About this many steps fit into the allowed gap.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
@@ -31,8 +31,8 @@ impl Span {
         }
     }
 
-    /// Distance between two values, where `low` ≤ `high`. On a logarithmic range, the distance is relative to `low`,
-    /// otherwise relative to half the range.
+    /// Distance between two values, where `low` ≤ `high`: relative to `low` on a logarithmic range, otherwise relative
+    /// to half the range.
     pub(crate) fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
             true => high / low - 1.0,
@@ -109,7 +109,7 @@ impl Span {
     }
 }
 
-/// The number `value`, rounded to the decimal place of `step`.
+/// The number `value`, rounded to the first significant decimal place of `step`.
 fn rounded(value: f64, step: f64) -> f64 {
     let place = |number: f64| {
         let text = format!("{:e}", number.abs());

@@ -1,4 +1,4 @@
-//! Verifies the ranges that a search has found, with trials that the search has not used.
+//! Verifies the ranges of values that a search has found, with trials that the search has not used.
 
 use super::explore::SearchRange;
 use super::limits::{ATTEMPTS, Effort, FRESH, Rules};
@@ -23,12 +23,11 @@ struct Candidate {
     side: Side,
 }
 
-/// An end of a range, at which a value must be verified.
 struct End {
     run: usize,
     kind: Kind,
-    /// Indices of the values that are tried one after the other. The first value is the outermost value of the range,
-    /// and the other values are farther inside the range.
+    /// Indices of the values at which this end is tried, one after the other: first the outermost value of the range,
+    /// then values farther inside.
     places: Vec<usize>,
     attempt: u32,
     /// Index of the value at which fresh trials confirmed this end of the range; `None` if they have not confirmed the
@@ -40,8 +39,8 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// The range has no ends to verify, because it covers the whole explored range or is a single listed value.
-    /// Instead, the value with the smallest score is verified.
+    /// A range without ends to verify: it covers the whole explored range, or is a single listed value. The value with
+    /// the smallest score is verified instead.
     Weakest,
 }
 
@@ -107,19 +106,17 @@ pub(super) fn verify<C: Curves + ?Sized>(
     Ok((verified_runs(points, &found, &ends), narrowed))
 }
 
-/// Index of the value at which an end is verified in the next attempt.
 fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests for the trials that verify an end of a range. If the values of the range meet the target, trials of all
-/// cells are requested. If they miss it, only trials of the cell with the smallest score are requested.
+/// Requests for the trials that verify an end of a range. If the range meets the target, trials of all cells are
+/// requested. If it misses the target, only trials of the cell with the smallest score are requested.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // A range that covers all tried values has no ends (`Weakest`). It is verified at the value with the smallest
-    // score. If an attempt fails, the next attempt tests the same value with more trials, because no other value is a
-    // better test.
+    // A range that covers all tried values has no ends (`Weakest`), and no other value is a better test than the one
+    // with the smallest score. If an attempt fails there, the next attempt tests the same value with more trials.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,
@@ -136,8 +133,7 @@ fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<Sc
     }
 }
 
-/// The ranges of neighbouring values on the same side of the target. Listed values have no neighbours, so each listed
-/// value forms its own range.
+/// The found ranges of neighbouring values on the same side of the target. Each listed value is a range of its own.
 fn candidates(points: &Points, among: SearchRange, rules: &Rules) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     for (place, side) in points.sides(rules).into_iter().enumerate() {
@@ -175,7 +171,7 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
             continue;
         };
         let value = |place: usize| points.points[place].value;
-        // Keep only values that are at least half of the requested gap apart from the previous value, because closer
+        // Keep only values whose distance from the previous value is at least half of the requested gap, because closer
         // values would give nearly the same result.
         let apart = |places: &mut dyn Iterator<Item = usize>| {
             let mut kept: Vec<usize> = Vec::new();
@@ -207,7 +203,6 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
     ends
 }
 
-/// The ranges between the ends that fresh trials confirmed.
 fn verified_runs(points: &Points, found: &[Candidate], ends: &[End]) -> Vec<Run> {
     let value = |place: usize| points.points[place].value;
     let run = |(number, found): (usize, &Candidate)| {

@@ -25,7 +25,7 @@ fn runner(threads: usize) -> Runner {
     Runner::new(&options).unwrap()
 }
 
-/// Pseudo-random number in (0, 1) for an index (SplitMix64). The numbers for different indices are independent.
+/// Pseudo-random number in (0, 1) for an index (SplitMix64). Numbers of different indices are independent.
 fn uniform(index: u64) -> f64 {
     let mut bits = index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -34,7 +34,7 @@ fn uniform(index: u64) -> f64 {
     ((bits >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
-/// Independent standard normal numbers (Box and Muller).
+/// Standard normal number for an index (Box and Muller). Numbers of different indices are independent.
 fn normal(index: u64) -> f64 {
     let (radius, angle) = (uniform(2 * index + 1), uniform(2 * index + 2));
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)
@@ -70,14 +70,13 @@ impl Trial for Noisy {
     }
 }
 
-/// Function of the searched value. It returns the scale of the errors and the share of failed trials.
+/// Scale of the errors and share of failed trials, as a function of the searched value.
 type Curve = fn(f64) -> (f64, f64);
 
 /// Curve of the rms error of [`Noisy`] trials. The target is an rms error of at most 1 with at most 5 % failures.
 struct Noise<'a> {
     runner: &'a Runner,
     seed: u64,
-    /// The curve of each cell: scale of the errors, and share of failed trials.
     cells: Vec<Curve>,
     known: HashMap<(u64, usize, bool), Batches>,
     trials: u64,
@@ -94,7 +93,6 @@ impl<'a> Noise<'a> {
         }
     }
 
-    /// Whether all cells meet the target at this value.
     fn meets(&self, value: f64) -> bool {
         self.cells.iter().all(|cell| {
             let (scale, fails) = cell(value);
@@ -159,8 +157,7 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// Sides of the ranges that the search found. The flag states whether `curve` confirms these sides at both ends of
-/// every range.
+/// Sides of the ranges that the search found, and whether they are right at both ends of every range.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;
@@ -191,8 +188,8 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // If fresh trials contradict a found range, the search narrows this range. If this happened often, the search would
-    // decide about values after too few trials.
+    // If fresh trials contradict a found range, the search narrows this range. Many narrowed ranges would mean that the
+    // search decides about values after too few trials.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }
@@ -262,8 +259,8 @@ fn the_worst_cell_decides() {
     let misses = |looked: &&TestedValue| looked.side == Some(Side::Misses);
     let mut missing = found.tested.iter().filter(misses);
     assert!(missing.all(|looked| looked.worst == 2));
-    // Cell 1 cannot change the decision, because cell 2 is always worse. So the search must not give cell 1 more
-    // trials.
+    // Cell 1 cannot change the decision, because the score of cell 2 is always worse. So the search must not run more
+    // trials of cell 1.
     let easy = curve
         .known
         .iter()
@@ -283,7 +280,7 @@ fn all_or_nothing_and_a_single_value() {
         let mut curve = Noise::new(&runner, 5, &[|x| (x, 0.0)]);
         let found = searched(&mut curve, span(from, to), MOST);
         assert_eq!(found.runs, [Run { from, to, side }]);
-        // The key is (value, cell, fresh). The result was verified with fresh trials if any key has `fresh`.
+        // A key is (value, cell, fresh). The result was verified with fresh trials if `fresh` is true in any key.
         assert!(curve.known.keys().any(|(_, _, fresh)| *fresh));
     }
 }
@@ -316,8 +313,8 @@ fn whole_numbers_and_lists() {
 
 #[test]
 fn fresh_trials_that_disagree_narrow_the_answer() {
-    /// Scores that contradict each other: fresh trials meet the target at values below `fresh_below`, but the trials of
-    /// the search meet it at values below 1.
+    /// Scores that contradict each other: in fresh trials, values below `fresh_below` meet the target; in the trials of
+    /// the search, values below 1 do.
     struct Disagreeing {
         fresh_below: f64,
     }
@@ -349,7 +346,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
     let moved = found(0.9);
     assert_eq!((moved.narrowed, moved.runs.len()), (1, 2));
     assert!(moved.runs[0].to < 0.9 && moved.runs[1].from < 1.05);
-    // In exploration, some values met the target, but with fresh trials no value meets it. The search must drop the
+    // In the exploration, some values met the target, but with fresh trials no value meets it. The search must drop the
     // range of these values.
     let lost = found(0.0);
     assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
