@@ -1,8 +1,8 @@
-//! Measures the computing time of the models that compute rolls. The contact's error may be at most 1e-12 for a long
-//! roll (6 rad), and at most 1e-13 for a short roll (0.1 rad).
+//! Measures the computing time of the models that compute rolls. The error of the last contact may be at most 1e-12 for
+//! a long roll (6 rad), and at most 1e-13 for a short roll (0.1 rad).
 //!
-//! Before an integrator is timed, its error is compared with the bound of the case. Each integrator uses the largest
-//! tolerance that meets this bound.
+//! Before an integrator is timed, its error is compared with this bound. Each integrator uses the largest tolerance for
+//! which its error is within the bound.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;
@@ -17,7 +17,7 @@ const RADIUS: f64 = 1.0;
 struct Case {
     object: Shape,
     theta_rad: f64,
-    /// Largest allowed error of each coordinate of the contact, on the object and on the probe.
+    /// Largest allowed error of each coordinate of the last contact, on the object and on the probe.
     bound: f64,
     /// Tolerances of DOP853 for the chart-free equations and for the equations in charts.
     tolerances: [f64; 2],

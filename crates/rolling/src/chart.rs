@@ -34,7 +34,7 @@ pub(crate) struct ChartForm<'a, S> {
 }
 
 impl<'a, S: Surface> ChartForm<'a, S> {
-    /// The system of equations for `motion`, and its initial state, which describes the contact `from`.
+    /// The system of equations for `motion`, and the initial state for the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

@@ -22,12 +22,12 @@ use crate::{Contact, Motion};
 
 /// Number of state components: x and y of the contact on the object; x and y of the axis `x₁` of the contact frame; the
 /// quaternion `w, i, j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and
-/// an unused component (an even number is faster).
+/// an unused component (an even number of components is faster).
 const STATE: usize = 12;
 /// Number of leading state components on which the derivative of the state depends, on a general surface.
 pub(crate) const OF_SPACE: usize = 10;
-/// Number of leading state components on which the derivative of the state depends, on a graph. There, the derivative
-/// does not depend on the height of the contact.
+/// Number of leading state components on which the derivative of the state depends, on a graph z = f(x, y). It does not
+/// depend on the height of the contact there.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
@@ -40,7 +40,7 @@ pub(crate) struct ChartFree<'a, S, const READ: usize> {
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// The system of equations for `motion`, and its initial state, which describes the contact `from`.
+    /// The system of equations for `motion`, and the initial state for the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

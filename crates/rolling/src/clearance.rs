@@ -1,8 +1,8 @@
 //! Clearance: the distance between a rolling probe and the parts of the object beside the contact.
 //!
-//! A hill beside the path may extend into the probe, although the curvatures at the contact allow the contact. To find
-//! this, the heights of the object are sampled once along a path. Searches from the samples nearest to the probe then
-//! find the closest points of the object.
+//! A hill beside the path may extend into the probe, although the curvatures at the contact point are possible. To
+//! detect this, the heights of the object are sampled once along a path of the probe. Searches from the samples nearest
+//! to the probe then find the closest points of the object.
 
 use std::collections::HashMap;
 
@@ -11,23 +11,22 @@ use palpate_geometry::{Shape, Surface};
 
 use crate::{Contact, Motion, RollError, RollFault, Roller};
 
-/// Number of height samples per length of one probe radius. Parts of the object that are narrower than the distance
-/// between height samples may be missed.
+/// Number of height samples per probe radius. Parts of the object that are narrower than the distance between height
+/// samples may be missed.
 const PER_RADIUS: f64 = 48.0;
-/// Number of height samples along a side of a tile.
+/// Number of height samples along a side of a square tile of `Terrain`.
 const TILE: i64 = 32;
 /// Largest accepted overlap of probe and object, relative to the probe's radius.
 const TOLERANCE: f64 = 5e-7;
-/// A closest point counts as the contact itself if its distance from the contact is below this value. The distance is
-/// relative to the probe's radius.
+/// A closest point of the object counts as the contact itself if its distance from the contact, in probe radii, is
+/// below this value.
 const CONTACT: f64 = 1e-4;
-/// The clearance is computed at samples of the roll. This constant is the longest path of the probe's centre between
-/// two samples, relative to the probe's radius. A longer path is always bisected.
+/// Longest path of the probe's centre between two samples of the roll at which the clearance is computed, in probe
+/// radii. A longer path is always bisected.
 const LONGEST: f64 = 0.25;
-/// Shortest path of the probe's centre that is still bisected, relative to the probe's radius. The path leads from one
-/// sample of the roll to the next.
+/// Shortest path of the probe's centre between two samples of the roll that is still bisected, in probe radii.
 const SHORTEST: f64 = 1e-3;
-/// If the slope between two neighbouring height samples is larger than this, there is a wall between the two samples.
+/// There is a wall between two neighbouring height samples if the slope between them is larger than this.
 const STEEP: f64 = 2.0;
 /// Number of bisections with which a wall between two neighbouring height samples is located.
 const HALVINGS: usize = 40;
@@ -40,7 +39,7 @@ pub struct Terrain {
     spacing: f64,
 }
 
-/// A sample of the roll: the time, the distance that the probe's centre has travelled (in radii of the probe), and the
+/// A sample of the roll: the time, the distance that the probe's centre has travelled (in probe radii), and the
 /// clearance. The clearance is the distance (length) from the probe to the nearest examined part of the object beside
 /// the contact.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +59,7 @@ struct Start {
 }
 
 impl Terrain {
-    /// Samples the heights of all tiles within the distance `reach` of a place, and stores these tiles.
+    /// Samples the heights of the object in all tiles within the distance `reach` of a place, and stores these tiles.
     fn add(&mut self, object: &Shape, place: &Vector2<f64>, reach: f64) {
         let spacing = self.spacing;
         let ends = |along: f64| {
@@ -84,7 +83,7 @@ impl Terrain {
         Vector2::new(column as f64, row as f64) * self.spacing
     }
 
-    /// The height at a lattice point; NaN outside the sampled tiles and outside the object.
+    /// The height of the object at a lattice point; NaN outside the sampled tiles and outside the object.
     fn height(&self, column: i64, row: i64) -> f64 {
         let index = row.rem_euclid(TILE) * TILE + column.rem_euclid(TILE);
         let tile = self
@@ -116,14 +115,14 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // Index of a neighbouring sample. At the edge of the sampled window, it may refer to a sample of another
-            // row. This does no harm, because samples at the edge are too far from the centre to be used.
+            // `beside` is the index of a neighbouring sample. At the edge of the sampled window, it may be the index of
+            // a sample in another row. This does no harm, because samples at the edge are too far from the centre to be
+            // used.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // A neighbour without a sample does not prevent this sample from counting as nearer than all its
-                // neighbours.
+                // A sample counts as nearer than all its neighbours even if a neighbour was not sampled.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)
@@ -156,8 +155,8 @@ impl Terrain {
     }
 }
 
-/// The place between two lattice points at which the height of the object crosses `level`. The height increases there
-/// if `rises` is true, otherwise it decreases.
+/// The place between two lattice points at which the height of the object crosses `level`. If `rises` is true, the
+/// height increases from the first to the second point, otherwise it decreases.
 fn crossing(
     object: &Shape,
     [mut low, mut high]: [Vector2<f64>; 2],
@@ -175,7 +174,6 @@ fn crossing(
     Some(low)
 }
 
-/// Largest distance from the probe's centre at which parts of the object are examined.
 fn reach(radius: f64, margin: f64) -> f64 {
     radius * (1.0 + LONGEST) + margin
 }
@@ -227,15 +225,14 @@ impl Roller {
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
-        // `ahead` is a stack of samples that have not been compared with their predecessor yet. Its last element is the
-        // next one in time.
+        // `ahead` is a stack of samples of the roll that have not been compared with their predecessor yet. Its last
+        // element is the next sample in time.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
             let nearer = before.clearance.min(after.clearance) / radius;
-            // Between two samples, the clearance changes by at most the distance by which the centre of the probe
-            // moves. So if the clearance at both samples is larger than this distance, no samples are needed in
-            // between.
+            // Between two samples, the clearance changes by at most the distance that the probe's centre moves. So if
+            // the clearance at both samples is larger than this distance, no samples are needed between them.
             let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
             let middle = 0.5 * (before.time_s + after.time_s);
             if is_cut && before.time_s < middle && middle < after.time_s {
@@ -290,7 +287,7 @@ impl Roller {
         })
     }
 
-    /// The contact at `time_s`, and the centre of the probe. Integration errors may have moved the contact off the
+    /// The contact and the centre of the probe at `time_s`. Integration errors may have moved the contact off the
     /// surface, so it is projected back onto the object.
     fn centre(&self, motions: &[Motion], time_s: f64) -> Result<(Contact, Point3<f64>), RollError> {
         let mut contact = self.roll(&until(motions, time_s))?;

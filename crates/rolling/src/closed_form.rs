@@ -1,8 +1,9 @@
 //! Rolling on planes, spheres, dishes and cylinders by exact formulas (the model "closed form").
 //!
-//! On these objects, the shape operator is constant in a parallel-transported basis. Therefore a steady motion without
-//! spin moves the contact at constant speed along a geodesic of the object and along a great circle of the probe. The
-//! contact frame on the object moves like a screw, that is, with constant rates of rotation and translation.
+//! On these objects, the components of the shape operator are constant in a parallel-transported basis. Therefore a
+//! steady motion without spin moves the contact at constant speed along a geodesic of the object and along a great
+//! circle of the probe. The contact frame on the object moves like a screw, that is, with constant rates of rotation
+//! and translation.
 
 use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, TangentForm};
@@ -11,7 +12,6 @@ use crate::contact_equations::contact_velocity;
 use crate::error::RollFault;
 use crate::{Contact, Motion};
 
-/// A contact with a homogeneous surface. During a roll, the curvatures in the contact frame do not change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClosedForm {
     /// The matrix `(K₁ + K̃₂)⁻¹`. This matrix maps the angular velocity `[−ω_y, ω_x]` to the velocity of the contact on
@@ -31,7 +31,7 @@ impl ClosedForm {
         })
     }
 
-    /// The contact after `motion`, which starts at the contact `from`. The motion must have no spin.
+    /// The contact at the end of `motion`, which starts at the contact `from`. The motion must have no spin.
     #[inline]
     pub(crate) fn advance(&self, radius: f64, from: &Contact, motion: &Motion) -> Contact {
         let motion = motion.in_unit_time();
@@ -40,8 +40,9 @@ impl ClosedForm {
         let y_axis = from.y_axis();
         let displacement = from.x_axis * along.x + y_axis * along.y;
         let tilt = self.object * along;
-        // The angular velocity of the contact frame is normal × (x tilt.x + y tilt.y). This equals x tilt.y − y tilt.x,
-        // because the normal is −z: the z axis of the frame points into the object.
+        // With the axes x and y of the contact frame, the angular velocity of the frame is normal × (x tilt.x + y
+        // tilt.y). The z axis of the frame points into the object, so the normal is −z, and the product is x tilt.y − y
+        // tilt.x.
         let turn = from.x_axis * tilt.y - y_axis * tilt.x;
         let screw = Screw::new(turn);
         Contact {
@@ -54,8 +55,8 @@ impl ClosedForm {
     }
 }
 
-/// The probe's contact frame in its body frame, after the contact has moved along a great circle by `path`. The
-/// components of `path` are in the probe's contact frame at the contact `from`.
+/// Orientation of the probe's contact frame in its body frame, after the contact has moved along a great circle by
+/// `path`. The components of `path` are in the probe's contact frame at the contact `from`.
 pub(crate) fn roll_on_probe(
     from: &Contact,
     path: Vector2<f64>,
@@ -65,7 +66,7 @@ pub(crate) fn roll_on_probe(
     from.body_from_contact * UnitQuaternion::from_scaled_axis(turn)
 }
 
-/// A rotation at a constant rate during one unit of time. The type also computes the displacement of a point whose
+/// A rotation at a constant rate during one unit of time. `Screw` also computes the displacement of a point whose
 /// velocity vector rotates at the same rate.
 struct Screw {
     axis: Vector3<f64>,
@@ -91,15 +92,14 @@ impl Screw {
         }
     }
 
-    /// The vector after the rotation, by Rodrigues' formula.
     fn rotated(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let [sine, versine, ..] = self.numbers;
         let across = self.axis.cross(vector);
         vector + across * sine + self.axis.cross(&across) * versine
     }
 
-    /// Displacement, during one unit of time, of a point whose velocity is `displacement` at the start and rotates with
-    /// this rotation.
+    /// Displacement, during one unit of time, of a point whose velocity vector is `displacement` at the start and turns
+    /// with this rotation.
     fn translation(&self, displacement: &Vector3<f64>) -> Vector3<f64> {
         let [.., sine, versine] = self.numbers;
         let along = self.axis * self.axis.dot(displacement);

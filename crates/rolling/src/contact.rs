@@ -66,7 +66,6 @@ impl Contact {
         })
     }
 
-    /// `y₁`, the second axis of the probe's contact frame, in the object's frame.
     pub(crate) fn y_axis(&self) -> Vector3<f64> {
         self.x_axis.cross(&self.normal)
     }
@@ -76,7 +75,6 @@ impl Contact {
         Point3::from(self.probe_direction() * radius)
     }
 
-    /// The direction of the contact from the probe's centre, in the probe's body frame.
     pub(crate) fn probe_direction(&self) -> Vector3<f64> {
         self.body_from_contact * Vector3::z()
     }
@@ -88,8 +86,8 @@ impl Contact {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        // It is enough to check the sum of the vectors, because it is not finite if a component is not finite. A sum of
-        // finite components overflows only for extreme sizes.
+        // It is enough to check the sum of all vectors: it is not finite if one of their components is not finite. A
+        // sum of finite components overflows only for extreme sizes.
         let vectors = self.on_object.coords + self.normal + self.x_axis;
         let turn = self.body_from_contact.coords.sum();
         (vectors.sum() + turn + self.arc_length).is_finite()
@@ -114,9 +112,9 @@ pub(crate) fn frame_quaternion(x: &Vector3<f64>, normal: &Vector3<f64>) -> UnitQ
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
 }
 
-/// Logarithm map on the unit sphere at +z. The result is a vector in the (x, y) plane. Its direction is the direction
-/// of the point, and its length is the angle between the point and +z. At −z, the direction is undefined, and the
-/// result is along +x.
+/// Logarithm map on the unit sphere at +z. The result is a vector in the (x, y) plane: its direction is the direction
+/// of the point `direction` from +z, and its length is the angle between the point and +z. At −z, the direction is
+/// undefined, and the result is along +x.
 fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
     let across = direction.xy();
     let sine = across.norm();

@@ -1,4 +1,4 @@
-//! The contact equations in two forms, and the velocity of the contact.
+//! The contact equations in two forms (with and without charts), and the velocity of the contact.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, TangentForm};
@@ -29,7 +29,7 @@ pub enum HeldAxis {
 }
 
 impl Chart {
-    /// The name of the form. It is written after the name of an integrator.
+    /// Name of this form of the equations. It follows the name of an integrator.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Free => "chart-free",
@@ -38,17 +38,16 @@ impl Chart {
     }
 }
 
-/// The contact equations in one form.
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object. This method also returns a point for states in which the method `contact`
-    /// returns an error.
+    /// The contact point on the object for this state. There is a point also for some states for which the method
+    /// `contact` returns an error.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 
-/// The velocity c of the contact on the object, in the tangent basis `(x, y)` of `object`. In orthonormal axes, c is
-/// the solution of `(K₁ + K₂) c = drive`, where K₁ and K₂ are the curvature forms of probe and object.
+/// The velocity c of the contact point on the object, in the tangent basis `(x, y)` of `object`. In orthonormal axes, c
+/// is the solution of `(K₁ + K₂) c = drive`, where K₁ and K₂ are the curvature forms of probe and object.
 ///
 /// With `W = |∇F|`, the equations are multiplied by `W` along `x` and by `W²` along `y`:
 ///
@@ -80,7 +79,7 @@ pub(crate) fn contact_velocity(
     ))
 }
 
-/// The velocities of the contact on the object and on the probe, in the contact frame.
+/// The velocities of the contact point on the object and on the probe, in the contact frame.
 pub(crate) fn contact_velocities(
     radius: f64,
     object: &CurvatureForm,

@@ -58,7 +58,7 @@ pub struct RollError {
     pub on_object: Point3<f64>,
 }
 
-/// The coordinates of a place as text for the message, or a remark if they are not finite.
+/// The coordinates of a place as text for an error message, or a remark if they are not finite.
 fn place(place: &Point3<f64>) -> String {
     let [x, y, z] = [place.x, place.y, place.z];
     match [x, y, z].iter().all(|one| one.is_finite()) {

@@ -1,4 +1,4 @@
-//! Integrates one motion with either form of the contact equations.
+//! Integrates one motion with either form of the contact equations (with or without charts).
 
 use palpate_geometry::{Shape, Surface, Visitor};
 
@@ -10,7 +10,6 @@ use crate::integrator::{Dop853, Integrated, Rk4, Stopped, System};
 use crate::roller::Bodies;
 use crate::{Chart, Contact, Motion};
 
-/// An integrator of the contact equations, with its settings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Method {
     Rk4(Rk4),
@@ -25,7 +24,7 @@ pub(crate) struct Integration {
 }
 
 impl Integration {
-    /// Returns the contact after `motion`, and the number of evaluations of the derivative that the integrator needed.
+    /// The contact at the end of `motion`, and the number of evaluations of the derivative.
     pub(crate) fn advance(
         &self,
         bodies: &Bodies<'_, Shape>,

@@ -11,7 +11,7 @@ use crate::error::RollFault;
 /// An autonomous system of `N` ordinary differential equations.
 pub(crate) trait System<const N: usize> {
     /// Number of leading components of the state on which the derivative depends. The other components are integrals
-    /// along the path; they have no meaning in the states of intermediate stages.
+    /// along the path; in the states of intermediate stages, they have no meaning.
     const READ: usize = N;
 
     /// Writes `dy/dt` at `state` to `rate`.
@@ -20,25 +20,21 @@ pub(crate) trait System<const N: usize> {
     /// An error if the state is outside of the domain of the equations. The contents of `rate` then have no meaning.
     fn derivative(&self, state: &[f64; N], rate: &mut [f64; N]) -> Result<(), RollFault>;
 
-    /// Factors by which the errors of the components are multiplied, before they are compared with the tolerance.
+    /// Factors by which the errors of the state's components are multiplied before they are compared with the
+    /// tolerance.
     fn error_weights(&self) -> [f64; N] {
         [1.0; N]
     }
 }
 
-/// The result of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Integrated<const N: usize> {
-    /// The state at the end.
     pub(crate) state: [f64; N],
-    /// Number of evaluations of the derivative during the integration.
     pub(crate) evaluations: usize,
 }
 
-/// The error for an integration that stopped early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stopped<const N: usize> {
-    /// Reason why the integration stopped.
     pub(crate) fault: RollFault,
     /// Time from the start to the last valid state, s.
     pub(crate) time_s: f64,
@@ -46,7 +42,8 @@ pub(crate) struct Stopped<const N: usize> {
     pub(crate) state: [f64; N],
 }
 
-/// The state `y + h Σ aⱼ kⱼ` of an intermediate stage. Only the components that the derivative needs are computed.
+/// The state `y + h Σ aⱼ kⱼ` of an intermediate stage: y is the state at the start of the step, h the step, and aⱼ the
+/// weights of the slopes kⱼ. Only the components that the derivative needs are computed.
 ///
 /// The newest slope is added last, so that the processor can compute the rest of the sum before this slope is
 /// available.

@@ -1,5 +1,5 @@
-//! The models that compute rolls, ordered by cost, and the choice of one of them. The models are called the rungs of a
-//! ladder.
+//! The models that compute rolls, ordered by cost, and the choice of one of them. The list of the models is called a
+//! ladder, and each model a rung.
 
 use palpate_geometry::{Shape, Surface};
 
@@ -15,18 +15,16 @@ use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
 /// Error bound of the meridian model, relative to the contact's length scale.
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
-/// Tolerance of a step, relative to the tolerance of a roll. It is smaller than 1 because the errors of steps may grow
+/// Tolerance of a step divided by the tolerance of a whole roll. It is below 1, because the errors of steps may grow
 /// during a roll.
 const STEP_SHARE: f64 = 0.1;
 /// Smallest tolerance of a step of DOP853.
 const MIN_STEP_TOLERANCE: f64 = 1e-15;
-/// Maximum number of steps of an integration.
 const MAX_STEPS: usize = 100_000;
 
-/// Reason that [`Choice`] contains for a model that the user has set.
+/// Reason in [`Choice`] for a model that the user has set.
 const SET_IN_CONFIG: &str = "named in the config";
 
-/// A model, prepared to compute rolls.
 #[derive(Clone, Debug)]
 pub(crate) enum Rung {
     ClosedForm(ClosedForm),
@@ -41,7 +39,7 @@ pub(crate) struct Setting<'a> {
     pub(crate) closed_form: ClosedForm,
 }
 
-/// The RK4 integrator for one form of the contact equations, and the [`Choice`] that describes it.
+/// The integrator RK4 for one form of the contact equations, with the [`Choice`] that describes it.
 pub(crate) fn rk4(
     steps: usize,
     chart: Chart,
@@ -56,7 +54,7 @@ pub(crate) fn rk4(
     )
 }
 
-/// The DOP853 integrator for one form of the contact equations, and the [`Choice`] that describes it.
+/// The integrator DOP853 for one form of the contact equations, with the [`Choice`] that describes it.
 pub(crate) fn dop853(
     tolerance: f64,
     chart: Chart,
@@ -78,12 +76,11 @@ fn choice(model: Model, reason: String, error_bound: Option<f64>) -> Choice {
     }
 }
 
-/// The integrator RK4 with `steps` steps per motion.
 pub(crate) const fn rk4_method(steps: usize) -> Method {
     Method::Rk4(Rk4 { steps })
 }
 
-/// DOP853 with the step tolerance that is needed if the error of a whole roll must be within `tolerance`.
+/// DOP853 with the step tolerance for which the error of a whole roll is within `tolerance`.
 pub(crate) const fn dop853_method(tolerance: f64) -> Method {
     Method::Dop853(Dop853 {
         tolerance: (STEP_SHARE * tolerance).max(MIN_STEP_TOLERANCE),
@@ -91,8 +88,8 @@ pub(crate) const fn dop853_method(tolerance: f64) -> Method {
     })
 }
 
-/// The integrator for motions that the chosen model (closed form or meridian) cannot compute. The rolls without noise,
-/// for which the model was chosen, contain no such motion.
+/// The integrator for motions that the chosen model (closed form or meridian) cannot compute. The rolls for which the
+/// model was chosen, which have no noise, contain no such motion.
 pub(crate) const FALLBACK: Integration = Integration {
     method: dop853_method(MERIDIAN_ERROR),
     chart: Chart::Free,
@@ -139,15 +136,15 @@ impl Setting<'_> {
         }
     }
 
-    /// The cheapest model whose error on the rolls `rolls` is within `tolerance`, and the reason for the choice.
+    /// The cheapest model whose error on `rolls` is within `tolerance`, and the reason for the choice.
     fn cheapest(&self, tolerance: f64, chart: Chart, rolls: Rolls<'_>) -> (Rung, Choice) {
         if tolerance >= CLOSED_FORM_ERROR
             && let Ok(rung) = self.closed_form(rolls)
         {
             return (rung, self.closed_form_choice());
         }
-        // The meridian model is correct for motions that are steady in the contact frame or in the frame of the chart.
-        // On a meridian, which is a line of symmetry, both frames are equal.
+        // The meridian model is valid for motions that are steady in the contact frame or in the frame of the chart,
+        // because both frames are equal on a meridian (a line of symmetry).
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {
@@ -160,7 +157,8 @@ impl Setting<'_> {
                          measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // The errors of steps add up along the path. Therefore the tolerance is divided by the number of turns.
+                // The errors of steps add up along the path. So the tolerance is divided by the number of turns of the
+                // probe.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try other models";
                     let finer = finer(tolerance / rolls.turns().max(1.0));

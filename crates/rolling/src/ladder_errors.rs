@@ -1,5 +1,4 @@
-//! Errors and costs of the models, measured on rolls without noise. These errors and costs are used to choose an
-//! integrator.
+//! Errors and costs of the models, measured on rolls without noise. They determine which integrator is chosen.
 
 use crate::integration::{Integration, Method};
 use crate::integrator::Dop853;
@@ -8,23 +7,22 @@ use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls
 
 /// Safety factor by which a measured error is multiplied before it is compared with a tolerance.
 const MARGIN: f64 = 1.25;
-/// Errors are measured by comparison with a reference integration. This constant is the tolerance of the reference
-/// integration, relative to the required tolerance.
+/// Tolerance of the reference integration with which models are compared, relative to the required tolerance.
 const REFERENCE_SHARE: f64 = 1e-3;
 /// Number of evaluations of the contact equations per step of DOP853.
 const STAGES: usize = 12;
 /// Cost of an evaluation of the contact equations in DOP853, including the step control, relative to its cost in RK4.
-/// The measured ratio of processor instructions is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a height field
-/// from a formula.
+/// The measured ratio of processor instructions per evaluation is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a
+/// height field from a formula.
 const RELATIVE_COST: f64 = 1.5;
-/// Numbers of steps per motion with which RK4 is tried, in ascending order of the cost.
+/// Numbers of steps per motion that are tried for RK4, in ascending order of the cost.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// To choose a model, all rolls are integrated several times. This constant is the largest number of evaluations of the
-/// contact equations in one integration of all rolls, if the rolls have few motions.
+/// To choose a model, all rolls are integrated several times. This is the largest number of evaluations of the contact
+/// equations in one integration of all rolls, if the rolls have few motions.
 const MAX_EVALUATIONS: usize = 20_000;
-/// If the rolls have many motions, the largest number of evaluations in an integration is this value times the number
-/// of motions. The larger of this product and [`MAX_EVALUATIONS`] applies.
+/// If the rolls have many motions, one integration of all rolls may need up to this number of evaluations per motion,
+/// if this is more than [`MAX_EVALUATIONS`] in total.
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -102,7 +100,7 @@ impl Roller {
     }
 }
 
-/// Reasons why no model can be measured on the rolls without noise.
+/// Reasons why no model can be measured on a scene's rolls without noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unmeasured {
     /// A roll cannot begin, or it ends before all of its motions are complete.
@@ -111,7 +109,7 @@ pub(crate) enum Unmeasured {
     TooLong,
 }
 
-/// Contacts at the ends of all rolls, and the number of evaluations of the contact equations.
+/// Last contacts of all rolls, and the number of evaluations of the contact equations that they needed.
 #[derive(Default)]
 struct Ends {
     contacts: Vec<Contact>,
@@ -125,8 +123,8 @@ pub(crate) fn finer(tolerance: f64) -> f64 {
 }
 
 impl Method {
-    /// This integrator, with a limit on the number of evaluations. An RK4 integrator does not change, because its
-    /// number of evaluations is fixed by its number of steps.
+    /// The same integrator with a limit on the number of evaluations. RK4 does not change, because its number of steps
+    /// fixes the number of evaluations.
     fn within(self, evaluations: usize) -> Self {
         match self {
             Self::Rk4(_) => self,
@@ -140,8 +138,8 @@ impl Method {
 
 impl Setting<'_> {
     /// The cheapest integrator (RK4 with a number of steps, or DOP853 with a tolerance) whose error on the rolls
-    /// without noise is within the tolerance. If there is none, DOP853 with the tolerance of the reference integration
-    /// is returned.
+    /// without noise is within the tolerance. If no integrator meets the tolerance, the result is DOP853 with the
+    /// tolerance of the reference integration.
     ///
     /// For DOP853, the largest tolerance that is small enough is also the cheapest, even for rolls with noise.
     pub(crate) fn cheapest_integrator(
@@ -180,7 +178,7 @@ impl Setting<'_> {
             if (4 * steps * motions) as f64 >= RELATIVE_COST * evaluations as f64 {
                 break;
             }
-            // If the integration fails, its steps may be too long for the surface. Try more and shorter steps.
+            // If the integration fails, its steps may be too long for the surface. Try more steps, which are shorter.
             let Ok(ends) = self.ends(rolls, rk4_method(steps), chart) else {
                 continue;
             };
@@ -192,7 +190,7 @@ impl Setting<'_> {
         Ok(dop853(setting, chart, reason(bound), Some(bound)))
     }
 
-    /// Computes the contacts at the ends of all rolls with the integrator `method`.
+    /// Computes the last contacts of all rolls with the integrator `method`.
     fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
         let mut ends = Ends::default();
         let motions: usize = rolls.rolls.iter().map(Vec::len).sum();
@@ -215,8 +213,8 @@ impl Setting<'_> {
         Ok(ends)
     }
 
-    /// Largest distance between corresponding contacts, on the object or on the probe, relative to the contact's length
-    /// scale.
+    /// Largest distance between corresponding contacts of two integrations, on the object or on the probe, relative to
+    /// the contact's length scale.
     fn distance(&self, one: &Ends, other: &Ends) -> f64 {
         let radius = self.bodies.probe.radius();
         let distance = |(a, b): (&Contact, &Contact)| {

@@ -1,8 +1,8 @@
 //! Rolling from an apex in a symmetry plane of the object, for example along the meridians of a surface of revolution.
 //!
 //! The contact moves along a meridian of the object and along a great circle of the probe. If the object's normal has
-//! turned by the angle α along the arc length s, the probe has turned by `θ = α + s/R₁`. Here R₁ is the radius of the
-//! probe. This equation is solved for the parameter of the meridian.
+//! turned by the angle α along the arc length s, the probe has turned by `θ = α + s/R₁`, where R₁ is the probe's
+//! radius. This equation is solved for the parameter of the meridian.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -15,17 +15,17 @@ use crate::{Contact, Motion, Shift};
 
 /// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
 const MAX_ITERATIONS: usize = 200;
-/// Largest relative difference of the arguments at which Carlson's integrals are computed by a series. A larger
-/// difference is first reduced by duplications, each of which makes the difference four times smaller. The error of the
-/// series is proportional to the sixth power of the difference.
+/// Largest relative difference of the arguments for which Carlson's integrals are computed by a series. A larger
+/// difference is first reduced by duplications; each duplication makes it four times smaller. The error of the series
+/// is proportional to the sixth power of the difference.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
 /// Maximum number of duplications of Carlson's integrals. Arguments with a ratio of 1e300 need about 260 duplications.
 const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
-    /// The meridian, which is the same in every direction; `None` if the object is no surface of revolution about the
-    /// apex.
+    /// The meridian of an object that is a surface of revolution about the apex, so that its meridian is the same in
+    /// every direction; `None` for other objects.
     revolved: Option<Meridian>,
     /// The sections along the x and y axes of the contact frame; `None` for an axis along which the object is not
     /// symmetric.
@@ -34,8 +34,8 @@ pub(crate) struct MeridianRung {
 }
 
 impl MeridianRung {
-    /// Prepares the rolls of a probe of radius `radius` that start at the contact `apex` of an object. At this contact,
-    /// the probe must not overlap the object.
+    /// Prepares rolls of a probe of radius `radius` that start at the contact `apex`. At this contact, the probe must
+    /// not overlap the object.
     pub(crate) fn new(object: &Shape, apex: &Contact, radius: f64) -> Self {
         let (x, y) = (apex.x_axis, apex.y_axis());
         let section = |direction: Vector3<f64>| object.meridian(&apex.on_object, &direction);
@@ -65,7 +65,7 @@ impl MeridianRung {
         self.along[aside].as_ref()
     }
 
-    /// The point of a section at which the probe has turned by `theta > 0`: its parameter, and its arc length from the
+    /// The point of a section at which the probe has turned by `theta > 0`, as parameter and as arc length from the
     /// apex.
     fn solve(&self, section: &Meridian, theta: f64) -> Result<(f64, f64), RollFault> {
         match *section {
@@ -76,8 +76,7 @@ impl MeridianRung {
         .ok_or(RollFault::NotFinite)
     }
 
-    /// Displacement of the contact on the probe after the motion `motion`. The motion starts at the apex and follows
-    /// the section `section`.
+    /// Displacement of the contact on the probe by `motion`, which starts at the apex and follows `section`.
     pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Result<Shift, RollFault> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
@@ -88,7 +87,7 @@ impl MeridianRung {
         Ok(Shift::along_great_circle(turn * (arc / theta), self.radius))
     }
 
-    /// The contact after the motion `motion`, which starts at the apex and follows the section `section`.
+    /// The contact at the end of `motion`, which starts at the apex and follows `section`.
     pub(crate) fn advance(
         &self,
         section: &Meridian,
@@ -104,8 +103,7 @@ impl MeridianRung {
         let point = section.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
-        // The contact frame turns by the slope angle of the normal. The axis of this turn is the tangent perpendicular
-        // to the meridian.
+        // The contact frame turns by the slope angle of the normal, about the tangent perpendicular to the meridian.
         let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
@@ -118,8 +116,8 @@ impl MeridianRung {
     }
 }
 
-/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`, by Newton's method. The method
-/// converges because the relative curvature is positive, so the angle increases with the parameter.
+/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`. Newton's method converges,
+/// because the relative curvature is positive, so that the angle increases with the parameter.
 fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let ellipse = Meridian::Spheroid { a, c };
     let apex = ellipse.slope(0.0);
@@ -132,8 +130,8 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
         let excess = point.slope_rad + arc / radius - theta;
         let slope = point.slope_per_parameter + point.arc_per_parameter / radius;
         root.step(excess, excess / slope);
-        // Newton's method converges quadratically. So after a correction this small, the next one would be below the
-        // rounding errors.
+        // Newton's method converges quadratically. After a correction as small as this, the next correction would be
+        // below the rounding errors.
         if (root.at - t).abs() <= 1e-8 * t {
             return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
         }
@@ -149,8 +147,8 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
 /// θ = σ atan q + a S(q),     S(q) = (q √(1+q²) + asinh q)/2 = 2|c| s
 /// ```
 ///
-/// is solved by Halley's method. The start is computed from the first three terms of the series or, if they converge
-/// badly, from the asymptote.
+/// is solved by Halley's method. The start value of q is computed from the first three terms of the equation's power
+/// series or, if they converge badly, from its asymptote.
 fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let (sign, steepening) = (c.signum(), 2.0 * c.abs());
     let a = 1.0 / (steepening * radius);
@@ -171,7 +169,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let bend = q * (a / w - 2.0 * sign / (ww * ww));
         let newton = excess / slope;
         root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
-        // Halley's method converges cubically. So after a step this small, the next correction would be below the
+        // Halley's method converges cubically. After a step as small as this, the next correction would be below the
         // rounding errors.
         let step = root.at - q;
         if step.abs() <= 3e-6 * q {
@@ -182,7 +180,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     None
 }
 
-/// First estimate of the slope at which the probe has turned by `theta`.
+/// First estimate, for Halley's method, of the slope at which the probe has turned by `theta`.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
     // With σ = `sign` and the slope q, the equation of `along_parabola` is θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 −
     // a/40) q⁵ + …. The first terms of the inverse of this series give q.
@@ -216,8 +214,8 @@ impl Bracket {
         }
     }
 
-    /// Moves the estimate by `−step`, but keeps it inside the bracket. First, the sign of the function's value `excess`
-    /// is used to narrow the bracket.
+    /// Narrows the bracket with the sign of the function's value `excess`, and moves the estimate by `−step`, but not
+    /// out of the bracket.
     fn step(&mut self, excess: f64, step: f64) {
         if excess > 0.0 {
             self.high = self.at;
@@ -322,8 +320,8 @@ mod tests {
 
     use super::*;
 
-    /// The larger of two relative errors: of the arc length, and of the angle of the probe. The error of the angle is
-    /// relative to the terms in the equation of the angle.
+    /// The larger of two relative errors: of the arc length, and of the roll angle. The error of the angle is relative
+    /// to the sum of the terms in its equation.
     fn error(c: f64, theta: f64) -> f64 {
         let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
         let slope = 2.0 * c * r;
@@ -360,8 +358,8 @@ mod tests {
 
     #[test]
     fn a_bowl_that_hardly_fits() {
-        // The paraboloid is z = −c r², and R₁ is the probe's radius. As 1/R₁ + 2c tends to 0, the roll angle θ tends to
-        // q³/2, where q is the slope. Then a small rotation moves the contact far.
+        // For the paraboloid z = −c r² and the probe's radius R₁: as 1/R₁ + 2c tends to 0, the roll angle θ tends to
+        // q³/2, where q is the slope. So a small rotation moves the contact far.
         let (r, _) = along_parabola(-0.5, 1.0, 1e-9).unwrap();
         assert!((r / libm::cbrt(2e-9_f64) - 1.0).abs() < 1e-5, "{r}");
     }

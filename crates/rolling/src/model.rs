@@ -49,7 +49,6 @@ impl Model {
     /// Largest allowed tolerance. A larger error would not be useful.
     pub const LARGEST_TOLERANCE: f64 = 0.1;
 
-    /// Displayed name of the model, including the number of steps or the tolerance of an integrator.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Auto { tolerance, .. } => format!("auto, tolerance {tolerance:e}"),
@@ -133,13 +132,11 @@ impl<'a> Rolls<'a> {
         self.rolls.iter().flatten()
     }
 
-    /// Whether all numbers of all motions are finite, and no duration is negative.
     pub(crate) fn all_run(&self) -> bool {
         self.motions()
             .all(|motion| motion.is_finite() && motion.duration_s >= 0.0)
     }
 
-    /// Number of turns that the probe makes in the longest roll.
     pub(crate) fn turns(&self) -> f64 {
         let turns = |motion: &Motion| {
             let angle = motion.in_unit_time().angular_velocity.norm();

@@ -46,19 +46,19 @@ impl Motion {
         self.angular_velocity.xy() * self.duration_s
     }
 
-    /// Angular velocity of rolling, `[−ω_y, ω_x]`, rad/s. This angular velocity moves the contact over the probe.
+    /// The part `[−ω_y, ω_x]` (rad/s) of the angular velocity, which moves the contact over the probe.
     pub(crate) fn drive(&self) -> Vector2<f64> {
         Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
     }
 
-    /// The drive that moves the contact over the object, rad/s, for a probe of `radius`. It is the angular velocity of
-    /// rolling plus the sliding velocity divided by the radius.
+    /// The drive (rad/s) that moves the contact over the object, for a probe of `radius`: the angular velocity `[−ω_y,
+    /// ω_x]` plus the sliding velocity divided by the radius.
     pub(crate) fn drive_on_object(&self, radius: f64) -> Vector2<f64> {
         self.drive() + self.sliding / radius
     }
 
-    /// The motion with the same rotation and sliding distance in a duration of 1 s. The squares of its rates do not
-    /// overflow, even if the original rate and duration are extreme.
+    /// The motion with the same rotation and sliding distance in 1 s. The squares of its rates do not overflow, even if
+    /// the original rate and duration are extreme.
     pub(crate) fn in_unit_time(&self) -> Self {
         Self {
             angular_velocity: self.angular_velocity * self.duration_s,
@@ -82,10 +82,10 @@ impl Motion {
     }
 }
 
-/// Sine and cosine of an angle, exact at multiples of a quarter turn. Therefore a roll along an axis does not deviate
+/// Sine and cosine of an angle, exact at multiples of a quarter turn, so that a roll along an axis does not deviate
 /// from the axis.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// Largest number of quarter turns for which an angle is recognised as a multiple of a quarter turn. Up to this
+    /// An angle of more than this number of quarter turns is not recognised as a multiple of a quarter turn. Up to this
     /// limit, the rounding error of an angle is below 1e-12 quarter turns.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;

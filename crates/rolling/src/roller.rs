@@ -9,8 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// Limit for the relative curvature, divided by the probe's curvature. Below this limit, a singular motion is reported
-/// as a fault of conforming bodies.
+/// If the relative curvature, divided by the probe's curvature, is below this limit, a singular motion is reported as a
+/// fault of conforming bodies.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -36,17 +36,16 @@ impl Probe {
     }
 }
 
-/// A probe and the object on which it rolls.
 #[derive(Debug)]
 pub(crate) struct Bodies<'a, S> {
     pub(crate) probe: Probe,
     pub(crate) object: &'a S,
-    /// Length scale of the contact. Errors of positions are relative to it.
+    /// Length scale of the contact, to which errors of positions are relative.
     pub(crate) length_scale: f64,
 }
 
 impl<'a, S> Bodies<'a, S> {
-    /// The same probe on the object `object`, which may have another type.
+    /// The same probe on another form of the object, `object`.
     pub(crate) fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
         Bodies {
             probe: self.probe,
@@ -57,8 +56,8 @@ impl<'a, S> Bodies<'a, S> {
 }
 
 impl<S: Surface> Bodies<'_, S> {
-    /// The cause of a fault. If the bodies conform, the speed of the contact has no limit, so the integrator reports a
-    /// singular motion. In this case, the function returns the fault of conforming bodies.
+    /// The cause of a fault. If the bodies conform, the contact moves infinitely fast, so the integrator reports a
+    /// singular motion; the cause is then that the bodies conform.
     pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
         if fault == RollFault::Singular
             && let Ok(contact) = last
@@ -189,7 +188,7 @@ impl Roller {
         self.follow(motions).map(|(contact, _)| contact)
     }
 
-    /// The final contact, as [`Roller::roll`] computes it, and the number of evaluations of the contact equations.
+    /// The last contact, as from [`Roller::roll`], and the number of evaluations of the contact equations.
     pub(crate) fn follow(&self, motions: &[Motion]) -> Result<(Contact, usize), RollError> {
         let mut contact = self.first;
         let mut evaluations = 0;
@@ -278,7 +277,7 @@ impl Roller {
                 ..*motion
             }]);
             let next = match reached {
-                // The path is so short that its squared length underflows to zero. Then the first estimate of the
+                // The path is so short that its squared length underflows to zero, and the first estimate of the
                 // duration is exact.
                 Ok(contact) if contact.arc_length == 0.0 => return Ok(duration_s),
                 Ok(contact) => {
@@ -291,12 +290,12 @@ impl Roller {
                     let rate = speed(&contact).map_err(|fault| at(fault, duration_s))?;
                     duration_s - excess / rate
                 }
-                // If a roll needs too many steps, other durations are not tried, because they would not help.
+                // If a roll needs too many steps, do not try other durations: they would not help.
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }
-                // The roll cannot last as long as `duration_s`. Try a shorter roll, unless the end is already located
-                // within a relative error of 1e-9.
+                // The roll ends before `duration_s`. Try a shorter duration, unless the end is already located within a
+                // relative error of 1e-9.
                 Err(error) if duration_s - low < 1e-9 * duration_s => return Err(error),
                 Err(_) => {
                     high = duration_s;

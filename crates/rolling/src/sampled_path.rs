@@ -10,7 +10,8 @@ use crate::{Contact, Motion, RollError, Roller};
 
 /// Largest accepted error of the interpolated path, relative to the probe's radius.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
-/// Smallest number of intervals between the nodes of a motion, which are the instants at which contacts are computed.
+/// Contacts are computed at instants called nodes. This is the smallest number of intervals between the nodes of a
+/// motion.
 const MIN_INTERVALS: usize = 4;
 const MAX_INTERVALS: usize = 128;
 
@@ -24,7 +25,7 @@ pub struct PathPoint {
     pub rotation: Vector3<f64>,
 }
 
-/// Displacement and rotation vector of a [`PathPoint`].
+/// Displacement and rotation vector of a [`PathPoint`] as one vector.
 type Numbers = SVector<f64, 5>;
 
 /// The contacts of one motion at the Chebyshev nodes of its duration T. With n intervals, the nodes are `t_j = T (1 −
@@ -99,14 +100,14 @@ impl Roller {
             .displacement;
         // At the first contact, the body axes of the probe are parallel to the axes of the object.
         let rotation = first.object_from_probe().inverse() * contact.object_from_probe();
-        // Convert the matrix to a quaternion, because a quaternion has all digits of a small angle. The trace of the
+        // Convert the matrix to a quaternion, because a quaternion stores all digits of a small angle. The trace of the
         // matrix does not.
         let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
         let turned = first.body_from_contact.inverse() * rotation.scaled_axis();
         Numbers::from([shift.x, shift.y, turned.x, turned.y, turned.z])
     }
 
-    /// Whether the contact at any instant of the motion can be computed by exact formulas.
+    /// Whether the contact at any instant of the motion can be computed by exact formulas, without interpolation.
     fn is_quick(&self, motion: &Motion) -> bool {
         let is_plain = !motion.spins() && !motion.slides();
         is_plain
@@ -118,7 +119,7 @@ impl Roller {
     }
 
     /// The contacts at the nodes of a motion that starts at the contact `from`. The number of intervals is doubled
-    /// until the error of the interpolation is within the tolerance or the largest number is reached.
+    /// until the interpolation error is within the tolerance or the largest number is reached.
     fn nodes(&self, from: &Contact, motion: &Motion) -> Result<Nodes, RollError> {
         let duration_s = motion.duration_s.max(0.0);
         let mut nodes = Nodes::default();
@@ -153,8 +154,8 @@ impl Roller {
         }
     }
 
-    /// The contact at the end of a part of `motion`. The part lasts from the time `start` to the time `end` (s), and
-    /// `from` is the contact at the time `start`.
+    /// The contact at the end of a part of `motion`, from the time `start` to the time `end` (s). `from` is the contact
+    /// at `start`.
     fn over(
         &self,
         from: &Contact,
@@ -172,13 +173,12 @@ impl Roller {
         })
     }
 
-    /// Displacement of the contact and rotation of the probe at the instant `time_s` of a motion.
     fn between(&self, nodes: &Nodes, motion: &Motion, time_s: f64) -> Result<Numbers, RollError> {
         if nodes.contacts.len() <= MAX_INTERVALS {
             return Ok(nodes.interpolated(time_s));
         }
-        // The path has too much detail for an interpolation. Therefore compute the roll from the previous node to this
-        // instant.
+        // The path has too much detail for an interpolation. Compute the roll from the previous node to this instant
+        // instead.
         let later = nodes.instants.partition_point(|instant| *instant <= time_s);
         let node = later.saturating_sub(1);
         let contact = self.over(
@@ -213,9 +213,8 @@ impl Nodes {
         self.points.push(point);
     }
 
-    /// Interpolates the displacement of the contact and the rotation of the probe by the barycentric formula. The
-    /// weights of Chebyshev nodes alternate in sign. The weights of the first and the last node are half as large as
-    /// the weights of the other nodes.
+    /// Interpolates displacement and rotation by the barycentric formula. The weights of Chebyshev nodes alternate in
+    /// sign; the weights of the first and the last node are half as large as the others.
     fn interpolated(&self, time_s: f64) -> Numbers {
         let last = self.instants.len() - 1;
         let (mut sum, mut weights) = (Numbers::zeros(), 0.0);
@@ -273,8 +272,8 @@ mod tests {
                 let error = (place.displacement - expected).norm();
                 assert!(error < 1e-10, "{time}: {place:?} {expected}");
                 let rolled: nalgebra::Vector2<f64> = cut.iter().map(Motion::rotation).sum();
-                // The axis of the rotation turns with the contact frame. So the rotation differs slightly from the sum
-                // of the motions.
+                // The axis of the rotation turns with the contact frame, so the rotation vector differs slightly from
+                // the sum of the motions' rotations.
                 let error = (place.rotation.xy() - rolled).norm();
                 assert!(error < 0.05 * rolled.norm() + 1e-12, "{place:?} {rolled}");
             }

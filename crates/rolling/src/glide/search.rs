@@ -3,7 +3,8 @@
 //! In a view from above, a tip that touches the object at `w` has its centre at `w + r n_xy(w)`. Here r is the radius
 //! of the tip, and n_xy is the horizontal part of the object's normal. Unlike heights, this map has no singularity at
 //! the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`, where S is the shape
-//! operator of the object. So the map folds only if the object's concave curvature reaches 1/r.
+//! operator of the object. So the map from w to the tip's centre folds only if the object's concave curvature reaches
+//! 1/r.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -12,30 +13,28 @@ use palpate_geometry::{Surface, SurfaceError};
 
 use super::touch::{Foot, GlideError};
 
-/// Largest number of Newton steps.
 const MAX_STEPS: usize = 100;
-/// Largest number of times that a Newton step is halved.
 const MAX_HALVINGS: i32 = 40;
-/// Largest accepted horizontal distance between the tip's actual centre and the centre of a tip at the contact that was
-/// found. The distance is divided by the sum of three lengths: the tip's radius, the distance of the actual centre from
-/// the origin, and the distance of the contact from the origin.
+/// Largest accepted horizontal distance between the tip's actual centre and the centre of a tip at the found contact.
+/// The distance is divided by the sum of three lengths: the tip's radius, and the distances of the actual centre and of
+/// the contact from the origin.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
-/// The search stops if the next Newton step is shorter than this share of the tolerance. The length of this step is an
-/// estimate of the contact's error; for small steps, the estimate is correct within a factor of 2.
+/// The search stops if the next Newton step is shorter than this share of the tolerance. The length of the next step
+/// estimates the contact's error; for small steps, this estimate is correct within a factor of 2.
 const STEP_SHARE: f64 = 0.5;
-/// Longest step from which the error of a contact can be estimated, in radii of the tip.
+/// Longest Newton step from which the error of a contact can be estimated, in radii of the tip.
 const MAX_LAST_STEP: f64 = 1e-3;
-/// Largest distance between tip and object that counts as touching, relative to the tip's radius.
+/// Tip and object count as touching if their distance is at most this share of the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// Limit for [`Foot::clearance`]. If the clearance is smaller where the search makes no further progress, the search
+/// Limit for [`Foot::clearance`]. If the search makes no further progress at a place where the clearance is smaller, it
 /// has reached a fold of the offset surface.
 const FOLD: f64 = 1e-3;
-/// If the vertical component of the unit normal is below this value, a contact counts as lying on the object's
-/// silhouette.
+/// A contact counts as lying on the object's silhouette if the vertical component of its unit normal is below this
+/// value.
 const SILHOUETTE: f64 = 1e-3;
 
-/// Places under a tip, in radii from its centre. Eight places are on a ring of radius 0.85. The other eight are on a
-/// ring of radius 0.45, at angles between those of the first ring.
+/// Sixteen places under a tip, in radii from its centre. Eight places are on a ring of radius 0.85. The other eight are
+/// on a ring of radius 0.45, at angles between those of the first ring.
 const PLACES: [[f64; 2]; 16] = {
     let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
     // Coordinates of a place on the inner ring: 0.45 cos 22.5° and 0.45 sin 22.5°.
@@ -65,24 +64,22 @@ const HALF: usize = 12;
 /// Number of grid lines of the height grid along each direction.
 const SIDE: usize = 2 * HALF + 1;
 
-/// The search for the contact of a tip whose centre is above a given point of the xy plane.
 pub(super) struct Search<'a, S> {
     pub(super) object: &'a S,
     pub(super) radius: f64,
     /// Largest accepted error of the contact, in radii of the tip.
     pub(super) tolerance: f64,
-    /// Whether the tip may fit at more than one contact.
     pub(super) rugged: bool,
     /// Position of the tip's centre in the xy plane.
     pub(super) centre: Vector2<f64>,
 }
 
 impl<S: Surface> Search<'_, S> {
-    /// The first contact of the tip when it is lowered.
+    /// The first contact of the tip on its way down.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
         // If the object is rugged, the tip may fit at several contacts. The choice among them must not depend on the
-        // tolerance, so the tolerance is at most the distance by which contacts are distinguished.
+        // stated tolerance, so the used tolerance is at most the distance by which contacts are distinguished.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -96,8 +93,8 @@ impl<S: Surface> Search<'_, S> {
         }
     }
 
-    /// Start of the search: the point of the object below the tip's centre. If there is no such point, it is the point
-    /// of the object that is closest to a point above it. If there is no such point either, it is the object's default
+    /// Start of the search: the point of the object below the tip's centre or, if there is none, the point of the
+    /// object that is closest to a point above it. If there is no such point either, it is the object's default
     /// contact.
     fn start(&self) -> Result<Foot, SurfaceError> {
         let beneath = self.foot(self.centre);
@@ -124,9 +121,9 @@ impl<S: Surface> Search<'_, S> {
         self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
     }
 
-    /// Newton's method, starting at `foot`. Each step is halved until the miss (see [`Self::miss`]) decreases. The
-    /// method ends when the miss and the next step along the object are within the tolerance, or when rounding errors
-    /// prevent further progress.
+    /// Newton's method for the contact, starting at `foot`. Each step is halved until the miss (see [`Self::miss`])
+    /// decreases. The method ends when the miss and the next step along the object are within the tolerance, or when
+    /// rounding errors prevent further progress.
     fn converge(&self, mut foot: Foot, tolerance: f64) -> Result<Foot, GlideError> {
         let mut miss = self.miss(&foot);
         for _ in 0..MAX_STEPS {
@@ -147,7 +144,7 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // The remaining error `miss` of the tip's position is already close to the rounding errors, so at most
+                // The remaining error `miss` of the tip's centre is already close to the rounding errors, so at most
                 // one more step can reduce it.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
@@ -195,19 +192,19 @@ impl<S: Surface> Search<'_, S> {
         Err(edge)
     }
 
-    /// Whether the tip fits at `foot`, that is, whether the object is less concave there than the tip is convex.
+    /// Whether the tip fits at `foot`, that is, whether the object's concave curvature there is smaller than the tip's
+    /// curvature.
     fn fits(&self, foot: &Foot) -> bool {
         foot.clearance(self.radius) > ACCEPTED_MISS
     }
 
-    /// The sixteen places under the tip, which lie on two rings.
     fn places(&self) -> impl Iterator<Item = Vector2<f64>> + '_ {
         let place = |&[x, y]: &[f64; 2]| self.centre + Vector2::new(x, y) * self.radius;
         PLACES.iter().map(place)
     }
 
-    /// Whether there may be a higher contact than `foot`. This is the case if, at one of the sixteen places, the object
-    /// extends into the tip or the tip does not fit.
+    /// Whether a higher contact than `foot` is possible: at one of the sixteen places under the tip, the object extends
+    /// into the tip or the tip does not fit.
     fn has_rivals(&self, foot: &Foot) -> bool {
         let centre = foot.tip_centre(self.radius);
         let rounding = 8.0 * f64::EPSILON * centre.coords.abs().sum();
@@ -217,8 +214,7 @@ impl<S: Surface> Search<'_, S> {
             .any(|place| !self.fits(&place) || (place.point - centre).norm() < inside)
     }
 
-    /// The contact at which the tip is highest, among `first` and the contacts near the local maxima of the height
-    /// grid.
+    /// The contact with the highest tip, among `first` and the contacts near the local maxima of the height grid.
     fn highest(&self, first: Result<Foot, GlideError>) -> Result<Foot, GlideError> {
         let relief = Relief::under(self.object, self.centre, self.radius);
         let reached = relief
@@ -248,7 +244,7 @@ impl<S: Surface> Search<'_, S> {
         };
         let hidden = relief.summit() - height(&best);
         if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
-            // The highest place of the grid has no contact, so it is at an edge of the object or on a spike.
+            // The highest place of the grid has no contact. So this place is at an edge of the object or on a spike.
             Err(match first {
                 Err(edge @ GlideError::Surface(_)) => edge,
                 _ => self.no_convergence(hidden),
@@ -279,7 +275,6 @@ struct Relief {
 }
 
 impl Relief {
-    /// The height grid under a tip of `radius` above `centre`.
     fn under<S: Surface>(object: &S, centre: Vector2<f64>, radius: f64) -> Self {
         let mut relief = Self {
             centre,
@@ -301,7 +296,7 @@ impl Relief {
         relief
     }
 
-    /// The largest height in the grid, that is, the highest position of the tip's centre.
+    /// Largest height in the grid, that is, the highest position of the tip's centre.
     fn summit(&self) -> f64 {
         self.heights
             .iter()

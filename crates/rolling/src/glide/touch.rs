@@ -114,7 +114,7 @@ impl GlideError {
 pub(super) struct Foot {
     pub(super) point: Point3<f64>,
     pub(super) normal: Vector3<f64>,
-    /// Unit vector up the slope, projected onto the xy plane; +y where the object is level.
+    /// Horizontal unit vector up the slope; +y where the object is level.
     uphill: Vector2<f64>,
     curvature: CurvatureForm,
 }
@@ -139,20 +139,19 @@ impl Foot {
         })
     }
 
-    /// The centre of a tip of `radius` that touches at this point.
     pub(super) fn tip_centre(&self, radius: f64) -> Point3<f64> {
         self.point + self.normal * radius
     }
 
-    /// The smaller eigenvalue of `I + r S`, where r is the tip's radius and S the shape operator. The eigenvalue is 0
-    /// if the object has a hollow with the radius of the tip, and negative if the radius of the hollow is smaller.
+    /// The smaller eigenvalue of `I + r S`, where r is the tip's radius and S the object's shape operator. It is 0 if
+    /// the object has a hollow with the radius of the tip, and negative if the hollow has a smaller radius.
     pub(super) fn clearance(&self, radius: f64) -> f64 {
         1.0 + radius * self.curvature.principal().k_min
     }
 
-    /// Computes the horizontal displacement of the contact that displaces the tip's centre horizontally by `miss`. The
-    /// result is the matrix `P (I + r S)⁻¹ P⁻¹` times `miss`. Here `P` is the projection from the tangent plane onto
-    /// the xy plane, r the radius of the tip and S the shape operator of the object. `None` if `I + r S` is singular.
+    /// Horizontal displacement of the contact that moves the tip's centre horizontally by `miss`. It is the matrix `P
+    /// (I + r S)⁻¹ P⁻¹` times `miss`. Here `P` is the projection from the tangent plane onto the xy plane, r the radius
+    /// of the tip and S the shape operator of the object. `None` if `I + r S` is singular.
     pub(super) fn step(&self, radius: f64, miss: &Vector2<f64>) -> Option<Vector2<f64>> {
         let along = Vector2::new(self.uphill.y, -self.uphill.x);
         let (aside, ahead) = (along.dot(miss), self.uphill.dot(miss));
@@ -171,7 +170,6 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// The contact of a tip of `radius` at this point.
     pub(super) fn touch(&self, radius: f64) -> Result<Touch, GlideError> {
         let tip_centre = self.tip_centre(radius);
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;

@@ -38,7 +38,7 @@ impl Default for TouchModel {
 }
 
 impl TouchModel {
-    /// Default tolerance, relative to the tip's radius.
+    /// Default tolerance for the error of a contact, relative to the tip's radius.
     pub(crate) const DEFAULT_TOLERANCE: f64 = 1e-12;
 }
 
@@ -72,7 +72,7 @@ pub enum InvalidTouch {
 /// A model that finds contacts, prepared for one fingertip and one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TouchRung {
-    /// A point tip, which touches the object vertically below its position.
+    /// A point tip. It touches the object vertically below its position.
     Point,
     Offset(Offset),
     Newton {
@@ -92,7 +92,6 @@ impl TouchRung {
         }
     }
 
-    /// Prepares `model`, which the user has set, for this fingertip and object.
     pub(super) fn new(
         model: TouchModel,
         object: &Shape,
@@ -133,25 +132,23 @@ impl TouchRung {
 ///
 /// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`. Here R is the
 /// radius of the object and r the radius of the tip. The contact is on the line from the tip's centre to the object's
-/// centre or axis. In the xy plane, the distance of the contact from this centre or axis is `R/(R ± r)` times the
-/// distance of the tip's centre.
+/// centre or, at a right angle, to its axis. In the xy plane, the distance of the contact from this centre or axis is `R/(R
+/// ± r)` times the distance of the tip's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Offset {
     kind: Kind,
     pub(super) tip_radius: f64,
-    /// Radius of the object, length; 1 for a plane.
+    /// Radius of the object (length); 1 for a plane.
     radius: f64,
-    /// Radius of the offset surface, length; 1 for a plane.
+    /// Radius of the offset surface (length); 1 for a plane.
     offset_radius: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Plane,
-    /// Offset surface of a sphere, whose normals point away from the centre, or of a dish, whose normals point towards
-    /// the centre.
     Round,
-    /// Offset surface of a cylinder, with the direction of its axis. Its normals point away from the axis.
+    /// Offset surface of a cylinder, with the direction of its axis.
     Cylinder(Vector2<f64>),
 }
 
@@ -177,10 +174,10 @@ impl Offset {
         })
     }
 
-    /// The contact of the tip that is held above `centre`.
+    /// The contact of a tip whose centre is above `centre`.
     pub(super) fn contact(&self, object: &Shape, centre: Vector2<f64>) -> Result<Foot, GlideError> {
-        // `offset_radius` is the radius of the dish minus the radius of the tip. If it is not positive, the tip does
-        // not fit into the dish.
+        // The tip does not fit into a dish unless `offset_radius`, the radius of the dish minus the radius of the tip,
+        // is positive.
         if self.offset_radius <= ACCEPTED_MISS * self.radius {
             return Err(GlideError::two_contacts(self.tip_radius, &centre));
         }

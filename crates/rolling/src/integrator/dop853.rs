@@ -9,30 +9,26 @@
 use super::{Integrated, Stopped, System, stage, weighted};
 use crate::RollFault;
 
-/// DOP853 with adaptive steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dop853 {
-    /// Largest accepted local error of a step. The error is the root mean square of the weighted errors of the
-    /// components.
+    /// Largest accepted local error of a step: the root mean square of the weighted errors of the state's components.
     pub(crate) tolerance: f64,
-    /// Maximum number of steps, including rejected steps. If it is reached, the integration fails.
+    /// Largest number of steps, including rejected steps, after which the integration fails.
     pub(crate) most_steps: usize,
 }
 
-/// Intended change of the state in the first step, for a tolerance of 1. It is the root mean square of the changes of
-/// the weighted components.
+/// Intended change of the state in the first step for a tolerance of 1: the root mean square of the weighted changes of
+/// the components.
 const FIRST_CHANGE: f64 = 2.0;
-/// Ratio of the next step to the longest step that the error estimate would allow.
+/// The next step is the longest step that the error estimate allows, multiplied by this factor.
 const SAFETY: f64 = 0.8;
-/// Smallest ratio of the next step size to the current step size.
 const SHRINK: f64 = 1.0 / 3.0;
-/// Largest ratio of the next step size to the current step size.
 const GROW: f64 = 6.0;
-/// If fewer steps than this remain until the end of the motion, they are all made equally long.
+/// The last steps before the end of a motion are equally long if fewer than this number of steps remain.
 const LAST_FEW: f64 = 3.0;
-/// Shortest step, relative to the time since the start of the motion.
+/// Smallest allowed step, relative to the time since the start of the motion.
 const SHORTEST: f64 = 1e-12;
-/// Shortest step, relative to the duration of the motion. A step must be longer than this limit and than the limit
+/// Smallest allowed step, relative to the duration of the motion. A step must be longer than both this limit and
 /// [`SHORTEST`].
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
@@ -40,8 +36,9 @@ impl Dop853 {
     /// Integrates from `state` over `duration_s`.
     ///
     /// If a step leaves the domain of the system, its end time becomes a barrier, and the next step is half as long. No
-    /// step goes beyond the barrier. A step that reaches the barrier removes it. If the steps become shorter than 1e-12
-    /// of the elapsed time before the barrier is reached, the fault that created the barrier is returned.
+    /// step goes beyond the barrier, and the first step that reaches the barrier removes it. If the steps become
+    /// shorter than 1e-12 of the elapsed time before the barrier is reached, the fault that created the barrier is
+    /// returned.
     ///
     /// # Errors
     /// [`Stopped`] with the last valid state.
@@ -112,7 +109,7 @@ impl Dop853 {
                         }
                         Err(fault) => {
                             // The step failed, so the integration ends at the last valid state. The slope at this state
-                            // was overwritten, so compute it again.
+                            // was overwritten. Compute it again.
                             evaluations += 1;
                             system
                                 .derivative(&y, &mut slopes[0])
@@ -148,22 +145,22 @@ impl Dop853 {
     }
 }
 
-/// Whether a step is accepted. `excess` is the squared error of the step, divided by the squared tolerance. False for
-/// NaN.
+/// Whether a step is accepted. `excess` is the squared error of the step divided by the squared tolerance. The result
+/// is false for NaN.
 fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// Ratio of the next step size to the current step size, at most `most`. `excess` is the squared error of the step,
-/// divided by the squared tolerance.
+/// Ratio of the next step to the current step, at most `most`. `excess` is the squared error of the step divided by the
+/// squared tolerance.
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
 }
 
-/// `x^(−1/16)` for `x >= 0`, within 7 %. This accuracy is enough for a step size. The computation avoids roots and
-/// powers, which would delay the next step. The method uses that the bits of a double, read as an integer, are nearly
-/// proportional to its logarithm. The result is tiny for infinity and NaN.
+/// `x^(−1/16)` for `x >= 0`, within 7 %. This accuracy is enough for a step size. Roots and powers would delay the next
+/// step. Instead, the function uses that the bits of a double, read as an integer, are nearly a linear function of its
+/// logarithm. The result is tiny for infinity and NaN.
 #[inline]
 fn inverse_sixteenth_root(x: f64) -> f64 {
     let one = 1.0_f64.to_bits();
@@ -204,7 +201,8 @@ fn stages<const N: usize>(
 }
 
 /// The state after the step, and the squared error of the step. The error of each weighted component combines the error
-/// estimates of orders 5 and 3 by Hairer's formula. The result is the mean square over the components.
+/// estimates of orders 5 and 3 by Hairer's formula. The squared error is the mean square of these errors over the
+/// components.
 #[inline]
 fn end_of_step<const N: usize>(
     y: &[f64; N],
@@ -355,7 +353,7 @@ mod tests {
         }
     }
 
-    /// A system with a constant slope that is undefined beyond a wall. It counts how often it is evaluated.
+    /// A system with a constant slope that is undefined beyond a wall. It counts its evaluations.
     struct Wall<'a> {
         wall: f64,
         asked: &'a Cell<usize>,

@@ -1,6 +1,6 @@
-//! Rolls and glides succeed on objects that are blunter than the probe. If the parameters of probes, objects, motions
-//! and positions have arbitrary bit patterns, the result is finite or a named error. A roll that is followed by the
-//! reversed roll ends at the first contact.
+//! Rolls and glides succeed on objects that are blunter than the probe. For parameters of probes, objects, motions and
+//! positions with arbitrary bit patterns, the result is finite or a named error. A roll that is followed by the
+//! reversed roll ends at its first contact.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;
@@ -14,7 +14,6 @@ use proptest::prelude::*;
 
 use crate::scenes::{cylinder, dish, ellipsoid, paraboloid, plane, roll, saddle, sphere, torus};
 
-/// A double with any bit pattern, or a number of ordinary size.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
@@ -24,7 +23,6 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// All objects for which the numbers `a`, `b` and `c` are valid parameters.
 fn objects(a: f64, b: f64, c: f64) -> Vec<Shape> {
     let parameters = [("a".to_owned(), a), ("b".to_owned(), b)].into();
     [
@@ -70,7 +68,6 @@ fn models(tolerance: f64) -> [Model; 6] {
     ]
 }
 
-/// Whether a contact has finite numbers and unit axes.
 fn is_sound(contact: &Contact) -> bool {
     let units = [contact.normal, contact.x_axis, contact.on_probe(1.0).coords];
     contact.on_object.iter().all(|x| x.is_finite())
@@ -79,7 +76,7 @@ fn is_sound(contact: &Contact) -> bool {
         && contact.arc_length >= 0.0
 }
 
-/// Whether all numbers of a touch are finite, and the centre of the tip is above (x, y).
+/// Whether all numbers of a touch are finite and the centre of the tip is above (x, y).
 fn is_sound_touch(touch: &Touch, tip: Fingertip, (x, y): (f64, f64)) -> bool {
     let vectors = [touch.point.coords, touch.normal, touch.tip_centre.coords];
     let form = touch.curvature;

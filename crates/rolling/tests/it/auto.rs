@@ -1,5 +1,5 @@
-//! Tests the automatic choice of a model (`auto`) on random scenes. The error of the chosen model is at most the
-//! tolerance, and its cost is at most twice the cost of the cheapest model that meets the tolerance. The cost is the
+//! Tests the automatic choice of a roll model (`auto`) on random scenes. The error of the chosen model must be at most
+//! the tolerance, and its cost at most twice the cost of the cheapest model that meets the tolerance. The cost is the
 //! number of evaluations of the contact equations.
 
 use palpate_geometry::Shape;
@@ -9,8 +9,7 @@ use crate::scenes::{
     cylinder, dish, ellipsoid, height_field, paraboloid, plane, saddle, sphere, torus,
 };
 
-/// Random numbers from 0 to 1, which are the same in every run. The numbers are the upper bits of a linear congruential
-/// generator.
+/// Random numbers from 0 to 1, the same in every run: the upper bits of a linear congruential generator.
 struct Numbers(u64);
 
 impl Numbers {
@@ -90,7 +89,6 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
 
 const FREE: Chart = Chart::Free;
 
-/// The models `closed form` and `meridian`, and the integrators with many numbers of steps and tolerances.
 fn models() -> Vec<Model> {
     let few = 1..=8;
     let more = [10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64];
@@ -133,7 +131,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         let taken = roller
             .measure(&[roller.choice().model], FREE, rolls)
             .remove(0);
-        // If the roll leaves the object, no error was measured, so the roll is skipped.
+        // If the roll leaves the object, no error can be measured. Skip the roll.
         let Ok(err) = taken.outcome else { continue };
         judged += 1;
         let what = format!("{:?} {} {:e}", scene.object, taken.name, scene.tolerance);
@@ -154,7 +152,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
     }
 }
 
-/// Four rolls in different directions. In each roll, the probe makes `turns` turns.
+/// Four rolls in different directions. The probe makes `turns` turns in each roll.
 fn turns(turns: f64) -> Vec<Vec<Motion>> {
     let angle = turns * std::f64::consts::TAU;
     let directions = [0.2, 1.7, 3.3, 4.9];
@@ -187,8 +185,8 @@ fn long_rolls_are_not_rolled_to_choose_how() {
             assert!(choice.reason.contains("too long"), "{choice:?}");
         }
     }
-    // For long rolls, a model is chosen without measuring its error. Its error must nevertheless be within the
-    // tolerance.
+    // For long rolls, `auto` chooses a model without measuring its error. The error must be within the tolerance
+    // nevertheless.
     let rolls = turns(100.0);
     let rolls = Rolls::exact(&rolls);
     let roller = start(100.0, 1e-6);

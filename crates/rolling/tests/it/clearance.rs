@@ -7,7 +7,6 @@ use palpate_geometry::surfaces::Graph;
 use palpate_geometry::{Shape, Surface};
 use palpate_rolling::{Model, Motion, Probe, RollFault, Roller, Rolls};
 
-/// Number of random scenes.
 const SCENES: u64 = 40;
 
 /// Random numbers (SplitMix64), with one stream of numbers per scene.
@@ -71,7 +70,7 @@ fn scene(number: u64) -> (Shape, f64) {
     }
 }
 
-/// Depth of the deepest overlap during a roll, found by a grid search at 41 positions of the probe.
+/// Depth of the deepest overlap of probe and object during a roll, found by a grid search at 41 positions of the probe.
 fn overlap(roller: &Roller, motion: &Motion) -> f64 {
     let radius = roller.probe().radius();
     let mut deepest: f64 = 0.0;
@@ -170,7 +169,6 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
     assert!(refused > 4 && accepted > 8, "{refused} {accepted}");
 }
 
-/// The clearance of a probe of radius 1 that rolls along x from the origin.
 fn along_x(formula: &str, angle_rad: f64, spin: f64) -> Result<f64, RollFault> {
     let mut motion = Motion::rolling(0.0, angle_rad, 1.0);
     motion.angular_velocity.z = spin;

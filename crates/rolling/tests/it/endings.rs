@@ -39,7 +39,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
             let end = roll(1.0, &dish(radius), (0.0, 0.0), model, motion);
             let off = (end.arc_length - 1.0).abs();
             // The smaller the difference `gap` of the two radii, the more digits are lost in the difference of the
-            // curvatures.
+            // curvatures, so the bound is larger.
             assert!(off < bound + 5e-16 / gap, "{model:?}, {gap:e}: {off:e}");
         }
     }
@@ -47,7 +47,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
 
 #[test]
 fn conforming_on_the_way_is_located() {
-    // The object is a wave whose trough is tighter than the probe.
+    // In this case, the object is a wave whose trough is tighter than the probe.
     let object = height_field("0.5*cos(2*x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     let roller = roller(1.0, &object, (0.0, 0.0), DOP853, motion);
@@ -67,7 +67,7 @@ fn conforming_on_the_way_is_located() {
     assert!(error.time_s > 0.0 && error.time_s < 10.0);
 }
 
-/// Errors of a roll that ends at a wall. There is one error for each form of the contact equations.
+/// Errors of a roll that ends at a wall, one error for each form of the contact equations.
 fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
     [Chart::Free, Chart::Montana(Default::default())].map(|chart| {
         let model = Model::Dop853 {
@@ -188,7 +188,7 @@ fn motions_that_are_not_numbers_are_errors() {
             };
             let fast = Motion::rolling(0.0, bad, 1e10);
             for motion in [lasting, fast] {
-                // The roll may fail because numbers are out of range or because it needs too many steps.
+                // The roll may fail if numbers are out of range or if it needs too many steps.
                 match roller.roll(&[motion]) {
                     Ok(contact) => assert!(contact.arc_length.is_finite()),
                     Err(error) => assert!(error.time_s.is_finite(), "{error}"),

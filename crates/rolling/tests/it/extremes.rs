@@ -167,7 +167,7 @@ fn a_thousand_motions_are_one() {
 
 #[test]
 fn slow_motions_that_last() {
-    // The squares of the following rates, and of the durations that belong to them, underflow or overflow.
+    // Rates so extreme that their squares, and the squares of the durations that belong to them, underflow or overflow.
     for rate in [1e-200, 1e200] {
         let motion = Motion::rolling(0.3, rate, 2.0 / rate);
         let end = roll(1.0, &saddle(0.2), (0.3, 0.1), DOP853, motion);
@@ -208,8 +208,8 @@ fn rolls_of_any_length_on_a_sphere_and_a_plane() {
     }
 }
 
-/// Error of a roll by the angle `theta` of a probe of radius 1 on a sphere of radius 2. The exact contact moves by the
-/// angle `theta / 3` along a great circle.
+/// Distance between the computed and the exact contact after a roll by the angle `theta`: a probe of radius 1 on a
+/// sphere of radius 2. The exact contact moves by the angle `theta / 3` along a great circle.
 fn off_great_circle(start: (f64, f64), direction: f64, theta: f64, model: Model) -> f64 {
     let motion = Motion::rolling(direction, 1.0, theta);
     let roller = roller(1.0, &sphere(2.0), start, model, motion);
@@ -238,7 +238,7 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
             chart: Chart::Free,
         };
         let off = off_great_circle((0.3, 0.2), 0.4, theta, model);
-        // The bound of the error grows with the number of turns, because errors add up.
+        // Errors add up over turns, so the bound of the error is proportional to the number of turns.
         let bound = tolerance * (theta / TAU).max(1.0) + 1e-14;
         assert!(off <= bound, "{tolerance:e}, {theta:e} rad: {off:e}");
     }
@@ -271,9 +271,9 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     }
 }
 
-/// Compares the meridian model with numbers that mpmath computed with 60 digits. A probe of radius 1 rolls from the
-/// apex of the paraboloid `z = −c r²`. At the slope angle α and the arc length s, it has turned by `θ = α + s`. With
-/// the slope q = tan α, the arc length satisfies `4 c s = q √(1 + q²) + asinh q`.
+/// Compares the meridian model with values that mpmath computed with 60 digits, for a probe of radius 1 that rolls from
+/// the apex of the paraboloid `z = −c r²`. At the slope angle α and the arc length s, the probe has turned by `θ = α +
+/// s`. With the slope q = tan α, the arc length satisfies `4 c s = q √(1 + q²) + asinh q`.
 #[test]
 fn meridians_from_flat_to_sharp() {
     for (c, theta, arc) in [
@@ -315,7 +315,6 @@ fn scaled(scale: f64) -> [Shape; 4] {
     ]
 }
 
-/// A power of ten from `10^-most` to `10^most`.
 fn decades(most: f64) -> impl Strategy<Value = f64> {
     (-most..most).prop_map(|exponent| libm::pow(10.0_f64, exponent))
 }

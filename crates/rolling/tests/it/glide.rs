@@ -82,7 +82,7 @@ fn a_plane_and_a_turned_cylinder() {
         let point = Vector3::new(half * along, half * along, 0.0) + normal * 2.5;
         let found = touch(&cylinder(2.5, 45.0), 0.5, x, y).unwrap();
         assert_at(&found, point.into(), normal, 1e-13);
-        // Along the axis of the cylinder, the surface is straight, so the Gaussian curvature is 0.
+        // A cylinder is straight along its axis, so its Gaussian curvature is 0.
         assert!(found.curvature.gaussian_curvature().abs() < 1e-14);
         assert!((found.curvature.mean_curvature() - 0.2).abs() < 1e-14);
     }
@@ -108,7 +108,8 @@ fn a_torus_is_touched_towards_its_core() {
             }
         }
     }
-    // Above the middle of the hole, a small tip falls through the hole, and a large tip touches the object all around.
+    // A small tip above the middle of the torus falls through the hole, and a large tip touches the torus all around
+    // the hole.
     assert_eq!(error(&object, 1.0, 0.0, 0.0), "contact-lost");
     assert_eq!(error(&object, 1.5, 0.2, 0.1), "contact-lost");
     assert_eq!(error(&object, 2.5, 0.0, 0.0), "two-contacts");
@@ -116,8 +117,8 @@ fn a_torus_is_touched_towards_its_core() {
 
 #[test]
 fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
-    // The section of the object is z = f(w). A tip of radius r whose centre is above x touches it at the w for which w
-    // − r f'/√(1 + f'²) = x.
+    // With the section z = f(w) of the object, a tip of radius r whose centre is above x touches the object at the w
+    // for which w − r f'/√(1 + f'²) = x.
     let solve = |slope: &dyn Fn(f64) -> f64, radius: f64, x: f64| {
         bisect(x - 2.0 * radius, x + 2.0 * radius, |w| {
             w - radius * slope(w) / (1.0 + slope(w).powi(2)).sqrt() - x
@@ -162,8 +163,8 @@ fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
     }
 }
 
-/// Objects for the tests. Each object comes with the half-width of the square in which it is touched, and with the
-/// radius of the largest tip that fits.
+/// Objects to touch. Each object comes with the half-width of the square in which it is touched, and with the radius of
+/// the largest tip that fits.
 fn objects() -> Vec<(Shape, f64, f64)> {
     vec![
         (sphere(2.0), 1.3, 1e3),
@@ -224,8 +225,8 @@ fn the_tip_is_held_where_asked_and_touches_at_its_radius() {
     }
 }
 
-/// Height of a tip's centre when the tip touches a graph on its way down. The height is found by a search on a fine
-/// grid; the exact height is equal or larger.
+/// Height of a tip's centre when the tip touches a graph on its way down, by a search on a fine grid. The exact height
+/// is equal or larger.
 fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f64 {
     let steps = 300;
     let mut highest = f64::NEG_INFINITY;
@@ -264,7 +265,7 @@ fn the_contact_met_first_counts() {
             );
         }
     }
-    // A tip that is too large for the valley of a saddle touches the nearer wall.
+    // The tip is too large for the valley of the saddle, so it touches the nearer wall.
     let valley = |x: f64, y: f64| 0.3 * (x * x - y * y);
     for (x, y) in [
         (0.05, 0.3),
@@ -277,7 +278,7 @@ fn the_contact_met_first_counts() {
         assert!(excess > -1e-12 && excess < 1e-4, "{x} {y}: {excess}");
         assert_eq!(found.point.x > 0.0, x > 0.0);
     }
-    // A tip that is too large for the hollow around a bump touches the bump.
+    // The tip is too large for the hollow around the bump, so it touches the bump.
     let bump = height_field("0.3*exp(-(x^2+y^2))", &[]);
     let found = touch(&bump, 10.0, 1.0, 0.0).unwrap();
     let expected = first_met(|x, y| 0.3 * libm::exp(-(x * x + y * y)), 10.0, 1.0, 0.0);
@@ -292,7 +293,8 @@ fn two_contacts_at_once() {
         assert_eq!(error(&dish(2.0), radius, 0.3, 0.1), "two-contacts");
     }
     assert!(touch(&dish(2.0), 1.999_999, 0.0, 0.0).is_ok());
-    // The tip touches two walls at once: in the valley of a saddle, at the bottom of a bowl, and in a groove.
+    // In each case, the tip touches two walls at once: in the valley of a saddle, at the bottom of a bowl, and in a
+    // groove.
     assert_eq!(error(&saddle(0.3), 2.5, 0.0, 0.3), "two-contacts");
     assert_eq!(error(&paraboloid(-0.5), 1.1, 0.0, 0.0), "two-contacts");
     let groove = height_field("0.5*cos(2*x)", &[]);
@@ -318,8 +320,7 @@ fn contacts_lost_and_domains_left() {
         assert_eq!(error(&object, 0.5, 1.000_001 * rim, 0.0), "contact-lost");
         assert_eq!(error(&object, 0.5, 9.0 * rim, 0.0), "contact-lost");
     }
-    // At this position, the tip should just touch the sphere above its equator. But because of rounding, the contact is
-    // on the equator.
+    // The tip should just touch the sphere above its equator, but because of rounding, the contact is on the equator.
     let near_rim = 1.875_f64.next_down();
     assert_eq!(error(&sphere(0.375), 1.5, near_rim, 0.0), "contact-lost");
     assert!(touch(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.499).is_ok());
@@ -380,7 +381,7 @@ proptest! {
         for (unit, object) in scaled(1.0).iter().zip(&scaled(scale)) {
             let reference = touch(unit, radius, x, y);
             let found = touch(object, radius * scale, x * scale, y * scale);
-            // The position is inside of the rim of each object; the torus is left out because of its hole.
+            // The position is inside the rim of each object. The torus is left out because of its hole.
             let is_inside = libm::hypot(x, y) < 0.99 && radius < 1.0 && unit.name() != "torus";
             prop_assert!(found.is_ok() || !is_inside, "{found:?}");
             match (reference, found) {

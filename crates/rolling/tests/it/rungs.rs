@@ -113,7 +113,7 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, motion);
             let off = difference(&rolled.roll(&[motion]).unwrap(), &integrated, 1.0);
             assert!(off < 1e-11, "{object:?} {quarter}: {off:e}");
-            // A motion in another direction has no meridian, so it is integrated.
+            // A motion in a direction without a meridian is integrated.
             let aslant = Motion::rolling(1.0, 1.0, 0.8);
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, aslant);
             let off = difference(&rolled.roll(&[aslant]).unwrap(), &integrated, 1.0);
@@ -251,7 +251,7 @@ fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
         (paraboloid(1.0), Model::Meridian),
         (ellipsoid(2.0, 2.0, 1.0), Model::Meridian),
     ] {
-        // The roller's model was chosen for rolling without spin and sliding. Here it is used for other motions.
+        // The roller's model was chosen for rolling without spin and sliding, but it is used for other motions here.
         let quick = roller(1.0, &object, (0.0, 0.0), model, rolling);
         let integrated = roller(1.0, &object, (0.0, 0.0), DOP853, rolling);
         for motions in [
@@ -384,7 +384,7 @@ fn meridians_of_flat_and_of_long_spheroids() {
         (0.05, 5.0),
         (50.0, 0.5),
     ] {
-        // From the pole to the equator, the normal of the object turns by a quarter turn.
+        // Between the pole and the equator, the normal of the object turns by a quarter turn.
         let arc = quarter(a, c);
         let theta = std::f64::consts::FRAC_PI_2 + arc / 1.3;
         let motion = Motion::rolling(0.7, 1.0, theta);

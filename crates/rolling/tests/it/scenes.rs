@@ -77,7 +77,6 @@ pub(crate) fn roll(
         .unwrap()
 }
 
-/// The largest difference between the positions, axes and path lengths of two contacts.
 pub(crate) fn difference(a: &Contact, b: &Contact, radius: f64) -> f64 {
     [
         (a.on_object - b.on_object).norm(),
