@@ -1,5 +1,5 @@
-//! Runs two test programs of palpate-assay. One compares answers with references, the other measures the coverage of
-//! intervals.
+//! Runs two test programs of palpate-assay. One compares answers of `palpate design` and `palpate distinguish` with
+//! references, the other measures the coverage of intervals.
 
 use anyhow::Result;
 use clap::Args;

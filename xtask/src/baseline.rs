@@ -32,7 +32,6 @@ fn find(figures: &[(String, f64)], name: &str) -> Option<f64> {
     found.map(|(_, figure)| *figure)
 }
 
-/// A number as text in the table. Counts are written with all digits, errors with six digits.
 fn text(figure: f64) -> String {
     if figure.fract() == 0.0 {
         figure.to_string()
@@ -41,7 +40,7 @@ fn text(figure: f64) -> String {
     }
 }
 
-/// How much numbers may differ from the baseline.
+/// How much the measured numbers may differ from the baseline.
 #[derive(Debug)]
 pub(crate) struct Limits {
     pub(crate) what: &'static str,
@@ -49,7 +48,7 @@ pub(crate) struct Limits {
     pub(crate) harness: &'static str,
     /// Largest allowed increase of a number, as a share of the number in the baseline.
     pub(crate) allowed: f64,
-    /// Numbers below this value are replaced by this value before they are compared.
+    /// Baseline and measured numbers below this value are replaced by it before they are compared.
     pub(crate) floor: f64,
 }
 
@@ -59,18 +58,13 @@ impl Limits {
     }
 }
 
-/// How a number differs from the baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
-    /// The number is within the limits.
     Same,
-    /// The number is larger than the limits allow.
     Worse,
-    /// The number is smaller than in the baseline, by more than the largest allowed increase.
+    /// The number is smaller than in the baseline by more than the largest allowed increase.
     Better,
-    /// The number was measured, but is not in the baseline.
     New,
-    /// The number is in the baseline, but was not measured.
     Missing,
 }
 
@@ -86,7 +80,6 @@ impl fmt::Display for Change {
     }
 }
 
-/// A baseline and the measured numbers.
 pub(crate) struct Comparison {
     pub(crate) limits: &'static Limits,
     pub(crate) before: Figures,
@@ -94,15 +87,15 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Whether a number is larger than allowed, new or missing.
+    /// Whether any number is larger than allowed, new or missing.
     pub(crate) fn fails(&self) -> bool {
         let is_failure = |change| matches!(change, Change::Worse | Change::New | Change::Missing);
         self.rows()
             .any(|(_, figures)| is_failure(self.change(figures)))
     }
 
-    /// Whether the baseline must be replaced: a number is new or missing, or differs by more than the floor and the
-    /// rounding of the table.
+    /// Whether the baseline must be replaced: a number is new or missing, or differs by more than [`Limits::floor`] and
+    /// the rounding of the table.
     pub(crate) fn alters(&self) -> bool {
         self.rows().any(|(_, figures)| match figures {
             [Some(before), Some(now)] => {
@@ -122,7 +115,7 @@ impl Comparison {
         Ok(String::from_utf8(writer.into_inner()?)?)
     }
 
-    /// Each name with its number in the baseline and its measured number. The names that were not measured come last.
+    /// Name, number in the baseline and measured number of each row. Names that were not measured come last.
     fn rows(&self) -> impl Iterator<Item = (&str, [Option<f64>; 2])> {
         let now = self.now.iter();
         let now = now.map(|(name, now)| (name.as_str(), [find(&self.before, name), Some(*now)]));
@@ -149,7 +142,6 @@ impl Comparison {
         }
     }
 
-    /// Table of the numbers that differ from the baseline.
     pub(crate) fn render(&self) -> String {
         let what = self.limits.what;
         let (mut rows, mut is_better) = (String::new(), false);

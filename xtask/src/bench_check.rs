@@ -16,16 +16,16 @@ use crate::peers::replace;
 use crate::programs;
 use crate::tools::has;
 
-/// Limits for instruction counts. The counts hardly vary between runs, but they change if the linker arranges the code
-/// in another order.
+/// Limits for instruction counts. These counts hardly vary between runs, but they change if the linker arranges the
+/// code in another order.
 pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) vary with the
-/// mathematical library of the machine.
+/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) differ between the
+/// mathematical libraries of machines.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",
@@ -98,7 +98,7 @@ fn accept(shell: &Shell, comparisons: &[Comparison]) -> Result<()> {
 /// Page that must list every bench target of the workspace.
 const PAGE: &str = "crates/assay/BENCHES.md";
 
-/// Fails unless BENCHES.md lists exactly the bench targets of the workspace.
+/// Fails unless BENCHES.md lists exactly the bench targets that the workspace has.
 fn check_page(shell: &Shell) -> Result<()> {
     let existing = targets(&programs::packages(shell)?)?;
     let listed = listed(&shell.read_file(PAGE)?);
@@ -169,7 +169,7 @@ fn has_new_line(committed: &str, now: &str) -> bool {
     section(now).any(|line| !known.contains(line))
 }
 
-/// The lines of the section below [`HEADING`], without empty lines.
+/// Lines of the changelog's section [`HEADING`], without empty lines.
 fn section(text: &str) -> impl Iterator<Item = &str> {
     let below = text
         .lines()

@@ -14,7 +14,7 @@ use crate::{Cli, programs, python};
 
 /// Folders of the repository that the commands in the documents read.
 const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
-/// Folder into which the commands write their output. Git ignores this folder.
+/// Folder into which the commands of the documents write their output. Git ignores this folder.
 const OUTPUT: &str = "out";
 /// Folder with the pages of the book.
 const BOOK: &str = "docs";
@@ -27,18 +27,16 @@ const PAGES: [&str; 6] = [
     "SECURITY.md",
     "CITATION.cff",
 ];
-/// Page that `palpate explain --markdown` generates.
 const GLOSSARY: &str = "docs/glossary.md";
-/// Page that lists the claims of the papers and states whether palpate confirms them.
+/// Page that lists the claims of the papers with their verdicts.
 const CLAIMS: &str = "docs/papers.md";
-/// Documents with a limited length: the largest number of lines and the largest number of words.
+/// Documents with a limited length: path, largest number of lines, and largest number of words.
 const LIMITS: [(&str, usize, usize); 3] = [
     ("README.md", 200, 2200),
     ("ARCHITECTURE.md", 150, usize::MAX),
     ("CHANGELOG.md", 80, usize::MAX),
 ];
 
-/// Writes the glossary and builds the book.
 pub(crate) fn run(shell: &Shell) -> Result<()> {
     let program = programs::build_alone(shell)?;
     shell.write_file(GLOSSARY, glossary(shell, &program)?)?;
@@ -62,7 +60,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     run_commands(shell, &program)
 }
 
-/// Checks lengths, claims, quoted files and paths, which need no other program.
+/// Checks everything for which no other program is needed: lengths, claims, quoted files and paths.
 fn check_texts(shell: &Shell) -> Result<()> {
     for (name, lines, words) in LIMITS {
         let text = shell.read_file(name)?;
@@ -146,7 +144,6 @@ fn source_paths(markdown: &str) -> Vec<String> {
         .collect()
 }
 
-/// The glossary as Markdown, as the program prints it.
 fn glossary(shell: &Shell, program: &Path) -> Result<String> {
     Ok(cmd!(shell, "{program} explain --markdown").quiet().read()? + "\n")
 }
@@ -172,7 +169,7 @@ fn build(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Runs the commands of all `sh` blocks in a copy of the folders that they read. `palpate` is on the path.
+/// Runs the commands of all `sh` blocks in a copy of the folders in [`COPIED`]. `palpate` is on the path.
 fn run_commands(shell: &Shell, program: &Path) -> Result<()> {
     let directory = tempfile::tempdir()?;
     for name in COPIED {
@@ -212,8 +209,8 @@ fn pages(shell: &Shell) -> Result<Vec<PathBuf>> {
     Ok(pages)
 }
 
-/// Files that the `toml` blocks of a document quote, each with the quoted lines. The first line of a quoting block is
-/// `# from FILE`.
+/// Files that the `toml` blocks of a document quote, each with the quoted lines. Such a block begins with the line `#
+/// from FILE`.
 fn quotes(markdown: &str) -> Vec<(&str, String)> {
     markdown
         .split("```toml\n# from ")
@@ -223,7 +220,7 @@ fn quotes(markdown: &str) -> Vec<(&str, String)> {
         .collect()
 }
 
-/// Names of the files and folders that commands wrote outside of the output folder.
+/// Names of the files and folders that the commands wrote outside of the output folder.
 fn strays(directory: &Path) -> Result<Vec<OsString>> {
     let names = fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name()));
     let mut names: Vec<OsString> = names.collect::<Result<_>>()?;

@@ -8,7 +8,7 @@ use xshell::{Shell, cmd};
 use crate::programs::{FEATURES, PYTHON};
 use crate::{assay_harness, bench_check, book, crate_imports, programs, python, reproduce, tools};
 
-/// Environment variables for checks of the Python package. They allow linking the package without a Python interpreter.
+/// Environment variables with which the Python package can be checked and linked without a Python interpreter.
 const NO_INTERPRETER: [(&str, &str); 2] = [
     ("PYO3_NO_PYTHON", "1"),
     ("PYO3_BUILD_EXTENSION_MODULE", "1"),
@@ -58,8 +58,8 @@ fn clippy(shell: &Shell) -> Result<()> {
     Ok(clippy.envs(NO_INTERPRETER).run()?)
 }
 
-/// Runs all tests and doc tests, but no benchmarks. In CI, property tests use the same random cases in every run. So if
-/// a result changes, the code is the reason. Tests that a developer runs by hand use new random cases.
+/// Runs all tests and doc tests, but no benchmarks. In CI, property tests use the same random cases in every run, so
+/// that only a change of the code can change a result. Tests that a developer runs by hand use new random cases.
 fn tests(shell: &Shell) -> Result<()> {
     let tests = cmd!(
         shell,
@@ -89,8 +89,7 @@ fn docs(shell: &Shell) -> Result<()> {
     Ok(doc.envs(NO_INTERPRETER).run()?)
 }
 
-/// Checks the licences of all dependencies. Skipped if cargo-deny is missing, because the first step has reported that
-/// already.
+/// Checks the licences of all dependencies. Skipped if cargo-deny is missing, which the step `tools` has reported.
 fn licences(shell: &Shell) -> Result<()> {
     match tools::has(shell, tools::DENY) {
         true => Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?),
@@ -98,14 +97,14 @@ fn licences(shell: &Shell) -> Result<()> {
     }
 }
 
-/// Compares instruction counts and errors with the baseline. The models that `auto` chooses and the fuzz corpus are
-/// checked in the step `tests`.
+/// Compares instruction counts and errors with the baseline. The step `tests` has already checked the models that
+/// `auto` chooses, and the fuzz corpus.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }
 
-/// Tests the Python package. Its wheel uses the crates that earlier steps have compiled. Skipped if there is no
-/// interpreter, because the first step has reported that already.
+/// Tests the Python package. Its wheel contains the crates that earlier steps have compiled. Skipped if there is no
+/// Python interpreter, which the step `tools` has reported.
 fn python(shell: &Shell) -> Result<()> {
     match tools::has(shell, "python3") {
         true => python::check(shell),

@@ -1,4 +1,4 @@
-//! Compares the files of a study with the committed files.
+//! Compares the files of a study that was run again with the committed files.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,28 +12,28 @@ const CELLS: &str = "cells.csv";
 const SCORED: &str = "claims.csv";
 /// File in which palpate lists the files that it wrote. It is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Column with the number of the cell. After a run of only some cells, this column shows which committed rows to
+/// Column with the number of the cell (grid point). After a run of only some cells, it shows which committed rows to
 /// compare.
 const CELL: &str = "cell";
-/// Relative tolerance for numbers, because results differ slightly between C libraries and processors.
+/// Relative tolerance of numbers. Results differ slightly between C libraries and processors.
 const TOLERANCE: f64 = 1e-9;
-/// For numbers with a smaller absolute value, the tolerance is absolute: `TOLERANCE * SMALL`.
+/// Numbers with a smaller absolute value have the absolute tolerance `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
 /// Statistics that are computed from a histogram.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
-/// Tolerance for the statistics in [`QUANTILES`]: the width of a histogram bin, relative to the distance between
+/// Tolerance of the statistics in [`QUANTILES`]: the width of a histogram bin, relative to the distance between
 /// quantile and true value.
 const BIN: f64 = 0.008;
 /// Text in [`Difference::now`] if the new file is missing.
 const ABSENT: &str = "–";
 
-/// A difference between a committed and a new file: another number or text in a table, other rows, another config, or a
-/// missing file.
+/// A difference between the committed and the new version of a file: another number or text in a table, other rows,
+/// another config, or a missing file.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Difference {
     file: String,
-    /// The first fields of the row in which a field differs, to identify the row; at most 4 fields. Empty if the whole
-    /// file differs.
+    /// The first fields (at most 4) of the table row with the difference, to identify the row. Empty if the whole file
+    /// differs.
     row: String,
     column: String,
     committed: String,
@@ -41,14 +41,14 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// Absolute difference of the old and the new number, divided by the larger of their magnitudes; `None` for texts.
+    /// Absolute difference of the old and the new number, divided by the larger magnitude; `None` for texts.
     fn relative(&self) -> Option<f64> {
         let (old, new): (f64, f64) = (self.committed.parse().ok()?, self.now.parse().ok()?);
         Some((old - new).abs() / old.abs().max(new.abs()))
     }
 }
 
-/// Whether the field with the index `place` agrees in a committed row `old` and in the new row `new`. Differences that
+/// Whether the column with the index `place` agrees in the committed row `old` and the new row `new`. Differences that
 /// are normal between machines are ignored.
 fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> bool {
     let number = |text: &String| text.parse::<f64>().ok();
@@ -103,7 +103,7 @@ pub(crate) fn study(
     Ok(differences)
 }
 
-/// Numbers of the cells in the table of a run.
+/// Numbers of the cells in `cells.csv` of a run.
 fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     let (header, rows) = table(&fs::read_to_string(folder.join(CELLS))?)?;
     let place = header.iter().position(|name| name == CELL);
@@ -178,7 +178,7 @@ fn compare(
 
 type Row = Vec<String>;
 
-/// Header and rows of a table. Fails unless all rows have the same length.
+/// Header and rows of a CSV table. Fails unless all rows have the same length.
 fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Row>();
@@ -190,7 +190,7 @@ fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     Ok((header, rows.collect::<Result<_>>()?))
 }
 
-/// Text that states the number of differences and the largest difference, and lists at most `shown` differences.
+/// Text with the number of differences and the largest difference. It lists at most `shown` differences.
 pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
     let relative: Vec<f64> = differences
         .iter()

@@ -8,7 +8,7 @@ use crate::programs;
 
 /// Document with a table that lists, for each crate, the crates that it may import in addition to [`COMMON`].
 const DOCUMENT: &str = "ARCHITECTURE.md";
-/// Word in the table for a crate that may import every other crate.
+/// Word in the table of allowed imports for a crate that may import every other crate.
 const ANY: &str = "any";
 /// Crates that every crate may import.
 const COMMON: [&str; 1] = ["statistics"];
@@ -28,8 +28,8 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// The table of the document: each crate with the crates that it may import. A row is `| `crate` | … | a, b |`, with
-/// the name of a crate in the first column and the allowed crates in the last column.
+/// The crates in the table of the document, each with the crates that it may import. A row of the table is `| `crate` |
+/// … | a, b |`: the first column has the name of a crate, the last column the allowed crates.
 fn allowed_imports(document: &str) -> Vec<(&str, Vec<&str>)> {
     let cells = |line| {
         let row = str::strip_prefix(line, "| `")?.strip_suffix(" |")?;
@@ -40,7 +40,6 @@ fn allowed_imports(document: &str) -> Vec<(&str, Vec<&str>)> {
     document.lines().filter_map(cells).collect()
 }
 
-/// One message for each import that the table does not allow.
 fn faults(packages: &[Value], table: &[(&str, Vec<&str>)]) -> Result<Vec<String>> {
     let short = |value: &Value| -> Result<String> {
         let name = value["name"].as_str().context("a name is missing")?;

@@ -9,13 +9,12 @@ use xshell::{Shell, cmd};
 
 use crate::programs::target_dir;
 
-/// Names of the parsers that `palpate-fuzz` can fuzz.
 const TARGETS: [&str; 5] = ["config", "formula", "readings", "frame", "calibration"];
 
 /// Folder of the input files (corpus), with one folder for each parser.
 const CORPUS: &str = "crates/fuzz/corpus";
 
-/// Further folders with input files. Each entry is the name of a parser and a folder.
+/// Further folders with input files: name of the parser, and folder.
 const SEEDS: [(&str, &str); 2] = [("config", "sim-configs"), ("config", "examples")];
 
 /// Compiler flags that libFuzzer needs: coverage counters, comparisons and a table of code addresses.
@@ -68,12 +67,11 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Builds the fuzzing program, and returns its path.
 fn build(shell: &Shell) -> Result<PathBuf> {
     let version = cmd!(shell, "rustc -vV").read()?;
     let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     let host = host.context("`rustc -vV` has no host")?;
-    // State the target explicitly. Otherwise, build scripts and macros would contain coverage counters too.
+    // State the target explicitly. Otherwise, build scripts and macros would be compiled with coverage counters too.
     let target = target_dir(shell).join("fuzzing");
     cmd!(
         shell,
@@ -86,7 +84,7 @@ fn build(shell: &Shell) -> Result<PathBuf> {
     Ok(target.join(host).join("fuzz/palpate-fuzz"))
 }
 
-/// Fuzzes one parser. Returns false if an input caused a panic of the parser. Such inputs are stored in a folder.
+/// Fuzzes one parser. Returns false if an input caused a panic; the input is then stored in a folder.
 fn fuzz(
     shell: &Shell,
     program: &Path,

@@ -1,5 +1,5 @@
-//! Compares palpate with other programs that a user could use instead (peers). In the same run and on one processor
-//! core, palpate and the peers solve the same tasks with the same inputs.
+//! Compares palpate with its peers, that is, other programs that a user could use instead. Palpate and the peers solve
+//! the same tasks with the same inputs, in the same run and on one processor core.
 
 mod peer_programs;
 mod peer_table;
@@ -15,7 +15,7 @@ use crate::programs;
 use peer_programs::{Absent, Kind, PeerPrograms};
 use peer_table::{Figure, medians};
 
-/// Name of palpate's Python package in the table. The script xtask/peers/python_package.py measures the package
+/// Name of palpate's Python package in the table of results. The script xtask/peers/python_package.py measures it
 /// together with its peers.
 const PACKAGE: &str = "palpate for Python";
 
@@ -41,9 +41,9 @@ struct Group {
     peer: Kind,
     /// Required ratio: the peer's time divided by palpate's time.
     target: f64,
-    /// Tasks with another required ratio than `target`, and their ratios.
+    /// Tasks whose required ratio differs from `target`, with their ratios.
     task_targets: &'static [(&'static str, f64)],
-    /// By how much palpate's error may exceed the peer's error, as a share of the peer's error. It is 0 if both
+    /// Largest allowed excess of palpate's error over the peer's error, as a share of the peer's error. It is 0 if both
     /// programs use the same inputs. If each program draws its own random inputs, it is the sampling error.
     slack: f64,
 }
@@ -120,7 +120,7 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 1e-9,
     },
-    // In this group, the peer is palpate in Rust, to measure the overhead of Python.
+    // In this group, the peer is palpate in Rust. So the comparison measures the overhead of Python.
     Group {
         name: "python-glide",
         peer: Kind::Package("python-glide"),
@@ -189,7 +189,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
             };
             match package.is_empty() {
                 true => mine.extend(in_rust()?),
-                // The script `python-glide` measures all its peers itself, except for palpate in Rust.
+                // The script `python-glide` measures all its peers itself except palpate in Rust.
                 false if name == "python-glide" => theirs.extend(in_rust()?),
                 false => {}
             }
@@ -205,8 +205,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     print!("{}", peer_table::render(&rows));
     let path = shell.current_dir().join(RESULTS);
     let text = peer_table::csv(&rows, &programs::machine(shell))?;
-    // If only some tasks were run, keep the rows of the other tasks. This is possible because each row compares times
-    // of one run on one machine.
+    // If only some tasks were run, keep the rows of the other tasks. Each row stays valid, because it compares times
+    // that were measured in one run on one machine.
     let text = match is_whole {
         true => text,
         false => peer_table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,
@@ -216,8 +216,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// For each task, the smallest error of all peers, in the form of an option for palpate's test program. A model of
-/// palpate with a tolerance must not have a larger error.
+/// Smallest error of all peers on each task, as an option for palpate's test program. A model of palpate with a
+/// tolerance must not have a larger error.
 fn strictest(theirs: &[Figure]) -> Vec<String> {
     let mut least: Vec<(&str, f64)> = Vec::new();
     for figure in theirs {

@@ -13,16 +13,17 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
-/// Name of the crate for Python. It needs a Python interpreter, so only `cargo xtask python` builds and tests it.
+/// Name of the crate of the Python package. It needs a Python interpreter, so only `cargo xtask python` builds and
+/// tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Features that lints and tests switch on. By default they are off, and later steps build the program without them.
-/// Tests are built only with these features, because a second build would take minutes.
+/// Feature that lints and tests switch on. It is off by default, and later steps build the program without it. Tests
+/// are built only with this feature, because a second build would take minutes.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
-/// Packages that every release build compiles. As in the program that users install, the feature that counts
-/// computational work is off. Cargo combines the features of all selected packages, so with another selection most
-/// crates would be compiled again.
+/// Packages that every release build compiles. The feature that counts computational work is off, as in the program
+/// that users install. Cargo combines the features of all selected packages, so with another selection most crates
+/// would be compiled again.
 const RELEASED: [&str; 7] = [
     "-p",
     "palpate",
@@ -68,7 +69,6 @@ pub(crate) fn packages(shell: &Shell) -> Result<Vec<Value>> {
     }
 }
 
-/// Description of this machine: its processor, number of cores and compiler.
 pub(crate) fn machine(shell: &Shell) -> String {
     let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = processors

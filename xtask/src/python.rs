@@ -10,7 +10,6 @@ use xshell::{Shell, cmd};
 
 use crate::programs;
 
-/// Folder of the Python package.
 const PACKAGE: &str = "crates/python";
 
 /// File that lists the Python packages in the environment, except palpate.
@@ -30,7 +29,7 @@ pub(crate) struct Options {
     from_clone: bool,
 }
 
-/// Runs `work` and prints its run time. `what` describes the work.
+/// Runs `work` and prints its run time. `what` names the work.
 fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let start = Instant::now();
     let done = work()?;
@@ -38,7 +37,7 @@ fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     Ok(done)
 }
 
-/// Folder that contains the environment and the wheels.
+/// Folder for the virtual environment and the wheels.
 fn place(shell: &Shell) -> PathBuf {
     programs::target_dir(shell).join("python")
 }
@@ -79,7 +78,7 @@ pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
 
 /// Builds the wheel, installs it, and runs the tests, the type checkers and the notebooks.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
-    // The tests compare the package with this program. Wheel and program share the same compiled crates.
+    // The tests compare the package with the program `palpate`. Both are built from the same compiled crates.
     let program = timed("program", || programs::build(shell, "palpate"))?;
     let python = installed(shell)?;
     let root = shell.current_dir();
@@ -138,7 +137,7 @@ fn from_clone(shell: &Shell) -> Result<()> {
             shell,
             "{python} -m pip install --quiet --disable-pip-version-check ."
         );
-        // The shared target directory is not used, because a new user does not have it.
+        // Do not use the shared target directory, because a new user does not have it.
         Ok(install.env_remove("CARGO_TARGET_DIR").run()?)
     })?;
     let readme = shell.read_file("README.md")?;
@@ -151,7 +150,6 @@ fn from_clone(shell: &Shell) -> Result<()> {
     })
 }
 
-/// Runs every notebook in `examples/notebooks`.
 fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     let folder = root.join("examples").join("notebooks");
     let mut notebooks = shell.read_dir(&folder)?;
@@ -163,8 +161,8 @@ fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Path of the interpreter in a virtual environment with the packages that the file `list` names. If there is no such
-/// environment, or if its packages differ, it is created.
+/// The interpreter of the virtual environment `environment`, with the packages that the file `list` names. If the
+/// environment does not exist or has other packages, it is created.
 pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Result<PathBuf> {
     let python = environment.join("bin").join("python");
     let wanted = shell.current_dir().join(list);
@@ -190,7 +188,7 @@ pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Resu
     Ok(python)
 }
 
-/// Builds the wheel. The settings are those of the release programs, so that crates which were compiled for these
+/// Builds the wheel. Its build settings are those of the release programs, so that crates which were compiled for these
 /// programs are used again.
 fn wheel(shell: &Shell, python: &Path, place: &Path) -> Result<PathBuf> {
     let wheels = place.join("wheels");

@@ -11,7 +11,7 @@ use crate::{compare, programs};
 
 /// With `--quick`, the number n in `palpate run --every-nth-cell n`.
 const QUICK_STRIDE: usize = 13;
-/// Largest number of differences from the committed tables that are printed.
+/// Largest number of printed differences from the committed tables.
 const SHOWN: usize = 20;
 
 #[derive(Args)]
@@ -73,7 +73,7 @@ fn draw(
     for study in studies {
         let start = Instant::now();
         let out = results.join(study);
-        // Without the manifest of the last run, palpate overwrites the committed files even if they changed since that
+        // Without the manifest of the last run, palpate overwrites the committed files even if they changed after that
         // run.
         shell.remove_path(out.join(compare::MANIFEST))?;
         simulate(shell, palpate, study, &out, quick)?;
@@ -132,7 +132,7 @@ fn simulate(shell: &Shell, palpate: &Path, study: &str, out: &Path, quick: bool)
     let config = format!("sim-configs/{study}.toml");
     let stride = quick.then(|| ["--every-nth-cell".to_owned(), QUICK_STRIDE.to_string()]);
     let stride = stride.into_iter().flatten();
-    // Ignore the standard output of the run. Its warnings are also written to warnings.txt.
+    // Ignore the standard output of the run: its warnings are also in warnings.txt.
     let run = cmd!(
         shell,
         "{palpate} run {config} --out {out} --quiet {stride...}"
@@ -140,7 +140,6 @@ fn simulate(shell: &Shell, palpate: &Path, study: &str, out: &Path, quick: bool)
     Ok(run.quiet().ignore_stdout().run()?)
 }
 
-/// Names of all configs, in alphabetical order.
 fn known_studies(shell: &Shell) -> Result<Vec<String>> {
     let configs = shell.read_dir("sim-configs")?.into_iter();
     let mut names: Vec<String> = configs
@@ -160,7 +159,7 @@ fn scores_claims(shell: &Shell, study: &str) -> bool {
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
 }
 
-/// The studies that the user asked for. Fails if a name is unknown.
+/// The studies that the user asked for, or an error if a name is unknown.
 fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!(

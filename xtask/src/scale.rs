@@ -20,11 +20,11 @@ pub(crate) struct Options {
     pub(crate) kills: u32,
 }
 
-/// Tables that are compared.
+/// Tables that are compared with those of a run without interruption.
 const TABLES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
 /// Number of shards into which the study on the cluster is divided.
 const SHARDS: u64 = 16;
-/// Longest time to wait until the cluster has finished a job.
+/// Longest time to wait for a job of the cluster.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
@@ -45,7 +45,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
 }
 
-/// Text about the first requirement of a local cluster that this machine does not meet; `None` if it meets all of them.
+/// Text about the first requirement of a local cluster that this machine does not meet; `None` if it meets all
+/// requirements.
 fn missing(shell: &Shell) -> Option<String> {
     // Slurm's daemons are in /usr/sbin, which may not be in PATH. Look for the files instead of running the commands,
     // because the commands fail without a config.
@@ -72,7 +73,6 @@ fn is_root(shell: &Shell) -> bool {
         .is_ok_and(|id| id == "0")
 }
 
-/// The program under test, and the directory in which it runs.
 struct TestBench<'a> {
     shell: &'a Shell,
     program: PathBuf,
@@ -84,8 +84,8 @@ impl TestBench<'_> {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls, with one radius per cell. `trials` contains two numbers of trials: of the
-    /// first cell, and of every other cell.
+    /// Writes a config of rolls on balls, with one radius per cell. `trials` are the numbers of trials of the first
+    /// cell and of every other cell.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -110,7 +110,6 @@ impl TestBench<'_> {
         child.context("cannot start palpate")
     }
 
-    /// Runs a study without interruption.
     fn complete(&self, config: &Path, out: &Path) -> Result<()> {
         let status = self.start(config, out)?.wait()?;
         ensure!(
@@ -121,7 +120,6 @@ impl TestBench<'_> {
         Ok(())
     }
 
-    /// Kills runs at random times, and resumes them.
     fn kill(&self, kills: u32) -> Result<()> {
         // One cell has many trials, and each of the other 23 cells has few trials.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
@@ -200,7 +198,7 @@ impl TestBench<'_> {
         let scripts = shell.current_dir().join("xtask/slurm");
         let (up, down) = (scripts.join("up.sh"), scripts.join("down.sh"));
         if let Err(error) = cmd!(shell, "{up} {lab}").quiet().run() {
-            // Some machines do not allow daemons that use their own host names.
+            // Some machines do not allow `unshare --mount`, with which the daemons get their own /etc/hosts.
             println!("the cluster is skipped: it does not start on this machine: {error}");
             cmd!(shell, "{down} {lab}")
                 .quiet()
@@ -340,7 +338,6 @@ impl TestBench<'_> {
         bail!("no shard is running")
     }
 
-    /// Waits until the queue of the cluster is empty.
     fn wait(&self) -> Result<()> {
         let shell = self.shell;
         let start = Instant::now();
@@ -355,7 +352,6 @@ impl TestBench<'_> {
     }
 }
 
-/// Fails unless two runs have written the same tables.
 fn same(one: &Path, other: &Path) -> Result<()> {
     for name in TABLES {
         let [one, other] = [one, other].map(|dir| fs::read(dir.join(name)));

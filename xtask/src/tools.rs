@@ -6,11 +6,10 @@ use xshell::{Shell, cmd};
 
 /// Compilation target without threads, vector instructions and a C library. The libraries must compile for this target.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
-/// Program that checks the licences of all dependencies.
 pub(crate) const DENY: &str = "cargo-deny";
 
-/// Tools that are installed if they are missing. Each row has a command, the text that it prints if the tool is
-/// installed, and the command that installs the tool.
+/// Tools that are installed if they are missing: a command, the text that it prints if the tool is installed, and the
+/// command that installs the tool.
 const INSTALLED: [[&str; 3]; 3] = [
     [
         "cargo fmt --version",
@@ -29,8 +28,8 @@ const INSTALLED: [[&str; 3]; 3] = [
     ],
 ];
 
-/// Optional programs. Each row has a program, the check that is skipped without it, and the command that installs it.
-/// They are not installed automatically, because building cargo-deny would take longer than most checks.
+/// Optional programs: the program, the check that is skipped without it, and the command that installs it. They are not
+/// installed automatically, because building cargo-deny would take longer than most checks.
 const OPTIONAL: [[&str; 3]; 3] = [
     [
         "valgrind",
@@ -74,12 +73,10 @@ pub(crate) fn prepare(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Whether a program is on the path.
 pub(crate) fn has(shell: &Shell, program: &str) -> bool {
     output(shell, &format!("{program} --version")).is_some()
 }
 
-/// Standard output of a command; `None` if the command fails.
 fn output(shell: &Shell, command: &str) -> Option<String> {
     let (program, arguments) = words(command);
     let run = cmd!(shell, "{program} {arguments...}").quiet();

@@ -11,7 +11,7 @@ use xshell::{Shell, cmd};
 use crate::programs;
 
 const RESULTS: &str = "results/tradeoff";
-/// File name of the table with the checks of `auto`'s choices.
+/// File name of the table that compares the models that `auto` chose with all other models.
 const AUTO_CHECK: &str = "promise.csv";
 
 #[derive(Args)]
@@ -39,7 +39,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     };
     let parent = out.parent().context("the results have no parent folder")?;
     shell.create_dir(parent)?;
-    // Write the new tables next to the old ones, so that renaming their folder replaces all tables at once.
+    // Write the new tables into a folder beside the old one, so that renaming the folder replaces all tables at once.
     let temporary = tempfile::tempdir_in(parent)?;
     let fresh = temporary.path().join("tradeoff");
     measure(shell, &assay, &fresh, options.quick)?;
@@ -50,7 +50,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let checked = check_auto(shell, &assay, &fresh.join(AUTO_CHECK));
     keep(AUTO_CHECK, &fresh, &out)?;
     replace(&fresh, &out)?;
-    // Report a failed check only after the tables are kept.
+    // Report a failed check only after all tables are kept.
     checked?;
     println!(
         "{}: {:.1} s; `cargo xtask reproduce` adds it to the page",

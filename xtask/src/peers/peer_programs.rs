@@ -12,12 +12,12 @@ use xshell::{Shell, cmd};
 use super::peer_table::Figure;
 use crate::python;
 
-/// File that lists the Python packages of the peers.
+/// File that lists the Python packages of the peers, the programs with which palpate is compared.
 const REQUIREMENTS: &str = "xtask/peers/requirements.txt";
-/// Environment variables that restrict libraries to one thread.
+/// Environment variables that restrict numerical libraries to one thread.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
 
-/// How a program is written, and where it is.
+/// Language of a peer program, with the path of its source.
 pub(crate) enum Kind {
     /// A Python script in xtask/peers/.
     Python(&'static str),
@@ -29,7 +29,7 @@ pub(crate) enum Kind {
     Rust(&'static str),
 }
 
-/// Reason why a program cannot run on this machine.
+/// Reason why a peer program cannot run on this machine.
 pub(crate) struct Absent(pub(crate) String);
 
 pub(crate) struct PeerPrograms<'s> {
@@ -41,10 +41,10 @@ pub(crate) struct PeerPrograms<'s> {
     python: Result<PathBuf, String>,
 }
 
-/// A program that has been prepared and can be run.
+/// A peer program that has been prepared and can be run.
 pub(crate) struct Peer {
     command: Vec<OsString>,
-    /// Group of tasks to run; `None` if the program has only one group.
+    /// Group of tasks that the program runs; `None` if the program has only one group.
     group: Option<&'static str>,
 }
 
@@ -58,7 +58,7 @@ impl From<Vec<OsString>> for Peer {
 }
 
 impl Peer {
-    /// Runs the program on one core, and reads the times and errors that it prints.
+    /// Runs the peer program on one core, and reads the times and errors that it prints.
     pub(crate) fn figures(&self, shell: &Shell, core: &str, inputs: &Path) -> Result<Vec<Figure>> {
         let Self { command, group } = self;
         let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs} {group...}").quiet();
@@ -82,10 +82,10 @@ impl<'s> PeerPrograms<'s> {
         }
     }
 
-    /// Prepares a program. The result is [`Absent`] if this machine lacks a required tool.
+    /// Prepares a peer program. The result is [`Absent`] if this machine lacks a required tool.
     ///
     /// # Errors
-    /// An error if the peer cannot be built although all required tools are there.
+    /// An error if the program cannot be built although all required tools are installed.
     pub(crate) fn make(&self, kind: &Kind) -> Result<Result<Peer, Absent>> {
         match kind {
             Kind::Python(script) => Ok(match &self.python {
@@ -105,7 +105,6 @@ impl<'s> PeerPrograms<'s> {
         }
     }
 
-    /// Compiles a C++ program with all optimisations for this machine, as a user would.
     fn compile(&self, source: &str) -> Result<Result<Peer, Absent>> {
         let shell = self.shell;
         let header = "#include <boost/numeric/odeint.hpp>";

@@ -1,11 +1,10 @@
-//! The table that compares the times and errors of palpate with those of other programs.
+//! The table that compares the times and errors of palpate with those of its peers (other programs).
 
 use std::fmt;
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
 
-/// Time and error of one program on one task.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub(crate) struct Figure {
     pub(crate) task: String,
@@ -48,7 +47,7 @@ pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
     medians
 }
 
-/// A row of the table: another program compared with a model of palpate on the same task.
+/// A row of the table: a peer program compared with a model of palpate on the same task.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Row {
     peer: Figure,
@@ -61,11 +60,11 @@ pub(crate) struct Row {
 /// Whether palpate is as fast and as accurate as required.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Palpate reaches the required ratio of times, and is at least as accurate as the other program.
+    /// Palpate reaches the required ratio of times, and is at least as accurate as the peer program.
     Met,
-    /// Palpate is at least as accurate as the other program, but does not reach the required ratio of times.
+    /// Palpate is at least as accurate as the peer program, but does not reach the required ratio of times.
     Short,
-    /// Palpate is less accurate than the other program, so the times cannot be compared.
+    /// Palpate is less accurate than the peer program, so the times cannot be compared.
     ErrsMore,
 }
 
@@ -123,7 +122,6 @@ pub(crate) fn rows(
     rows
 }
 
-/// The rows of the table as text for a terminal.
 pub(crate) fn render(rows: &[Row]) -> String {
     let mut text = String::new();
     let mut task = "";
@@ -152,7 +150,6 @@ pub(crate) fn render(rows: &[Row]) -> String {
     text
 }
 
-/// The rows as CSV, in the form of the committed table.
 pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(HEADER)?;
@@ -199,7 +196,6 @@ pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// A value as text with four digits, because further digits are only noise.
 fn four_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {

@@ -9,8 +9,8 @@ use std::time::Instant;
 
 use ode_solvers::{Dop853, OutputType, SVector, System};
 
-/// State of the contact: latitude and longitude on the probe, two coordinates on the object, and the angle between both
-/// charts.
+/// State of the contact: latitude and longitude on the probe, two coordinates on the object, and the angle between the
+/// charts of both bodies.
 type State = SVector<f64, 5>;
 
 const RATE: f64 = 0.1;
@@ -43,14 +43,14 @@ struct OverParaboloid;
 
 impl System<f64, State> for OverParaboloid {
     fn system(&self, _: f64, state: &State, rate: &mut State) {
-        // `p` and `q` are the slopes of the surface z. From them follows the Gauss frame: `x_first`, `x_second` and
-        // `y_second` are the changes of x and y per unit of velocity along its axes.
+        // `p` and `q` are the slopes of the surface z along x and y. They determine the Gauss frame: `x_first`,
+        // `x_second` and `y_second` are the changes of x and y per unit of velocity along the axes of this frame.
         let (p, q) = (-2.0 * state[2], -2.0 * state[3]);
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
         let (x_first, x_second, y_second) = (1.0 / first, -p * q / (first * area), first / area);
-        // `k11`, `k12` and `k22` are the curvature of the object in its own frame. `r11` and the following numbers are
-        // the relative curvature in the probe's frame.
+        // `k11`, `k12` and `k22` are the curvature form of the object in its own frame. `r11` and the following numbers
+        // are the relative curvature in the probe's frame.
         let bend = 2.0 / area;
         let k11 = bend * x_first * x_first;
         let k12 = bend * x_first * x_second;
@@ -74,7 +74,7 @@ impl System<f64, State> for OverParaboloid {
 fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     let first = State::from([0.0, 0.0, latitude, 0.0, DIRECTION]);
     let end = ANGLE / RATE;
-    // Do not use dense output, because it would extrapolate the last point.
+    // Do not use the solver's dense output, because it would extrapolate the last point.
     let mut solver = Dop853::from_param(
         system,
         0.0,
@@ -97,7 +97,7 @@ fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     *solver.y_out().last().expect("the end of the roll")
 }
 
-/// Largest difference of any coordinate between the two contacts of a pair.
+/// Largest difference of any coordinate, over pairs of a computed and an exact contact point.
 fn largest<const N: usize>(pairs: [([f64; 3], [f64; 3]); N]) -> f64 {
     let differences = pairs
         .iter()
@@ -110,7 +110,7 @@ fn on_probe(state: &State) -> [f64; 3] {
     [u.cos() * v.cos(), -u.cos() * v.sin(), u.sin()]
 }
 
-/// The contact on the probe after a path of this length along a great circle.
+/// The contact point on the probe after a path of this length along a great circle.
 fn after(length: f64) -> [f64; 3] {
     [length.cos(), -length.sin(), 0.0]
 }
@@ -134,8 +134,8 @@ fn meridian(r: f64) -> f64 {
 }
 
 fn error_over_paraboloid(state: &State) -> f64 {
-    // The probe turns by the slope angle plus the length of the meridian, divided by the probe's radius 1. Find the r
-    // at which this sum is ANGLE.
+    // The roll angle of the probe is the slope angle plus the length of the meridian divided by the probe's radius, 1.
+    // Find the r at which this sum is ANGLE.
     let mut r = ANGLE / 3.0;
     for _ in 0..60 {
         let slope = 2.0 * r;
