@@ -53,11 +53,11 @@ fn pad_size() -> Claim {
     let says = [
         "Error grows with the pad size",
         "grows",
-        "The error grows with the size of the pads, more so at low relative curvature.",
+        "The error grows with the size of the pads, and it grows more at low relative curvature.",
     ];
     of_pads(5, says)
         .growth(&["scene.sensor.pitch"], pitch)
-        .says("the rms relative error grows in {count} steps to coarser pads")
+        .says("the rms relative error grows in {count} steps from one pad size to the next coarser size")
         .headline("in {count} steps")
         .growth(&["scene.object"], size)
         .only(size, AtLeast(1.0))

@@ -111,7 +111,7 @@ fn length_on_sphere() -> Claim {
     let says = [
         "Roll length does not affect spheres",
         "no effect",
-        "On a sphere the length of the roll does not matter for noise in angular velocity.",
+        "On a sphere the length of the roll does not change the error from noise in angular velocity.",
     ];
     Claim::new(2, says, "normal_curvature_u of a sphere", |row| {
         is_noisy(row) && row.text("scene.object.kind") == Some("sphere")
@@ -196,18 +196,18 @@ fn paraboloids() -> Claim {
     let says = [
         "Paraboloids are estimated within 15 %",
         "about 15 %",
-        "Paraboloids of c from 1 to 0.01 are estimated within about 15 %.",
+        "The curvatures of paraboloids with c from 1 to 0.01 are estimated within about 15 %.",
     ];
     let end = |c_end: f64| move |row: &Row<'_>| is_noiseless(row) && within(c, is(c_end))(row);
     of_paraboloids(4, says)
-        .needs("noiseless roll on a paraboloid of c = 1", end(1.0))
-        .needs("noiseless roll on a paraboloid of c = 0.01", end(0.01))
+        .needs("roll without noise on a paraboloid with c = 1", end(1.0))
+        .needs("roll without noise on a paraboloid with c = 0.01", end(0.01))
         .rows(mean_error)
         .when(is_noiseless)
         .when(|row| [0.1, 0.3].iter().any(|length| within(arc_length, is(*length))(row)))
         .only(c, Between(0.01, 1.0))
         .bound(AtMost(0.15))
-        .says("without noise, at 0.1 and 0.3 R₁, the worst error of c = 1 to 0.01 is {max%}")
+        .says("without noise, the largest error for c = 1 to 0.01, of rolls by 0.1 and 0.3 R₁, is {max%}")
         .headline("{max%} at worst")
         .rows(|row| Some((mean_error(row)? - exact_error(c(row)? * arc_length(row)?)).abs()))
         .when(is_noiseless)
@@ -326,7 +326,7 @@ fn edge() -> Claim {
         })
         .bound(AtLeast(1.0))
         .in_one()
-        .says("at the sharpest object every contact stays on its pad in {count} cells|, which bounds the radius only")
+        .says("on the sharpest object the contact of every trial stays on its pad in {count} cells|, so that only a bound on the radius is known")
         .headline("no radius in {count} cells")
         .values(|rows| match &by_size(rows)[..] {
             [sharpest, others @ ..] => {
@@ -336,15 +336,15 @@ fn edge() -> Claim {
             [] => Vec::new(),
         })
         .bound(AtMost(0.0))
-        .says("{count} other radii have no greater share of such trials")
+        .says("{count} other radii have no larger share of trials whose contact stays on one pad")
         .sizes(|trials| trials.share())
         .named(size_in_words)
-        .reports("that share is {list%}")
+        .reports("the share of such trials is {list%}")
         .sizes(|trials| trials.unresolved.round())
         .named(size_in_words)
-        .reports("such trials are {list}")
+        .reports("the numbers of such trials are {list}")
         .sizes(|trials| trials.all)
-        .reports("of {range} for each radius")
+        .reports("of {range} trials for each radius")
 }
 
 // ---- Comparison of a wrist force sensor with pads

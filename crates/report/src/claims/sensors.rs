@@ -260,7 +260,7 @@ fn gores() -> Claim {
     let says = [
         "More gores distort the skin less",
         "less for 6 and 8 than 4",
-        "A skin cut into 6 or 8 gores is distorted less than one of 4.",
+        "A skin cut into 6 or 8 gores is distorted less than a skin of 4 gores.",
     ];
     let mut claim = Claim::new(18, says, "skin of 4, 6 or 8 gores", |row| {
         gore_count(row).is_some_and(|count| COUNTS.contains(&count))
