@@ -183,7 +183,11 @@ impl<'a> Header<'a> {
                 None => in_name,
                 Some(text) => match column.measure.unit(text) {
                     Some(unit) if in_name.is_none_or(|in_name| in_name == unit) => Some(unit),
-                    _ => {
+                    Some(_) => {
+                        unknown = unknown.or(Some(two_units(heading.name, text)));
+                        continue;
+                    }
+                    None => {
                         unknown =
                             unknown.or(Some(unknown_unit(heading.name, text, column.measure)));
                         continue;
@@ -447,12 +451,16 @@ fn no_unit(name: &str, column: &Column) -> String {
 
 fn unknown_unit(name: &str, unit: &str, measure: Measure) -> String {
     format!(
-        "column `{name}` cannot have the unit `{unit}`; possible units: {}",
+        "column `{name}` cannot have the unit `{unit}`; allowed: {}",
         measure.units()
     )
 }
 
-/// Unit at the end of a column name, such as `mm` in `pos_x_mm`. Only for names that are not palpate's own.
+fn two_units(name: &str, unit: &str) -> String {
+    format!("column `{name}` states the unit `{unit}`, but its name ends with another unit")
+}
+
+/// Unit at the end of a column name, such as `mm` in `pos_x_mm`. The name is not one of palpate's names.
 fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
     let Some((_, last)) = heading.base.rsplit_once('_') else {
         return Ok(None);

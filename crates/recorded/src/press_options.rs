@@ -326,7 +326,7 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
         ),
         PressEstimatorConfig::Gaussian { c: None, .. } if options.indentation.is_none() => (
             "c",
-            "is missing, but setting `kind` gaussian requires it, or setting `indentation` to calibrate it",
+            "is missing, but setting `kind` gaussian requires it, or setting `indentation` from which it is calibrated",
         ),
         PressEstimatorConfig::Image { .. } => (
             "kind",

@@ -54,7 +54,7 @@ subjects! {
     }
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
-        "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second and `z`, the height, the third. Columns such as `normal_x` and `tip_y` are components of vectors. `normal` is the unit normal out of the object. `object` and `probe` are the contact points on the two bodies. `tip` is the centre of a fingertip, and `rotation` is the rotation of a probe. `shift` (with u and v) is the movement of the contact on the probe, and `tangential` is a displacement along the skin.";
+        "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second coordinate, and `z` the third, the height. Columns such as `normal_x` and `tip_y` are components of vectors: `normal` is the unit normal out of the object; `object` and `probe` are the contact points on both bodies; `tip` is the centre of a fingertip; `rotation` is the rotation of a probe; `shift` (u, v) is the movement of the contact on the probe; `tangential` is a displacement along the skin.";
         "u": "Tangent direction at the contact, at a right angle to v. For a roll, u is the x axis of the contact frame at the start of the roll, so `normal_curvature_u` is the object's curvature in that direction.";
         "v": "Tangent direction at the contact, at a right angle to u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
@@ -123,7 +123,7 @@ subjects! {
         "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is right. If an end is null, the interval is unbounded on this side.";
         "verdict": "Shape of a pressed object, from the 95 % interval of its curvature: convex, concave, flat-within-noise or not-resolved.";
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0 and is narrower than the sensor's own curvature.";
-        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing. Warning of a shape fitted to contacts: they do not determine its radius, and its interval is open.";
+        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing. As a warning about a shape that is fitted to contacts: the contacts do not determine the radius of the shape, so the interval of the radius is open.";
         "amplification": "Factor between a relative error of a roll's readings and the resulting relative error of the curvature: 1 + R_object/R_probe. It increases with the radius of the object.";
         "baseline": "Constant displacement, length, that is part of the readings of all markers, for example because the sensor was not at rest. It is fitted only on request.";
         "gain": "Factor on all inward displacements; 1 if the sensor has no scale error. It is fitted only on request. Readings cannot separate a gain from a change of curvature and indentation.";
@@ -148,7 +148,7 @@ subjects! {
         "stroke": "Curvature along the only stroke of a glide (`curvature_along`); across it (`curvature_across`), the curvature is not determined. For rolls in one direction, it is in `single_direction`.";
         "stiffness": "The product E*√R of a load curve, with the modulus E* = E/(1 − ν²) and the effective radius R. `exponent` is the power of the indentation that fits the forces best; 3/2 by Hertz.";
         "told_apart": "Probability that one trial of each of two objects puts them in the right order, with its 95 % interval from `low95` to `high95`. `repeats` is the number of trials whose means do so with the required `confidence`, and `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
-        "effect": "Change of the rms error with a field, both relative: 1 if the error is proportional to the field. `rms_errors` are the errors at both changed values, and `skipped` lists fields without a result.";
+        "effect": "Relative change of the rms error, divided by the relative change of a field's value. It is 1 if the error is proportional to the field. `rms_errors` are the errors at both changed values, and `skipped` lists fields without a result.";
         "meets": "Ranges of values that meet the `target` of `design`; `misses` are those that do not. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
         "main_failure": "Most frequent kind of failure of the trials. `first_trial` in failures.csv is the number of the first trial that failed in this way.";
         "std_from": "Source of the standard deviations of rolls: stated noise, the pitch of the pads, or the residuals.";
@@ -277,7 +277,7 @@ subjects! {
         "layer-too-thin": "The contact is too wide compared with the thickness of the layer for its equations to be solved.";
         "too-few-markers": "There are fewer readings of markers than unknowns.";
         "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way, so the best fit of a press is hardly better than no press. If there is no contact, noise is mistaken for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
-        "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. Palpate reports an error if no press fits the readings, and a warning if the best fit is bad.";
+        "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. Palpate reports it as an error if no press fits the readings, and as a warning if the fit is bad.";
         "off-markers": "The contact that fits the readings best is outside the area of the markers.";
         "hidden-marker": "In the frame at rest, a marker was found where the stated camera could not see it. The layout or the camera differs from the stated one.";
     }

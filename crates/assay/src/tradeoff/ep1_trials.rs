@@ -17,15 +17,15 @@ sensor = $rung
 
 const PAD_SCENES: [(&str, &str); 3] = [
     (
-        "ball of 11 mm",
+        "ball of radius 11 mm",
         r#"object = { kind = "sphere", radius = 11.0 }"#,
     ),
     (
-        "ball of 50 mm",
+        "ball of radius 50 mm",
         r#"object = { kind = "sphere", radius = 50.0 }"#,
     ),
     (
-        "ball of 500 mm",
+        "ball of radius 500 mm",
         r#"object = { kind = "sphere", radius = 500.0 }"#,
     ),
 ];
@@ -71,15 +71,15 @@ noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
 
 const PROBE_SCENES: [(&str, &str); 3] = [
     (
-        "ball of 10 mm",
+        "ball of radius 10 mm",
         r#"object = { kind = "sphere", radius = 10.0 }"#,
     ),
     (
-        "ball of 50 mm",
+        "ball of radius 50 mm",
         r#"object = { kind = "sphere", radius = 50.0 }"#,
     ),
     (
-        "ellipsoid of semi-axes 60, 40, 30 mm, off its top: the curvature changes along the roll",
+        "ellipsoid with the semi-axes 60, 40, 30 mm, beside its top: the curvature changes along the roll",
         r#"
 object = { kind = "ellipsoid", semi_axes = [60.0, 40.0, 30.0] }
 object_contact = [20.0, 8.0]

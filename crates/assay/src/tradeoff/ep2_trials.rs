@@ -37,14 +37,14 @@ noise = { position = { kind = "gaussian", fraction_of_ifd = 0.01 }, normal = { k
 "#,
     ),
     (
-        "saddle z = 0.1 (x² − y²), noise 5 % and 2°",
+        "saddle z = 0.1 (x² − y²); noise: positions 5 %, normals 2°",
         r#"
 object = { kind = "saddle", a = 0.1 }
 noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }
 "#,
     ),
     (
-        "waves 0.15 sin 1.5x cos 1.5y, noise 2 % and 2°",
+        "waves z = 0.15 sin 1.5x cos 1.5y; noise: positions 2 %, normals 2°",
         r#"
 object = { kind = "height-field", formula = "0.15*sin(1.5*x)*cos(1.5*y)" }
 noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 }, normal = { kind = "gaussian", std_deg = 2.0 } }
@@ -65,7 +65,7 @@ pub(super) fn fits() -> Ladder {
     let methods = [
         ("quadric", r#"{ kind = "quadric" }"#),
         ("two-pass", r#"{ kind = "two-pass" }"#),
-        ("penalised", r#"{ kind = "penalised" }"#),
+        ("penalised spline", r#"{ kind = "penalised" }"#),
     ];
     let mut choices: Vec<Choice> = Vec::new();
     for (name, estimator) in methods {
@@ -73,13 +73,16 @@ pub(super) fn fits() -> Ladder {
         choices.extend(CONTACTS.into_iter().filter(is_fast).map(|contacts| {
             let points = 3 * contacts;
             let text = rung(estimator, contacts);
-            Choice::new(format!("{name}, {points} points"), text).set(f64::from(points))
+            Choice::new(format!("{name}, {points} contacts"), text).set(f64::from(points))
         }));
     }
     for contacts in CONTACTS_OF_INTERVALS {
         choices.extend(INTERVALS.map(|intervals| {
             let estimator = format!(r#"{{ kind = "penalised", intervals = {intervals} }}"#);
-            let name = format!("penalised, {intervals}² cells, {} points", 3 * contacts);
+            let name = format!(
+                "penalised spline, {intervals}² spline cells, {} contacts",
+                3 * contacts
+            );
             Choice::new(name, rung(&estimator, contacts)).set(f64::from(intervals))
         }));
     }
@@ -88,7 +91,7 @@ pub(super) fn fits() -> Ladder {
             let estimator = format!(
                 r#"{{ kind = "two-pass", smoothing = {smoothing:e}, second_smoothing = {smoothing:e} }}"#
             );
-            let name = format!("two-pass, S = {smoothing}, {} points", 3 * contacts);
+            let name = format!("two-pass, smoothing = {smoothing}, {} contacts", 3 * contacts);
             Choice::new(name, rung(&estimator, contacts)).set(smoothing)
         }));
     }
@@ -99,9 +102,9 @@ pub(super) fn fits() -> Ladder {
     };
     Ladder {
         name: "fits",
-        title: "Which fit, with how many contacts?",
-        error: "rms error of K or H, the larger, over that of the curvedness; two-pass only up to 90 points, more take it seconds",
-        evaluation: "one trial: readings, fit, and a map of 15 × 15",
+        title: "Which fit of a surface, and how many contacts?",
+        error: "larger rms error of H over the curvedness C and of K over C²; two-pass only up to 90 contacts, because more take seconds",
+        evaluation: "one trial: readings, fit, and a map of 15 × 15 points",
         scenes: scenes(COMMON, SCENES, &choices, measure),
     }
 }

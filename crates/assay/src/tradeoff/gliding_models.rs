@@ -36,7 +36,7 @@ struct Path {
 const PATHS: [Path; 3] = [
     Path {
         ease: Ease::Easy,
-        scene: "round tip of 1 over a ball of 5",
+        scene: "a round tip of radius 1 on a ball of radius 5",
         object: || Ok(Shape::Sphere(Sphere::new(BALL)?)),
         tip_radius: 1.0,
         ends: [[-2.0, 0.5], [2.0, 0.5]],
@@ -44,7 +44,7 @@ const PATHS: [Path; 3] = [
     },
     Path {
         ease: Ease::Typical,
-        scene: "round tip of 0.5 over the saddle z = 0.1 (x² − y²)",
+        scene: "a round tip of radius 0.5 on the saddle z = 0.1 (x² − y²)",
         object: || Ok(Shape::Saddle(Graph::saddle(SADDLE)?)),
         tip_radius: 0.5,
         ends: [[-1.5, -1.0], [1.5, 1.0]],
@@ -52,7 +52,7 @@ const PATHS: [Path; 3] = [
     },
     Path {
         ease: Ease::Hard,
-        scene: "round tip of 1 over the sharp end of an ellipsoid of semi-axes 5, 1, 1",
+        scene: "a round tip of radius 1 on the sharp end of an ellipsoid with the semi-axes 5, 1, 1",
         object: || Ok(Shape::Ellipsoid(Ellipsoid::new(SEMI_AXES)?)),
         tip_radius: 1.0,
         ends: [[4.5, 0.2], [5.7, 0.2]],
@@ -63,7 +63,7 @@ const PATHS: [Path; 3] = [
 pub(super) fn ladder() -> Ladder {
     Ladder {
         name: "gliding",
-        title: "How to compute the contact point of a round tip?",
+        title: "What does it cost to compute the contact point of a round tip?",
         error: "largest distance of a contact from its true place, over the tip's radius; true: closed form of the \
                 offset surface, with one number found by bisection",
         evaluation: "one contact",

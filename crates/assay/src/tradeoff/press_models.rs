@@ -40,7 +40,7 @@ struct Press {
 const PRESSES: [Press; 3] = [
     Press {
         ease: Ease::Easy,
-        scene: "ball of 80 mm, 0.2 mm into a layer of 100 mm, at its surface",
+        scene: "ball of radius 80 mm, pressed 0.2 mm into a layer of 100 mm; displacements of its surface",
         thickness: 100.0,
         depth: 0.0,
         object_curvature: 1.0 / 80.0,
@@ -48,7 +48,7 @@ const PRESSES: [Press; 3] = [
     },
     Press {
         ease: Ease::Typical,
-        scene: "plane, 1 mm into a layer of 10 mm, 2 mm deep",
+        scene: "plane, pressed 1 mm into a layer of 10 mm; displacements at the depth 2 mm",
         thickness: 10.0,
         depth: 2.0,
         object_curvature: 0.0,
@@ -56,7 +56,7 @@ const PRESSES: [Press; 3] = [
     },
     Press {
         ease: Ease::Hard,
-        scene: "dish of 40 mm, 1 mm into a layer of 4 mm, 3 mm deep",
+        scene: "dish of radius 40 mm, pressed 1 mm into a layer of 4 mm; displacements at the depth 3 mm",
         thickness: 4.0,
         depth: 3.0,
         object_curvature: -1.0 / 40.0,

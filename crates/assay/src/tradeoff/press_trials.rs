@@ -18,21 +18,21 @@ estimator = { kind = "bonded-layer", indentation = "known" }
 
 const SENSOR_SCENES: [(&str, &str); 3] = [
     (
-        "ball of 40 mm, 1 mm deep",
+        "ball of radius 40 mm, pressed 1 mm deep",
         r#"
 object = { kind = "sphere", radius = 40.0 }
 motion = { indentation = 1.0 }
 "#,
     ),
     (
-        "plane, 1.4 mm deep",
+        "plane, pressed 1.4 mm deep",
         r#"
 object = { kind = "plane" }
 motion = { indentation = 1.4 }
 "#,
     ),
     (
-        "dish of 80 mm, 0.3 mm deep, calibrated to 1.4 mm",
+        "dish of radius 80 mm, pressed 0.3 mm deep, calibrated up to 1.4 mm",
         r#"
 object = { kind = "dish", radius = 80.0 }
 motion = { indentation = 0.3 }
@@ -92,7 +92,7 @@ pub(super) fn sensors() -> Ladder {
         name: "press-sensors",
         title: "What does a camera in the sensor cost?",
         error: "rms error of the effective radius over it; direct reads within 0.005 mm and 0.001 mm along the skin, projected within 1e-4 of hue, 0.01 px and 4e-4 of size, pixels within 2/255, each the standard deviation",
-        evaluation: "one press: what is read, and the estimate",
+        evaluation: "one press: readings and estimate",
         scenes: scenes(SENSOR_COMMON, SENSOR_SCENES, &choices, measure),
     }
 }
@@ -107,21 +107,21 @@ estimator = $rung
 
 const ESTIMATOR_SCENES: [(&str, &str); 3] = [
     (
-        "half-space on a ball of 80 mm",
+        "half-space on a ball of radius 80 mm",
         r#"
 object = { kind = "sphere", radius = 80.0 }
 model = { kind = "half-space" }
 "#,
     ),
     (
-        "layer of 10 mm on a plane",
+        "layer of thickness 10 mm on a plane",
         r#"
 object = { kind = "plane" }
 model = { kind = "bonded-layer", thickness = 10.0 }
 "#,
     ),
     (
-        "layer of 5 mm in a dish of 80 mm",
+        "layer of thickness 5 mm in a dish of radius 80 mm",
         r#"
 object = { kind = "dish", radius = 80.0 }
 model = { kind = "bonded-layer", thickness = 5.0 }

@@ -40,7 +40,7 @@ pub(super) fn ladder() -> Result<Ladder> {
     let rolls = [
         Roll {
             ease: Ease::Easy,
-            scene: "roll by 0.1 rad on a ball of 5 probe radii",
+            scene: "roll by 0.1 rad on a ball whose radius is 5 probe radii",
             object: Shape::Sphere(Sphere::new(BALL)?),
             at: (0.0, 0.0),
             angle: 0.1,
@@ -58,7 +58,7 @@ pub(super) fn ladder() -> Result<Ladder> {
         },
         Roll {
             ease: Ease::Hard,
-            scene: "roll by 6 rad round an ellipsoid of semi-axes 4, 3, 2",
+            scene: "roll by 6 rad round an ellipsoid with the semi-axes 4, 3, 2",
             object: Shape::Ellipsoid(Ellipsoid::new([4.0, 3.0, 2.0])?),
             at: (1.0, 0.5),
             angle: 6.0,

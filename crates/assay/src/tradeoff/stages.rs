@@ -46,7 +46,7 @@ motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
                 r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01 }, encoder = { step_rad = 0.001 } }"#,
             ),
             (
-                "an object that needs an integrator",
+                "an object on which rolls need an integrator",
                 r#"object = { kind = "ellipsoid", semi_axes = [60.0, 50.0, 40.0] }"#,
             ),
             (

@@ -182,8 +182,8 @@ const NO_ROLLS: &str = r#"
 mm\n0 => mm,shift_u\n0 | - | :1 | column `shift_u` occurs twice
 shift_v => SHIFT_U | - | :1 | column `shift_u` occurs twice
 v_mm => v_cm | - | :1 | lengths are in mm and in cm
-shift_u_mm => shift_u_mm [cm] | - | :1 | cannot have the unit `cm`; possible units
-shift_u_mm => shift_u [furlong] | - | :1 | cannot have the unit `furlong`; possible units: m, cm, mm, um, nm, in
+shift_u_mm => shift_u_mm [cm] | - | :1 | states the unit `cm`, but its name ends with another unit
+shift_u_mm => shift_u [furlong] | - | :1 | cannot have the unit `furlong`; allowed: m, cm, mm, um, nm, in
 ,shift_v_mm => ,shift_u_mm | - | :1 | rename one of them
 shift_u_mm => plate_in | shift_u=plate_in | :1 | may be in inches
 shift_u_mm => u [cm] | shift_u_mm=u [cm] | :1 | states another unit

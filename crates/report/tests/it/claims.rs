@@ -210,7 +210,10 @@ fn claim_6_differs_without_zeros_and_claim_20_without_bounds() {
     let study = cells.study(&config("sphere", "claims = [6, 20]"));
     let scores = score(&[study]);
     differs(&scores[0], &["0 of 2 cells"]);
-    differs(&scores[1], &["the numbers of such trials are 0 (R₂ = 5 R₁)"]);
+    differs(
+        &scores[1],
+        &["the numbers of such trials are 0 (R₂ = 5 R₁)"],
+    );
 }
 
 #[test]

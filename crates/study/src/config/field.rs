@@ -27,7 +27,7 @@ impl Label {
             ["noise", "centroid", "std"] => Self::in_unit("centroid noise, std", "px"),
             ["estimator", "gain std"] => Self::in_percent(gain, "%"),
             ["estimator", "position fraction of ifd"] => {
-                Self::in_percent("position noise of the estimator", "% of the IFD")
+                Self::in_percent("position noise that the estimator assumes", "% of the IFD")
             }
             ["sensor", "light at rim"] => Self::in_percent("light at the rim", "% of the middle's"),
             ["sensor", term @ ("k3" | "k5")] => {
@@ -163,7 +163,7 @@ mod tests {
             scene.noise.position.fraction_of_ifd: position noise (% of the IFD)
             scene.noise.position.std_mm: position noise, std (mm)
             scene.noise.position.bound_mm: position noise (mm)
-            scene.estimator.position_fraction_of_ifd: position noise of the estimator (% of the IFD)
+            scene.estimator.position_fraction_of_ifd: position noise that the estimator assumes (% of the IFD)
             scene.noise.normal.std_deg: normal noise, std (°)
             scene.motion.indentation_mm: indentation (mm)
             scene.motion.contact_deg.0: polar angle of the contact (°)
