@@ -36,7 +36,7 @@ pub enum LayoutError {
     TooManyMarkers {
         /// Number of markers that the layout would have.
         markers: f64,
-        /// Largest allowed number of markers.
+        /// Largest allowed number of markers in a layout.
         limit: usize,
     },
     /// The markers are so far apart that none lies on the cap.
@@ -47,7 +47,7 @@ pub enum LayoutError {
     NoMarker {
         /// Distance between neighbouring markers, length.
         pitch: f64,
-        /// Polar angle of the cap's rim, degrees.
+        /// Polar angle of the rim of the cap that contains the markers, degrees.
         cap_deg: f64,
     },
 }

@@ -29,12 +29,12 @@ pub enum Layout {
     /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces into which
     /// the skin is cut. They are folded onto the sphere.
     Gores {
-        /// Number of gores per turn.
+        /// Number of gores around the sphere.
         gores: u32,
         /// Number of markers in each row of a gore, from the apex outward. The markers of a row are evenly spaced over
         /// the gore's width.
         rows: Vec<u32>,
-        /// Polar angle between neighbouring rows, degrees.
+        /// Angle at the sphere's centre between neighbouring rows, degrees.
         row_spacing_deg: f64,
     },
     /// Markers that are spread evenly over a spherical cap around the apex. On average, there is one marker per area of

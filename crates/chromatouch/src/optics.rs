@@ -115,7 +115,7 @@ impl Optics {
         Ok(self)
     }
 
-    /// Pose of the camera.
+    /// Pose of the camera relative to the sensor's centre.
     pub fn pose(&self) -> Pose {
         self.pose.unwrap_or_default()
     }

@@ -83,7 +83,7 @@ fn noise(noise: StatedNoise) -> Noise {
 /// A method that fits a graph over a plane, with its settings.
 #[derive(Clone, Debug)]
 pub enum GlideFit {
-    /// A penalised spline.
+    /// A penalised spline that is fitted to all contacts.
     Penalised(Penalised),
     /// The two-pass method of the 1996 paper.
     TwoPass(TwoPass),

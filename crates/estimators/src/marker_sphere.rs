@@ -7,7 +7,7 @@ use palpate_study::config::{
     DiscColour, DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
 };
 
-/// Config path of the layout.
+/// Path of the markers' layout in a config.
 pub const LAYOUT: &str = "scene.probe.layout";
 
 /// A soft sphere with markers under its skin. A flat pad is the limit of an infinite radius.

@@ -95,10 +95,10 @@ impl PressFitSetup<'_> {
     }
 }
 
-/// Reason why a fit cannot be built.
+/// Reason why the fit of a press cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PressFitError {
-    /// A setting is out of its range, or missing.
+    /// A setting of the estimator is out of its range, or missing.
     Setting(PressError),
     /// The width c of a Gaussian model cannot be calibrated with the sensor's soft body.
     Calibration(PressError),

@@ -37,7 +37,7 @@ pub struct CalibrationPoints {
     hue_turns: Option<f64>,
 }
 
-/// Options of a calibration.
+/// Options of a calibration of a camera sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CalibrateOptions {
     /// Feature of a marker's image (hue, size or both) from which the calibration computes normal displacements.

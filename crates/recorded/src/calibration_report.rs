@@ -12,7 +12,7 @@ use palpate_study::config::LengthUnit;
 /// alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationReport {
-    /// The calibration fitted to all points together.
+    /// The calibration that was fitted to the points of all series together.
     pub calibration: Calibration,
     /// Unit of all lengths of the calibration.
     pub length_unit: LengthUnit,

@@ -34,7 +34,7 @@ pub enum FrameReader {
         /// Scale of the camera, pixels per radian. If it is `None`, the scale is computed from the calibration: its
         /// pixels per length, multiplied by the distance of the markers from the centre of the sensor.
         px_per_rad: Option<f64>,
-        /// Options of the estimate.
+        /// Options of the estimate of the press from the displacements.
         options: Box<PressOptions>,
     },
     /// Fits the press directly to the images of the markers.
@@ -44,13 +44,13 @@ pub enum FrameReader {
 /// Displacements of the markers, and the press estimated from them.
 #[derive(Debug)]
 pub struct FrameReading {
-    /// Table of displacements, one row per tracked marker.
+    /// Table of the markers' displacements, one row per tracked marker.
     pub readings: Table,
     /// Table of the displacements, interpolated at the points of a regular grid.
     pub field: Table,
     /// Estimate of the press, or the reason why there is none.
     pub estimate: Result<TrackedPress, RecordedError>,
-    /// Unit of all lengths.
+    /// Unit of all lengths in this reading.
     pub unit: LengthUnit,
 }
 
@@ -223,7 +223,7 @@ pub(super) struct CameraReading {
     slope_share: f64,
 }
 
-/// Output of the command `sensor track`.
+/// Output of the command `sensor track`: the press, and the counts of the tracked markers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedPress {
     frames: TrackCounts,

@@ -10,7 +10,7 @@ pub enum RecordedError {
     File {
         /// Name of the file.
         file: String,
-        /// The problem as text.
+        /// Text that states the problem with the file.
         message: String,
     },
     /// A line of a file is wrong: the header lacks a column, a row lacks a field, or a field is not a number.
@@ -41,7 +41,7 @@ pub enum RecordedError {
     Readings {
         /// Name of the file.
         file: String,
-        /// The problem as text.
+        /// Text that states the problem with the readings.
         message: String,
     },
 }

@@ -15,7 +15,7 @@ use super::file::RecordedFile;
 use palpate_estimators::tracks_table;
 use palpate_study::{Table, Warning};
 
-/// A camera frame.
+/// A frame of a camera sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// Name of the frame's file, for messages.
@@ -331,7 +331,7 @@ impl FramePair {
         Err(RecordedError::readings(pressed, message))
     }
 
-    /// Warnings about the tracks.
+    /// Warnings about the tracks of the markers.
     pub fn warnings(&self) -> Vec<Warning> {
         let [rest, pressed] = &self.files;
         let moved = self.moved_together().map(|(median, spacing)| {

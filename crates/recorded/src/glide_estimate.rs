@@ -249,7 +249,7 @@ impl<'r> GlideFitResult<'r> {
         }
     }
 
-    /// Thresholds for curvatures: a smaller curvature counts as zero.
+    /// Thresholds of the Gaussian and the mean curvature, below which a curvature counts as zero.
     pub fn thresholds(&self) -> &ShapeThresholds {
         &self.limits
     }

@@ -20,7 +20,6 @@ use palpate_study::{Column, Unit, Warning};
 pub(super) struct Thresholds {
     pub(super) gaussian: Value,
     pub(super) mean: Value,
-    /// Text that states the source of the thresholds.
     pub(super) from: &'static str,
 }
 
@@ -98,7 +97,7 @@ pub struct GlideEstimate {
     pub(super) status: Option<&'static str>,
     /// Effective degrees of freedom of the fitted surface.
     pub(super) effective_unknowns: f64,
-    /// Number of map points along each side.
+    /// Number of points along each side of the map's grid.
     pub(super) grid: usize,
     /// Connected parts of the map in which all points have the same class, the largest first.
     pub(super) regions: Vec<PatchRegion>,

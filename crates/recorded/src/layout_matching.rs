@@ -41,7 +41,7 @@ const SHARES: [f64; 2] = [0.66, 0.2];
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 /// Largest accepted median difference (turns) between the measured and the nominal hues of the markers.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
-/// Largest accepted reduced χ². If it is larger, the frame contradicts the layout.
+/// Largest accepted reduced χ² of the fit to the markers at rest. If it is larger, the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
 /// Largest reduced χ² of the fit for which the uncertainties are not increased. If it is larger, they are multiplied by
 /// its square root.

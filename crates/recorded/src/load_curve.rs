@@ -43,7 +43,7 @@ pub struct LoadOptions {
     /// Young's modulus of the soft body, kPa. If it is not given, only the product E*√R of effective modulus and root
     /// of the effective radius is estimated.
     pub modulus_kpa: Option<f64>,
-    /// Standard deviation of Young's modulus, kPa.
+    /// Standard deviation of the given Young's modulus, kPa.
     pub modulus_std_kpa: Option<f64>,
     /// Poisson's ratio of the soft body.
     pub poisson: f64,

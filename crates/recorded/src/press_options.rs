@@ -153,9 +153,9 @@ impl PressOptions {
 pub struct PictureOptions {
     /// The press of the study, with its lengths converted to `unit`.
     pub(super) press: PressConfig,
-    /// Unit of all lengths.
+    /// Unit of all lengths in these options.
     pub unit: LengthUnit,
-    /// Indentation, length, if it was measured separately; see [`PressOptions::indentation`].
+    /// Indentation of the press (length), if it was measured separately; see [`PressOptions::indentation`].
     pub indentation: Option<f64>,
     /// Young's modulus of the soft body, force per length². Without it, no force is computed.
     pub young: Option<f64>,

@@ -36,7 +36,6 @@ pub(super) struct Principal {
     semi_axes: [f64; 2],
 }
 
-/// A row of the file with the readings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Row {
     /// Number of the row, counted from 1. The header row is not counted.

@@ -63,19 +63,19 @@ pub struct RollEstimate {
 /// Curvatures and lengths estimated from rolls.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RollValues {
-    /// Normal curvature in the direction u.
+    /// Normal curvature of the object in the direction u at the first contact.
     pub normal_curvature_u: Value,
-    /// Normal curvature in the direction v.
+    /// Normal curvature of the object in the direction v at the first contact.
     pub normal_curvature_v: Value,
-    /// Gaussian curvature.
+    /// Gaussian curvature of the object at the first contact.
     pub gaussian_curvature: Value,
-    /// Mean curvature.
+    /// Mean curvature of the object at the first contact.
     pub mean_curvature: Value,
     /// Mean length of the shifts of the contacts.
     pub arc_length: Value,
-    /// Smallest normal curvature.
+    /// Smallest normal curvature of the object at the first contact.
     pub principal_curvature_min: Value,
-    /// Largest normal curvature.
+    /// Largest normal curvature of the object at the first contact.
     pub principal_curvature_max: Value,
     /// Direction of the largest curvature, degrees, from +u towards +v of the readings.
     pub principal_direction_max_deg: Option<f64>,

@@ -305,7 +305,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     let mut notes = sheet.source.notes.clone();
     let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
-    // Only orientations in time have a frame that the file may not state.
+    // If the file states orientations over time, their frame may be unknown. Try both frames.
     let frames = match file.form.rotation_frame {
         Some(stated) => vec![stated],
         None if kind == Kind::Rows => vec![RotationFrame::Probe],
@@ -507,7 +507,6 @@ impl Roll<'_> {
     }
 }
 
-/// Kind of a table of rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// A table with one row per probe.

@@ -32,7 +32,6 @@ pub struct SeriesOptions {
     pub noise: SeriesNoise,
 }
 
-/// Time series of rolls.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct SeriesReadings {
     /// Whether the positions in the series are centres of pads. Otherwise they are contact points.
@@ -47,7 +46,6 @@ pub(super) struct SeriesResult {
     pub(super) estimate: SeriesEstimate,
 }
 
-/// A probe that the fit does not use.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOutProbe {
     pub(super) probe: u64,

@@ -19,9 +19,9 @@ pub enum StudyMismatch {
     /// The scene of the study is of another kind than the readings.
     #[error("must be {needed:?} for these readings, is {found:?}")]
     Kind {
-        /// Kind of scene that is needed for the readings.
+        /// Kind of scene that the readings need.
         needed: &'static str,
-        /// Kind of scene in the study.
+        /// Kind of scene that the study describes.
         found: &'static str,
     },
     /// The lengths of the study cannot be converted to the unit of the readings.

@@ -26,7 +26,7 @@ pub struct Form {
     pub rotation_frame: Option<RotationFrame>,
 }
 
-/// Character that separates the fields of a row.
+/// Character that separates the fields of a row in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
     /// Fields are separated by a tab.
@@ -73,7 +73,7 @@ impl FromStr for Delimiter {
     }
 }
 
-/// Decimal sign of numbers.
+/// Decimal sign of the numbers in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decimal {
     /// A decimal point, as in `1.5`.

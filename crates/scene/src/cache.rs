@@ -18,7 +18,6 @@ const IMAGES: usize = 1 << 17;
 #[derive(Debug)]
 struct Cache<K, V> {
     room: usize,
-    /// Cached values, the least recently used first.
     values: Mutex<Vec<Entry<K, V>>>,
 }
 

@@ -30,7 +30,7 @@ pub struct Ladder {
     pub taken: usize,
     /// Index of the model with which all other models are compared; `None` if there is no common reference.
     pub reference: Option<usize>,
-    /// Reason why this model is used.
+    /// Reason why the model `taken` is used.
     pub reason: String,
     /// Largest error that `auto` allows; `None` if the config names the model.
     pub tolerance: Option<f64>,
@@ -92,7 +92,7 @@ impl Ladder {
         }
     }
 
-    /// The model that is used.
+    /// The model with the index `taken`, which is used.
     pub fn taken(&self) -> &Rung {
         &self.rungs[self.taken]
     }

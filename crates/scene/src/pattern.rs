@@ -34,7 +34,7 @@ pub struct CutPattern {
     pub svg: String,
     /// The drawing of the pattern as DXF, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`.
     pub dxf: String,
-    /// Number of gores around the sphere.
+    /// Number of gores (flat pieces of the skin) around the sphere.
     pub gores: u32,
     /// Number of markers printed on the gores.
     pub markers: usize,

@@ -40,11 +40,11 @@ use crate::trace::{Trace, TraceError};
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub enum Scene {
-    /// Probes roll on an object.
+    /// Probes roll on an object, and the sensor reads their rotations and contacts.
     Roll(RollScene),
-    /// Fingers slide over a patch.
+    /// Fingers slide over a patch of an object, and the sensor reads their contacts.
     Glide(GlideScene),
-    /// A soft sphere is pressed onto an object.
+    /// A soft sphere with markers under its skin is pressed onto an object.
     Press(PressScene),
     /// A sensor without contact, whose properties are computed.
     Sensor(MeasuredSensor),

@@ -34,13 +34,13 @@ pub struct CameraTrace {
     pub frames: Option<[RgbImage; 2]>,
 }
 
-/// Reason why a simulation was not completed.
+/// Reason why a simulation of a scene was not completed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
     /// The simulation of a roll ended early.
     #[error("probe {probe}: {error}")]
     Roll {
-        /// Index of the probe, from 0.
+        /// Index of the probe whose roll ended early, from 0.
         probe: usize,
         /// Reason why the roll ended early, with the time and the position.
         error: RollError,
@@ -48,7 +48,7 @@ pub enum TraceError {
     /// The sensor cannot read the contact of a probe.
     #[error("probe {probe}: {error}")]
     Sensor {
-        /// Index of the probe, from 0.
+        /// Index of the probe whose contact cannot be read, from 0.
         probe: usize,
         /// Reason why the sensor cannot read the contact.
         error: BeyondPads,

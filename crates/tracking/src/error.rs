@@ -23,7 +23,7 @@ pub enum TrackingError {
         width: u32,
         /// Number of rows of the frame or of its part.
         height: u32,
-        /// Smallest allowed number of columns and of rows.
+        /// Smallest allowed number of columns and of rows of a frame.
         least: u32,
     },
     /// The frame is larger than the limit.
@@ -33,7 +33,7 @@ pub enum TrackingError {
         width: u32,
         /// Number of rows of the frame.
         height: u32,
-        /// Largest allowed number of columns and of rows.
+        /// Largest allowed number of columns and of rows of a frame.
         most: u32,
     },
     /// The radius of the image circle is not positive, or its centre lies outside the frame.
@@ -65,7 +65,7 @@ pub enum TrackingError {
     TooMany {
         /// Number of connected shapes in the frame.
         shapes: usize,
-        /// Largest allowed number of connected shapes.
+        /// Largest allowed number of connected shapes in a frame.
         most: usize,
     },
 }

@@ -24,7 +24,7 @@ const POWERS: [(i32, i32); 15] = [
     (1, 3),
     (0, 4),
 ];
-/// Side of the patches, in bins. The background is averaged over a patch before the fit.
+/// Side (in bins) of the square patches of the frame over which the background is averaged before the fit.
 const PATCH: usize = 8;
 /// Weight of the regularisation, relative to the weight of the patches. The regularisation limits the polynomial in
 /// areas where no background is visible.

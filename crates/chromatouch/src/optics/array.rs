@@ -21,16 +21,16 @@ const MIN_HALF_WIDTH: f64 = 1e-9;
 /// Depths of a marker's two discs under the skin, length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscDepths {
-    /// Depth of the magenta disc.
+    /// Depth of the magenta disc under the skin, length.
     pub magenta: f64,
-    /// Depth of the yellow disc.
+    /// Depth of the yellow disc under the skin, length.
     pub yellow: f64,
 }
 
 /// Displacement of one disc in a press. By default, all components are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DiscMotion {
-    /// Displacement toward the sensor's centre, length.
+    /// Displacement of the disc toward the sensor's centre, length.
     pub normal: f64,
     /// Displacement along the skin, length. It is the length of the arc around the sensor's centre along which the disc
     /// moves. Its components are along the marker's axes, which are the axes of the apex after parallel transport along

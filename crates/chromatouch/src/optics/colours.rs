@@ -15,7 +15,7 @@ pub struct Colours {
     pub yellow: [f64; 3],
     /// Transmittances of a seam for red, green and blue light.
     pub seam: [f64; 3],
-    /// Light outside the image circle, relative to full scale.
+    /// Light of the frame outside the image circle, relative to full scale.
     pub outside: [f64; 3],
 }
 

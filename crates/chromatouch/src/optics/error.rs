@@ -22,13 +22,13 @@ pub enum OpticsError {
         Number(*k3), Number(*k5), remedy(*least_k3)
     )]
     FoldedLens {
-        /// Coefficient k3 of the third power of the angle.
+        /// Coefficient k3 of the third power of the angle in the lens's map.
         k3: f64,
-        /// Coefficient k5 of the fifth power of the angle.
+        /// Coefficient k5 of the fifth power of the angle in the lens's map.
         k5: f64,
         /// Largest angle (degrees) from the axis up to which the image radius increases.
         reach_deg: f64,
-        /// Angle at the rim of the image circle, degrees.
+        /// Angle between the axis and the rim of the image circle, degrees.
         field_deg: f64,
         /// Smallest k3 with which the image radius increases up to the rim.
         least_k3: f64,
@@ -39,7 +39,7 @@ pub enum OpticsError {
         depth = Number(*depth), radius = Number(*radius)
     )]
     BadDepth {
-        /// Colour of the disc.
+        /// Colour of the disc with the wrong depth.
         disc: &'static str,
         /// Depth of the disc under the skin, length.
         depth: f64,
@@ -51,11 +51,11 @@ pub enum OpticsError {
          turn, {limit}",
         Number(place[0]), Number(place[1]), limit = Number(*limit))]
     OffTheSkin {
-        /// Index of the marker, from 0.
+        /// Index of the marker with the wrong place, from 0.
         marker: usize,
         /// Place (length) of the marker in the coordinates of the skin.
         place: [f64; 2],
-        /// Half the circumference of the skin, length.
+        /// Half the circumference of the skin (length): the largest distance from the apex.
         limit: f64,
     },
     /// There are more markers than allowed.
@@ -63,7 +63,7 @@ pub enum OpticsError {
     TooManyMarkers {
         /// Number of markers of the sensor.
         markers: usize,
-        /// Largest allowed number of markers.
+        /// Largest allowed number of markers of a sensor.
         limit: usize,
     },
     /// The discs of two markers overlap as viewed from the centre of the sensor.
@@ -73,7 +73,7 @@ pub enum OpticsError {
         diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscsOverlap {
-        /// Index of one marker, from 0.
+        /// Index of one of the two markers, from 0.
         first: usize,
         /// Index of the other marker, from 0.
         second: usize,
@@ -100,9 +100,9 @@ pub enum OpticsError {
         motion = Number(*motion), distance = Number(*distance)
     )]
     ImpossibleMotion {
-        /// Index of the marker, from 0.
+        /// Index of the marker with the impossible motion, from 0.
         marker: usize,
-        /// Colour of the disc.
+        /// Colour of the disc with the impossible motion.
         disc: &'static str,
         /// Length of the impossible motion: of the disc normal to the skin or along the skin, or of the disc's edge.
         motion: f64,

@@ -17,9 +17,9 @@ const STEPS: usize = 64;
 /// (Kannala and Brandt, *A generic camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OddTerms {
-    /// Coefficient k3 of the third power, per rad².
+    /// Coefficient k3 of the third power of the angle, per rad².
     pub k3: f64,
-    /// Coefficient k5 of the fifth power, per rad⁴.
+    /// Coefficient k5 of the fifth power of the angle, per rad⁴.
     pub k5: f64,
 }
 

@@ -26,7 +26,7 @@ const ODD_TERMS: usize = 19;
 /// (px), hue (turns), and the natural logarithm of the size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerSlopes {
-    /// The features of the marker.
+    /// The features of the marker's image.
     pub seen: SeenMarker,
     /// Derivatives with respect to the values of the [`Departure`], one column per value. The columns of values that
     /// were not requested are 0.

@@ -14,7 +14,6 @@ const DISCS: Discs = Discs {
     yellow: 0.15,
 };
 
-/// Cutting sheet of the published sensor, in centimetres.
 fn published() -> CuttingSheet {
     let pattern = Pattern::new(4, 40, 2.0).unwrap();
     pattern.sheet(&Layout::published(), DISCS).unwrap()

@@ -11,7 +11,6 @@ use crate::optics::depths;
 
 const RADIUS: f64 = 20.0;
 const MARKERS: usize = 77;
-/// Step of all central differences.
 const STEP: f64 = 1e-5;
 
 /// A sensor with moved markers and with parameters that differ from their nominal values.

@@ -100,7 +100,7 @@ pub(super) struct ContactNoise {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrueGrid {
     pub(super) side: usize,
-    /// In the order of the places, x changes slowest.
+    /// Places in the order of the grid points; x changes slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }

@@ -134,7 +134,7 @@ impl RollScene {
         self.reading_noise
     }
 
-    /// The roller, which computes rolls with the chosen model.
+    /// The roller that computes rolls with the chosen model.
     pub const fn roller(&self) -> &Roller {
         &self.roller
     }

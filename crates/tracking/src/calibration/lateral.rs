@@ -14,7 +14,7 @@ pub struct LateralPoint {
     /// Shift of the image along the same axes, px. The shift in px is the focal length (px per radian) multiplied by
     /// the angle of the shift.
     pub shift_px: [f64; 2],
-    /// Inward displacement (length), if it was measured.
+    /// Inward displacement of the marker (length), if it was measured.
     pub normal: Option<f64>,
 }
 

@@ -29,7 +29,7 @@ pub enum NormalFrom {
 }
 
 impl NormalFrom {
-    /// All features, starting with the default.
+    /// All features from which normal displacements can be computed, starting with the default.
     pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
 
     /// The stable name of the feature in files.
@@ -54,11 +54,11 @@ impl NormalFrom {
 pub struct NormalPoint {
     /// Index of the marker in the sensor, if it is known.
     pub marker: Option<usize>,
-    /// Inward displacement, length.
+    /// Known inward displacement of the marker, length.
     pub normal: f64,
-    /// Change of the marker's hue, turns.
+    /// Change of the hue of the marker's image, turns.
     pub hue_turns: f64,
-    /// Change of the natural logarithm of the marker's diameter.
+    /// Change of the natural logarithm of the diameter of the marker's image.
     pub growth: f64,
 }
 
@@ -83,7 +83,7 @@ pub struct NormalCalibration {
     pub uses_gains: bool,
 }
 
-/// The slope of one marker.
+/// The slope that is fitted to the points of one marker.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MarkerGain {

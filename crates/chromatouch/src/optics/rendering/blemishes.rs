@@ -25,9 +25,9 @@ pub struct Blemishes {
 /// Seams between gores. Each seam is a meridian that starts at the apex. The first seam is along +x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seams {
-    /// Number of gores per turn.
+    /// Number of gores around the sphere.
     pub gores: u32,
-    /// Width of a seam, length.
+    /// Width of a seam on the skin, length.
     pub width: f64,
 }
 
