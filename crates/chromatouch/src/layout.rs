@@ -26,8 +26,8 @@ pub(crate) const MOST_MARKERS: usize = 100_000;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
-    /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces into which
-    /// the skin is cut. They are folded onto the sphere.
+    /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces of which
+    /// the skin is made by folding them onto the sphere.
     Gores {
         /// Number of gores around the sphere.
         gores: u32,

@@ -19,8 +19,8 @@ const MAX_PULL: f64 = 6.0;
 /// Largest accepted joint χ² of the differences between the prior and the estimate from the frame at rest, for all
 /// camera parameters together. If it is larger, the camera contradicts the frame, which is an error.
 const MAX_CHI_SQUARED: f64 = 200.0;
-/// Largest joint χ² of the differences that causes no warning, for 9, 10 or 11 camera parameters. For a correct camera,
-/// χ² exceeds this value with a probability of 1/10,000.
+/// Largest joint χ² of the differences between prior and estimate that causes no warning, for 9, 10 or 11 camera
+/// parameters. For a correct camera, χ² exceeds this value with a probability of 1/10,000.
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
 /// Number of camera parameters without the two odd terms of the lens, which a frame may not determine.
 const WITHOUT_TERMS: usize = 9;

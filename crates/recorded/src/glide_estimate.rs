@@ -165,7 +165,7 @@ impl<'r> GlideFitResult<'r> {
                 let rows: Vec<usize> = rows.collect();
                 let contacts: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
                 let stroke = stroke_curvature(&contacts, &outward);
-                // One stroke is enough if its contacts have normals and the shape is stated.
+                // A single stroke determines the surface if its contacts have normals and the shape is stated.
                 let is_determined = settings.shape.is_some() && recorded.has_normals();
                 let is_plane = settings.shape == Some(Shape::Plane);
                 let stroke = stroke.filter(|_| !is_determined && !is_plane);
@@ -287,7 +287,7 @@ impl<'r> GlideFitResult<'r> {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
         };
-        // The normals of a stroke are assumed if it was recorded without normals.
+        // A stroke that was recorded without normals has assumed normals, so the fit cannot be tested.
         if self.stroke.is_some() && !self.recorded.has_normals() {
             return Default::default();
         }

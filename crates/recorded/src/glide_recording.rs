@@ -84,7 +84,7 @@ impl GlideRecording {
         self.contacts.iter().any(|contact| contact.normal.is_some())
     }
 
-    /// Returns an error if the file has a column with a radius. The positions may then be points of round fingertips
+    /// Returns an error if the file has a column with a radius. The positions may then be those of round fingertips
     /// instead of contacts.
     pub(super) fn check_contacts(&self) -> Result<(), RecordedError> {
         let mut names = self.extras.names.iter().enumerate();

@@ -10,7 +10,7 @@ use super::error::RecordedError;
 use super::file::RecordedFile;
 use super::text_table::{Record, RowResult, Text};
 
-/// Maximum number of columns; rows may lack some of them.
+/// Maximum number of columns of a table; a row may lack some of these columns.
 const MAX_KEYS: usize = 1_000;
 
 /// Maximum number of components of a vector or a quaternion.

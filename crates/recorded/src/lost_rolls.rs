@@ -85,7 +85,7 @@ impl RollRecording {
     }
 
     /// Whether the rolls whose shift is zero are lost readings: whether, according to the other rolls, the contact
-    /// moved in each of them by more than pads or noise can hide.
+    /// moved in each of these rolls by more than pads or noise can hide.
     fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses);
         let sound: Vec<ProbeReading> = sound

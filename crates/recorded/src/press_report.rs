@@ -98,7 +98,7 @@ pub struct PressReport {
     /// Fitted factor by which all normal displacements are multiplied; `null` if it is not fitted. For a Gaussian, it
     /// is the ratio of the Gaussian's amplitude to the indentation.
     pub(super) gain: Option<Value>,
-    /// Markers that were left out of the fit, because their readings contradict those of the other markers.
+    /// Markers that were left out of the fit, because their readings contradict the readings of the other markers.
     pub(super) wrong_markers: Vec<Row>,
     pub(super) noise: PressNoise,
     /// Share of the variance of the normal displacements that the fit explains.

@@ -158,7 +158,8 @@ const MIN_R_SQUARED: f64 = 0.5;
 
 /// Smallest normal displacement whose sign is checked, as a share of the largest displacement.
 const MIN_SIGNED: f64 = 0.2;
-/// Smallest share of outward displacements, among those whose sign is checked, that causes a warning about the sign.
+/// Smallest share of outward displacements, among all displacements whose sign is checked, that causes a warning about
+/// the sign.
 const MIN_OUTWARD: f64 = 0.9;
 
 /// Smallest accepted extent of the markers, relative to the sensor's radius. A smaller extent causes a warning about
@@ -168,6 +169,7 @@ const MIN_EXTENT: f64 = 5e-3;
 /// warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
+/// Text about a likely mistake of sign or unit in the readings; `None` if there is none.
 pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option<String> {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
     let (radius, unit) = (options.radius(), unit.as_str());

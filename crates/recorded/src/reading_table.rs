@@ -287,7 +287,7 @@ fn decimal_of(
     let mut odd: Option<(usize, usize, String)> = None;
     let mut sign = DecimalSign::default();
     table.each(|record| {
-        // Rows with a wrong number of fields are ignored here. They are rejected later, when the numbers are read.
+        // Rows with a wrong number of fields are ignored here. Such rows are rejected later, when the numbers are read.
         let is_whole = record.fields.len() == table.header.len();
         for place in places.iter().filter(|_| is_whole) {
             let field = tidy(&record.fields[place.index]);

@@ -28,7 +28,7 @@ pub struct SeriesOptions {
     pub pads: Option<PadCell>,
     /// Standard deviation of each component of a contact point; 0 if it is not stated.
     pub contact_std: f64,
-    /// Noise of the rotations in the samples.
+    /// Noise of the probes' rotations in the samples of the time series.
     pub noise: SeriesNoise,
 }
 

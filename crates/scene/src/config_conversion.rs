@@ -1,4 +1,5 @@
-//! Converts those parts of a config that rolls and glides have in common: objects, pads, and errors about them.
+//! Converts those parts of a config that rolls and glides have in common: objects and pads, and errors in their
+//! settings.
 
 use std::fmt::Display;
 

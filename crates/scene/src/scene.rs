@@ -308,7 +308,7 @@ pub trait Trials {
         None
     }
 
-    /// Models that the scene needs, with the reasons for them, and warnings.
+    /// Models that the scene needs, each with the reason, and warnings about the scene.
     fn needs(&self) -> Vec<Need>;
 
     /// Measures the errors of the models that can compute the true values; `None` if there is only one model.

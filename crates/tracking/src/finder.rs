@@ -21,8 +21,8 @@ pub struct Found {
     pub ground: Ground,
     /// The markers that are completely visible, sorted by their distance from the middle of the image circle.
     pub markers: Vec<Marker>,
-    /// Standard errors and covariances of the markers, in the order of `markers`. They are computed from the noise of
-    /// the frame's pixels.
+    /// Standard errors and covariances of the markers, in the order of `markers`. The errors are computed from the
+    /// noise of the frame's pixels.
     pub errors: Vec<MarkerErrors>,
     /// Markers that are cut off by the edge of the image circle or of the frame, sorted by their distance from the
     /// middle of the image circle. Only their visible part is measured.

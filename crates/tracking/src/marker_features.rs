@@ -1,4 +1,4 @@
-//! Centroid, hue and size of a marker, and their standard errors. They are computed from sums over the window of pixels
+//! Centroid, hue and size of a marker, and their standard errors. All are computed from sums over the window of pixels
 //! around the marker.
 
 use crate::measure::{PixelErrors, Sums};

@@ -256,8 +256,8 @@ impl Scene<'_> {
         }
     }
 
-    /// The light of a pixel, for red, green and blue. On a bright background, it is the share of the background's light
-    /// that the pixel absorbs. On a dark background, it is the light that the pixel adds, as a share of full scale.
+    /// Red, green and blue light of a pixel. On a bright background: the share of the background's light that the pixel
+    /// absorbs. On a dark background: the light that the pixel adds, as a share of full scale.
     fn shares(&self, value: [u8; 3], light: &[[f32; 3]; 3], dx: f32) -> [f32; 3] {
         let ground = light.map(|[constant, linear, square]| constant + dx * (linear + dx * square));
         match self.ground {

@@ -90,7 +90,7 @@ pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Opti
     join(&runs, most)
 }
 
-/// Number of bytes that are tested at the same time. If none of them is above the limit, all of them are skipped.
+/// Number of bytes that are tested at the same time. If no byte is above the limit, all these bytes are skipped.
 const STRETCH: usize = 32;
 
 fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {

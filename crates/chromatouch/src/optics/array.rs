@@ -172,10 +172,10 @@ impl MarkerArray {
         })
     }
 
-    /// Returns the markers with random misalignments, as from manufacture. They are drawn for trial number `trial`. The
-    /// yellow disc of each marker is displaced along the skin relative to the magenta disc. The displacement is
-    /// uniformly distributed in a circle, whose radius is `most` times the diameter of the yellow discs. The random
-    /// misalignments replace earlier misalignments.
+    /// Returns the markers with random misalignments, as from manufacture. The misalignments are drawn for trial number
+    /// `trial`. The yellow disc of each marker is displaced along the skin relative to the magenta disc. The
+    /// displacement is uniformly distributed in a circle, whose radius is `most` times the diameter of the yellow
+    /// discs. The random misalignments replace earlier misalignments.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.

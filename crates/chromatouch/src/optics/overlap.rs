@@ -39,8 +39,8 @@ struct Moments {
     second_across: f64,
 }
 
-/// Half of the central angle of a circle's segment. `sine` and `cosine` are its sine and cosine, both multiplied by the
-/// same positive factor.
+/// Half of the central angle of a circle's segment. `sine` and `cosine` are the sine and cosine of the half-angle, both
+/// multiplied by the same positive factor.
 #[derive(Clone, Copy)]
 pub(super) struct HalfAngle {
     angle: f64,

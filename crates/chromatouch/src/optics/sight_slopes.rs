@@ -1,5 +1,5 @@
-//! Derivatives of a disc's direction and angular radius, as viewed from the camera. They are with respect to the disc's
-//! motion and to the sensor's parameters, and are computed by exact formulas.
+//! Derivatives of a disc's direction and angular radius, as viewed from the camera, with respect to the disc's motion
+//! and to the sensor's parameters. All derivatives are computed by exact formulas.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 

@@ -189,7 +189,7 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
         }
     }
     // The rotations are stated in the axes of the world. Before the roll, the probe was turned by a quarter turn about
-    // its normal, so its axes differ from those of the world.
+    // its normal, so the probe's axes differ from the axes of the world.
     let quarter = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
     let header = "probe,time_s,qx,qy,qz,qw,contact_u_mm,contact_v_mm";
     let series = table(header, Some(quarter), |rotation| {
@@ -310,7 +310,7 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let series = table(header, Some(UnitQuaternion::identity()), quaternion);
     let error = roll(&series, "", None).unwrap_err();
     assert!((mean(&followed(&series)) - 0.025).abs() < 1e-9, "{error}");
-    // Positions of a fingertip are readings of a glide, not of a roll.
+    // Positions of a tip without contacts on the probe are for another estimate.
     let poses = table(
         "probe,time_s,x,y,z,qx,qy,qz,qw,seen,valid",
         Some(UnitQuaternion::identity()),

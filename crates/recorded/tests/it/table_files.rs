@@ -247,7 +247,7 @@ fn wide_tables_hold_several_fingers() {
         glide(short, "").unwrap_err(),
         "r:2: 9 fields; the header has 10"
     );
-    // These are a commanded and a measured place of one finger. They must not be read as two fingers.
+    // These columns are a commanded and a measured position of one finger, which must not be read as two fingers.
     let header = repeated(
         &|finger, column| format!("{finger}_{column}"),
         ["set", "real", "x"],

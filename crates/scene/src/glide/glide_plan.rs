@@ -366,7 +366,7 @@ fn grid(
             let (normal, form) = object.curvature_along(&touch.point, &along).ok()?;
             let of_form = PointCurvature::of(&form, None, None);
             let mut principal = PointCurvature::of(&curvature, None, None);
-            // The second axis of the form is −y.
+            // The second axis of the curvature form is −y, so its angle has the opposite sign.
             principal.values[3] = -of_form.values[3];
             Some((principal, [along, normal.cross(&along)]))
         };

@@ -409,7 +409,7 @@ impl PressRungs {
     }
 
     /// Measures the errors of all models, from the fastest to the slowest. The error of a model is the difference
-    /// between its displacements and those of the last model.
+    /// between its displacements and the displacements of the last model.
     fn measure(
         &self,
         markers: &Markers,

@@ -155,8 +155,8 @@ pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<
 }
 
 impl PressScene {
-    /// Standard deviations of normal and tangential displacements that the estimator assumes, length; `None` if it
-    /// estimates them from the residuals.
+    /// Standard deviations of normal and tangential displacements that the estimator assumes, length; `None` if the
+    /// estimator computes them from the residuals.
     pub fn stated_stds(&self) -> [Option<f64>; 2] {
         let fit = self.estimator.fit();
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])

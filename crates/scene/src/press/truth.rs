@@ -14,7 +14,7 @@ use palpate_study::config::{DiscsConfig, PressConfig, PressModelConfig, PressObj
 
 use crate::cache::SharedModels;
 
-/// True values of a press. The sensor reads them, but the estimator has no access to them.
+/// True values of a press, which the sensor reads but the estimator does not receive.
 #[derive(Clone, Debug)]
 pub(super) struct TruePress {
     pub(super) geometry: PressGeometry,

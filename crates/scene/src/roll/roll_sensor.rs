@@ -1,4 +1,4 @@
-//! Sensors of a roll. They read the position of the contact on the probe, and the rotation of the probe.
+//! Sensors of a roll: one for the position of the contact on the probe, and one for the rotation of the probe.
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use palpate_ep1::{PadCell, PadStart, Places, ReadingNoise, SeriesNoise};

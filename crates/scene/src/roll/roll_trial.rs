@@ -284,7 +284,7 @@ impl RollScene {
         }
     }
 
-    /// Runs a trial in which all rolls have a linear closed form. This is fast, because no motion is simulated.
+    /// Runs a trial in which all rolls have a linear closed form. Such a trial is fast, because no motion is simulated.
     fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut sensor = self.sensor.begin(self.seed, trial);

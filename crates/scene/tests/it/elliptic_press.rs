@@ -135,8 +135,8 @@ fn the_force_is_in_newtons() {
             "{unit} {force}"
         );
     }
-    // The force is 2/3 π a b p₀, with the semi-axes a and b and the peak pressure p₀. They come from the golden values
-    // of press/tests/it/elliptic-half-space.csv.
+    // The force is 2/3 π a b p₀, with the semi-axes a and b and the peak pressure p₀. These three values are in the
+    // table press/tests/it/elliptic-half-space.csv.
     let golden = 2.0 / 3.0 * std::f64::consts::PI * 4.89968578679 * 2.13762746926;
     let golden = golden * 0.205202786617 * 0.8;
     let ellipse = force(&cylinder(8.0, 0.0), half_space, ELLIPTIC, "mm");

@@ -134,7 +134,7 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     errors
 }
 
-/// Several sensors. In each of them, the markers have another position relative to the pixels.
+/// Several sensors whose markers have different positions relative to the pixels.
 fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
     let offsets = [[0.0, 0.0], [0.31, -0.44], [-0.17, 0.23], [0.48, 0.12]];
     offsets

@@ -217,8 +217,9 @@ impl MarkerRaster {
     }
 }
 
-/// Converts a vector at the image point (x, y) to components along columns and rows. `outward` is its component away
-/// from the centre of the image, and `around` its azimuthal component. The length of the vector may change.
+/// Converts a vector at the image point (x, y) to components along columns and rows. `outward` is the vector's
+/// component away from the centre of the image, and `around` the azimuthal component. The length of the vector may
+/// change.
 #[inline]
 fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     if x == 0.0 && y == 0.0 {
