@@ -23,7 +23,6 @@ pub(crate) struct Estimator {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Coverage {
-    /// Index of the row in the study's table.
     pub(crate) row: usize,
     /// Shares of the 50 %, 80 % and 95 % intervals that contain the true value.
     pub(crate) shares: [f64; 3],

@@ -168,7 +168,7 @@ fn peers(folder: &Files) -> Result<Value, ReportError> {
     Ok(context! { table => shown(parts), machine })
 }
 
-/// Removes the column `name` if all its cells have the same text. Returns this text.
+/// Removes the column `name` of a table if all cells of this column have the same text. Returns this text.
 fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     let at = header.iter().position(|column| column == name)?;
     let constant = rows.first()?[at].clone();
@@ -181,7 +181,7 @@ fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     Some(constant)
 }
 
-/// The table for the page template, with readable headers.
+/// The table in the form that the page template needs, with readable column names.
 fn shown((header, rows): Parts) -> Value {
     let header: Vec<String> = header.iter().map(|name| heading(name)).collect();
     let spoken = |row: &Vec<String>| row.iter().map(|cell| spoken(cell)).collect();
@@ -189,7 +189,7 @@ fn shown((header, rows): Parts) -> Value {
     context! { header, rows }
 }
 
-/// Readable text of a header, with the unit of time in brackets.
+/// Readable text of a column name, with the unit of time in brackets.
 fn heading(name: &str) -> String {
     let units = [("_us", "µs"), ("_ns", "ns")];
     let split = |(suffix, unit)| Some((name.strip_suffix(suffix)?, unit));

@@ -8,11 +8,9 @@ use std::path::{Path, PathBuf};
 /// Failed trials of one kind in one cell: a row of `failures.csv`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Failure {
-    /// Number of the cell.
     pub(crate) cell: u64,
     /// Name of the kind of failure, such as `not-rolling`.
     pub(crate) kind: String,
-    /// Number of trials that failed in this way.
     pub(crate) count: u64,
     /// Number of the first trial that failed in this way, counted from 0.
     pub(crate) first_trial: u64,
@@ -110,7 +108,6 @@ impl Study {
         &self.files
     }
 
-    /// The `[[plot]]` tables of the config.
     pub(crate) fn plots(&self) -> Result<Vec<PlotConfig>, ReportError> {
         let file = self.run_toml().display().to_string();
         Ok(config::plots(&file, &self.config_text)?)

@@ -32,7 +32,7 @@ pub(crate) struct Ladder {
 /// Errors and costs of all rungs on one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LadderScene {
-    /// Difficulty of the scene: `easy`, `typical` or `hard`.
+    /// How easy it is to be accurate on this scene: `easy`, `typical` or `hard`.
     pub(crate) ease: String,
     pub(crate) what: String,
     pub(crate) rungs: Vec<Rung>,

@@ -116,7 +116,7 @@ impl Claim {
     }
 
     /// Adds a check of the ratios y₂/y₁, where y₁ and y₂ are the values `y` of successive rows, sorted by `x`. Two rows
-    /// are compared only if they differ in nothing but the paths `free`.
+    /// are compared only if all swept fields in which they differ have paths in `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -166,17 +166,17 @@ impl Claim {
         self
     }
 
-    /// Restricts the last check to rows that `keep` accepts.
+    /// Restricts the check that was added last to rows that `keep` accepts.
     pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
         self.last(|check| check.keep.push(Box::new(keep)))
     }
 
-    /// Restricts the last check to rows of this quantity.
+    /// Restricts the check that was added last to rows of this quantity.
     pub(super) fn of(self, quantity: &'static str) -> Self {
         self.when(move |row| row.quantity() == quantity)
     }
 
-    /// Restricts the last check to rows whose `number` is within a bound.
+    /// Restricts the check that was added last to rows whose `number` is within a bound.
     pub(super) fn only(
         self,
         number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
@@ -185,12 +185,13 @@ impl Claim {
         self.when(within(number, bound))
     }
 
-    /// The last check ignores values that equal `value`.
+    /// The check that was added last ignores values that equal `value`.
     pub(super) fn without(self, value: f64) -> Self {
         self.last(|check| check.without = Some(value))
     }
 
-    /// Names the values of the last check. All values with the same name are compared and printed as one range.
+    /// Names the values of the check that was added last. All values with the same name are compared and printed as one
+    /// range.
     pub(super) fn named(self, name: fn(&Row<'_>) -> String) -> Self {
         self.last(|check| check.name = Some(name))
     }
@@ -199,8 +200,8 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// The last check compares only the values of rows that `compared` accepts with the bound. It only prints all other
-    /// values.
+    /// The check that was added last compares only the values of rows that `compared` accepts with the bound. It only
+    /// prints all other values.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }
@@ -209,18 +210,19 @@ impl Claim {
         self.last(|check| check.bound = Some(bound))
     }
 
-    /// At least this share of the values must meet the bound. By default, all values must meet it.
+    /// At least this share of the values of the check that was added last must meet the bound. By default, all values
+    /// must meet it.
     pub(super) fn in_share(self, share: f64) -> Self {
         self.last(|check| check.portion = Portion::Share(share))
     }
 
-    /// At least one value must meet the bound. By default, all values must meet it.
+    /// At least one value of the check that was added last must meet the bound. By default, all values must meet it.
     pub(super) fn in_one(self) -> Self {
         self.last(|check| check.portion = Portion::One)
     }
 
-    /// Skips the last check if it has no values. By default, a claim is not testable if one of its checks has no
-    /// values.
+    /// Skips the check that was added last if it has no values. By default, a claim is not testable if one of its
+    /// checks has no values.
     pub(super) fn if_present(self) -> Self {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }

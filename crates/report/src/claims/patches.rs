@@ -164,8 +164,8 @@ fn moderate_noise() -> Claim {
 }
 
 impl Claim {
-    /// Restricts the last check to rows of the paper's two-pass method with 10 % noise, on all surfaces except the
-    /// sphere.
+    /// Restricts the check that was added last to rows of the paper's two-pass method with 10 % noise, on all surfaces
+    /// except the sphere.
     fn off_sphere(self) -> Self {
         self.only(noise, is(0.1))
             .when(|row| is_two_pass(row) && !is_sphere(row))

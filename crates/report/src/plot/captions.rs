@@ -82,8 +82,7 @@ pub(crate) fn absent(absent: &[String]) -> Option<String> {
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// End of an error message about the same values: those that the key `where` of a plot names, but that the table does
-/// not contain.
+/// End of an error message about values that the key `where` of a plot names, but that the table does not contain.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

@@ -239,7 +239,7 @@ impl Place {
     }
 }
 
-/// Draws the grid, the outline, the ticks and the labels of the ticks.
+/// Draws the grid, the outline, the ticks and the labels of the ticks of a panel.
 pub(crate) fn mesh(panel: &mut Panel<'_>) -> Drawn {
     let frame = FRAME.stroke_width(HAIR);
     panel

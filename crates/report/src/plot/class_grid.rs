@@ -11,7 +11,7 @@ const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
 /// Index of a shape class in [`CLASSES`]; `None` for a point without a class.
 pub(crate) type Class = Option<usize>;
 
-/// The maps of all cells, in the order of `map.csv`.
+/// Class maps of all cells of a study, in the order of `map.csv`.
 #[derive(Debug)]
 pub(crate) struct Maps {
     /// Unit of x and y in the header of `map.csv`; may be empty.
@@ -42,7 +42,6 @@ impl CellMap {
     }
 }
 
-/// Reads the maps of shape classes from `map.csv`.
 pub(crate) fn read(of: Request<'_>) -> Result<Maps, ReportError> {
     let table = Records::read(of.study.files(), "map.csv", &COLUMNS)?.filled()?;
     let cells = table.by_cell(0)?;

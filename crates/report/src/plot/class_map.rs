@@ -30,7 +30,7 @@ const SLIMMEST: f64 = 3.0;
 /// Overlap of neighbouring coloured rectangles, relative to the panel's size. Without an overlap, thin gaps would be
 /// visible between them.
 const OVERLAP: f64 = 0.004;
-/// Width of the lines that outline regions, in drawing units.
+/// Width of the boundaries between regions of different classes, in drawing units.
 const BOUNDARY: u32 = 5;
 const PALE: Colour = Colour(243, 243, 243);
 
@@ -300,7 +300,6 @@ struct Shown<'a> {
     row: usize,
 }
 
-/// The cells that one row of panels shows.
 struct CellRow<'a> {
     heading: String,
     /// Map of the true classes; `None` if a row above already shows the same map.

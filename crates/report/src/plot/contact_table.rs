@@ -14,7 +14,6 @@ const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
 /// contacts.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
-/// A true contact of a fingertip with the object.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     pub(crate) place: Vector,

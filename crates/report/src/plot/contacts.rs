@@ -125,7 +125,6 @@ fn key(contacts: &Contacts) -> Key {
 struct Scene<'a> {
     space: Space<'a>,
     contacts: &'a Contacts,
-    /// Height of the floor.
     floor: f64,
     stroke: f64,
 }

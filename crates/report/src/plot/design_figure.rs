@@ -129,14 +129,13 @@ const MEETS: Colour = Colour(190, 220, 242);
 /// other backgrounds, so it differs from them in a grey print too.
 const OPEN: Colour = Colour(226, 226, 226);
 const MISSES: Colour = WHITE;
-/// Width of the line that shows the limit, in drawing units (1/3 px).
+/// Width of the line that shows the target's limit, in drawing units (1/3 px).
 const LIMIT: u32 = 6;
 /// Marker of the values of the searched field at which the target is just met.
 const CROSSING: Style = Style {
     colour: INK,
     marker: Marker::Circle,
 };
-/// Marker of the point with the best value of the searched field.
 const BEST: Style = Style {
     colour: INK,
     marker: Marker::Diamond,
@@ -364,7 +363,7 @@ impl FieldAxis {
         Scale::around(self.spacing(), ends)
     }
 
-    /// Factor between values of the field in the tables and the displayed numbers.
+    /// Factor by which values of the field are multiplied to get the displayed numbers.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,

@@ -77,7 +77,6 @@ impl Figure {
 /// shapes later. So the height of a figure can depend on its content, and a PNG is made only on request.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
-    /// Width and height of the image in drawing units.
     pub(crate) size: (u32, u32),
     shapes: Vec<Shape>,
 }
@@ -86,7 +85,6 @@ pub(crate) struct Drawing {
 struct Shape {
     form: Form,
     colour: Colour,
-    /// Tooltip of the shape; may be empty.
     title: String,
 }
 

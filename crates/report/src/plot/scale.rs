@@ -28,7 +28,6 @@ pub(crate) struct Scale {
     max: f64,
     /// Names at the positions 0, 1, … of the axis; empty for an axis with numbers.
     names: Vec<String>,
-    /// Approximate number of ticks.
     about: usize,
     has_minor: bool,
 }
@@ -115,7 +114,6 @@ impl Scale {
         }
     }
 
-    /// The same axis, in the opposite direction.
     pub(crate) fn reversed(self) -> Self {
         Self {
             min: self.max,

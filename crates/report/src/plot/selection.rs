@@ -13,7 +13,6 @@ use std::collections::BTreeMap;
 pub(crate) struct Request<'a> {
     pub(crate) study: &'a Study,
     pub(crate) plot: &'a PlotConfig,
-    /// Name of the figure's files, without extension.
     pub(crate) name: &'a str,
 }
 

@@ -45,7 +45,6 @@ const DASH: i32 = 24;
 /// Length of the gaps between dashes, in drawing units.
 const DASH_GAP: i32 = 15;
 
-/// Result of a drawing function.
 pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
 /// A position in drawing units, from the upper left corner.
 pub(crate) type Point = (i32, i32);

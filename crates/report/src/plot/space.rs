@@ -24,7 +24,7 @@ const BESIDE: i32 = 198;
 pub(super) const BELOW: i32 = 48;
 /// Largest height of the box of the three-dimensional chart, in drawing units.
 const TALLEST: i32 = 1860;
-/// Distance between ticks, in drawing units. An axis has its length divided by this distance as number of ticks, but at
+/// Distance between ticks, in drawing units. An axis has as many ticks as its length contains this distance, but at
 /// least 2 and at most 6.
 const APART: f64 = 192.0;
 

@@ -99,7 +99,6 @@ const OPEN: [Marker; 5] = [
 /// Colour of markers that belong to no series or to several series.
 const NEUTRAL: Colour = Colour(60, 60, 60);
 
-/// Colour and marker of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Style {
     pub(crate) colour: Colour,

@@ -3,7 +3,6 @@
 use crate::Table;
 use palpate_study::{Quantity, QuantityKind, Statistic};
 
-/// Note that explains the error bars of a figure.
 pub(crate) const BARS: &str =
     "Bars: 95 % intervals of the Monte Carlo error. Bars shorter than their marker are not drawn.";
 const HALF_WIDTH: f64 = 1.96;
