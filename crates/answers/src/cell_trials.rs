@@ -13,7 +13,8 @@ use crate::search::{Curves, ScoreRequest, Scores};
 use crate::target_score::{NoValue, SceneTarget};
 use crate::trial_counts::TrialCounts;
 
-/// Number of the first fresh trial. Fresh trials only verify an answer; the search uses trials with smaller numbers.
+/// Number of the first fresh trial. Fresh trials only verify an answer; the search for the answer uses trials with
+/// smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
 /// Largest number of scenes in memory. If there are more, scenes that are not needed in the current round are dropped,
 /// because scenes with a camera are large.
@@ -32,7 +33,8 @@ pub(crate) struct CellTrials<'a> {
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// Creates the scenes of the study. The fields on the question's grid are fixed to one combination of their values.
+/// Creates the scenes of the study. The varied fields that are not searched are fixed to one combination of their
+/// values.
 struct Source<'a> {
     study: &'a Study,
     region: &'a Region,
@@ -50,7 +52,7 @@ enum Setup {
 }
 
 impl<'a> CellTrials<'a> {
-    /// A collection without trials. `place` contains the values of the fields on the question's grid.
+    /// A collection without trials. `place` contains the values of those varied fields that are not searched.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,

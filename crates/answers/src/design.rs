@@ -27,7 +27,7 @@ use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 /// Number of trials at the best tested value if no value meets the target. With so many trials, the answer can state
 /// accurately how far this value misses the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
-/// Largest number of times that combinations are added to the grid around the best value.
+/// Largest number of times that combinations of field values are added around the best combination.
 const REFINEMENTS: usize = 3;
 
 /// Finds the values of one or several fields that meet a target, and the best value of one of these fields.
@@ -120,21 +120,22 @@ pub fn design(
     Ok(region)
 }
 
-/// Runs the search at each combination of the grid's values, one combination after another.
+/// Searches the values of the searched field at each combination of the other varied fields' values, one combination
+/// after another.
 struct Searches<'a> {
     study: &'a Study,
     runner: &'a Runner,
     clock: &'a Clock<'a>,
     progress: &'a dyn Fn(usize, u64),
-    /// Largest number of combinations of the grid's values that may be searched.
+    /// Largest number of combinations of the other varied fields' values.
     max_columns: usize,
     /// Number of tested values and number of trials so far, in all searches together.
     done: Cell<(usize, u64)>,
 }
 
 impl Searches<'_> {
-    /// Runs the search at one combination of the grid's values. The remaining time is divided evenly among this search
-    /// and the searches after it.
+    /// Searches the values of the searched field at one combination of the other varied fields' values. The remaining
+    /// time is divided evenly among this search and the searches after it.
     fn column(&self, region: &Region, place: Vec<f64>) -> Result<RegionColumn, AnswerError> {
         let question = &region.question;
         let start = (self.clock)();
@@ -199,7 +200,7 @@ impl Searches<'_> {
     }
 }
 
-/// Side of the range in `runs` that contains `value`; `None` if no range contains it.
+/// Side of the target of that range in `runs` which contains `value`; `None` if no range contains it.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

@@ -5,7 +5,8 @@ use crate::field::Field;
 use crate::search::SearchRange;
 
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of grid values for a field with a range: on a grid of one field, of two fields, and of three or more fields.
+/// Number of values of a field with a range in the grid of the fields that are not searched: in a grid of one field, of
+/// two fields, and of three or more fields.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
 /// All combinations of the grid fields' values. The value of the last field changes fastest. Without fields, there is

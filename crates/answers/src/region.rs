@@ -153,7 +153,8 @@ impl Region {
         })
     }
 
-    /// Fields with one fixed value: those that the question sets, and the grid's fields at the combination `place`.
+    /// Fields with one fixed value: those that the question sets, and the fields that are not searched at their
+    /// combination `place` of values.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));
@@ -207,9 +208,9 @@ impl Region {
         best
     }
 
-    /// Limit of the searched field beyond which all values miss the target, at every combination of the grid. `None` if
-    /// such a limit is undecided at some combination, if the searched field is not the optimised field, or if its
-    /// values are listed.
+    /// Limit of the searched field beyond which all values miss the target, at every combination of the other varied
+    /// fields' values. `None` if such a limit is undecided at some combination, if the searched field is not the
+    /// optimised field, or if its values are listed.
     pub(crate) fn missed_from(&self) -> Option<f64> {
         let extreme = self.searched_extreme()?;
         if self.searched.is_listed() {
@@ -241,9 +242,9 @@ impl Region {
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// The tested value that comes nearest to meeting the target at any combination in `columns`, with its combination
-    /// and the result of its decisive cell. Among the values with few enough failures, this is the value with the best
-    /// statistic. If there are no such values, it is the value with the fewest failures.
+    /// The tested value of the searched field that comes nearest to meeting the target in any of `columns`, with its
+    /// column and the result of its decisive cell. Among the values with few enough failures, this is the value with
+    /// the best statistic. If there are no such values, it is the value with the fewest failures.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,

@@ -156,8 +156,9 @@ impl Region {
         format!("; the worst cell is mostly {settings}")
     }
 
-    /// The searched field at one combination of the grid, in words: which of its values meet the target, which miss it,
-    /// and which are undecided. The text `certainty` is inserted after the first of these statements.
+    /// The searched field at one combination of the other varied fields' values, in words: which of its values meet the
+    /// target, which miss it, and which are undecided. The text `certainty` is inserted after the first of these
+    /// statements.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
             let runs: Vec<String> = column.on(side).map(|run| self.run(run)).collect();
@@ -193,8 +194,8 @@ impl Region {
         }
     }
 
-    /// Text about a range that misses the target because too many trials fail at one of its ends; empty if there is no
-    /// such range.
+    /// Text about a range of values that misses the target because too many trials fail at one of its ends; empty if
+    /// there is no such range.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -202,8 +203,8 @@ impl Region {
         }
     }
 
-    /// The first end of a range that misses the target at which too many trials fail, with the result of its decisive
-    /// cell. The ends of the whole searched range are ignored.
+    /// The first end of a range of values that misses the target at which too many trials fail, with the result of its
+    /// decisive cell. The ends of the whole searched range are ignored.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,
@@ -220,7 +221,8 @@ impl Region {
         })
     }
 
-    /// Text for a combination of the grid at which all values of the searched field are on the same side of the target.
+    /// Text for a combination of the other varied fields' values at which all values of the searched field are on the
+    /// same side of the target.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {
@@ -389,8 +391,8 @@ impl Region {
         }
     }
 
-    /// Text with the values that meet the target, at each combination of the grid. Neighbouring combinations with the
-    /// same result share a clause if they differ in a single field.
+    /// Text with the values of the searched field that meet the target, at each combination of the other varied fields'
+    /// values. Neighbouring combinations with the same result share a clause if they differ in a single field.
     fn values_that_meet(&self) -> String {
         let words = &self.searched.label.words;
         let certainty = match self.columns.len() {
@@ -456,7 +458,8 @@ impl Region {
         joined(pairs.map(|(field, value)| field.named_value(*value)))
     }
 
-    /// Words for all tested combinations of the grid, for example `all 9 values of the indentation that were tested`.
+    /// Words for all tested combinations of the varied fields that are not searched, for example `all 9 values of the
+    /// indentation that were tested`.
     fn all_columns(&self) -> String {
         match self.columns.len() {
             2 => format!("both {}", self.columns_in_words()),

@@ -89,7 +89,6 @@ pub(crate) struct SearchResult {
     /// Number of range ends that fresh trials did not confirm at the first attempt. Each such end was moved inwards, or
     /// its range was dropped.
     pub(crate) narrowed: usize,
-    /// Reason why the search ended.
     pub(crate) ended: EndReason,
 }
 

@@ -9,8 +9,8 @@ use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_a
 /// If no trial of a cell succeeds, the target's statistic does not exist. The cell then counts as missing the target if
 /// its share of failed trials is significantly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
-/// Resolution of a quantile, relative to its distance from the true value. It is limited, because quantiles are
-/// computed from a histogram.
+/// Resolution of an estimated quantile, relative to the distance between quantile and true value. It is limited,
+/// because quantiles are computed from a histogram.
 const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
 /// The target of a question, for one scene: a limit on a statistic of one of the scene's quantities.

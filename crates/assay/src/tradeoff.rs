@@ -107,7 +107,7 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     stages::write(&stages, stage_counts, patience, options.out)
 }
 
-/// Number of evaluations per run of each rung, in the order of the ladders.
+/// Number of evaluations per run of each rung (model or setting), in the order of the ladders.
 fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
     let stages = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
     stages.flat_map(|stage: &SceneRungs| stage.rungs.iter().map(|rung| rung.evaluation.scale()))

@@ -26,19 +26,21 @@ pub enum EndReason {
     Time,
 }
 
-/// Share of the time budget for the exploration; the remaining time is for the verification.
+/// Share of a search's time budget for the exploration; the rest is for the verification.
 const EXPLORATION_SHARE: f64 = 0.6;
-/// Factor by which the number of trials at an undecided value is increased in each round.
+/// Factor by which the number of trials at an undecided value is increased in each round of trials.
 const GROWTH: f64 = 4.0;
-/// Largest factor by which the number of trials is increased in one round at the undecided values within a crossing.
+/// Largest factor by which the number of trials is increased in one round at the undecided values within a crossing (a
+/// change between meeting and missing the target).
 const MOST_GROWTH: f64 = 16.0;
 /// Smallest factor by which the number of trials is increased. If the time budget is too short for a larger factor, the
 /// factor is halved repeatedly. Below this smallest factor, the exploration ends.
 const LEAST_GROWTH: f64 = 1.5;
-/// Largest distance between neighbouring values within a crossing, as a share of the crossing's width. If two
-/// neighbours are farther apart, a value between them is tested.
+/// Largest distance between neighbouring tested values within a crossing (a change between meeting and missing the
+/// target), as a share of the crossing's width. If two neighbours are farther apart, a value between them is tested.
 const MAX_SPACING: f64 = 0.34;
-/// Intended width of the range of undecided values within a crossing, as a share of the allowed gap.
+/// Intended width of the range of undecided values within a crossing (a change between meeting and missing the target),
+/// as a share of the allowed gap.
 const UNDECIDED_SHARE: f64 = 0.6;
 
 /// Tests values until each crossing (change from meeting the target to missing it, or back) is located accurately
@@ -161,7 +163,8 @@ fn stretches(points: &Points, rules: &Rules) -> Vec<Stretch> {
     stretches
 }
 
-/// Whether the gap between the ends of a crossing is small enough, or no further value fits into it.
+/// Whether the gap between the ends of a crossing (a change between meeting and missing the target) is small enough, or
+/// no further value fits into it.
 fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     let [low, .., high] = crossing else {
         return true;
@@ -196,8 +199,9 @@ fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec
     asks
 }
 
-/// Adds requests that locate a crossing more accurately. If neighbouring values are too far apart, values between them
-/// are requested. Otherwise, more trials of the undecided values are requested.
+/// Adds requests that locate a crossing (a change between meeting and missing the target) more accurately. If
+/// neighbouring values are too far apart, values between them are requested. Otherwise, more trials of the undecided
+/// values are requested.
 fn closer(
     crossing: &[Point],
     span: &Span,

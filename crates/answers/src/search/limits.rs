@@ -5,7 +5,8 @@ use std::time::Duration;
 use palpate_statistics::score_of_tail;
 use palpate_sweep::Clock;
 
-/// Share of the allowed error probability that the exploration may use. The rest is for verifying the ends of ranges.
+/// Share of a search's allowed error probability that its exploration may use. The rest is for verifying the ends of
+/// ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
 /// Largest number of tests in a search. A test compares the scores at one value with the scores that a decision
 /// requires.
@@ -15,10 +16,10 @@ pub(super) const MAX_LOOKS: usize = 400;
 pub(super) const SCANNED: usize = 17;
 /// Number of trials of each cell in the first test of a value.
 pub(super) const FIRST: u64 = 64;
-/// Largest number of attempts to verify an end of a range.
+/// Largest number of attempts to verify an end of a range of values.
 pub(super) const ATTEMPTS: u32 = 5;
-/// Number of fresh trials that verify a value, as a multiple of the number of trials in the search's decision about
-/// this value.
+/// Number of fresh trials that verify a value, as a multiple of the number of trials from which the search decided
+/// about this value.
 pub(super) const FRESH: f64 = 2.0;
 
 /// Scores that a search requires for its decisions, and other limits of the search.

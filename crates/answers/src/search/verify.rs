@@ -26,8 +26,8 @@ struct Candidate {
 struct End {
     run: usize,
     kind: Kind,
-    /// Indices of the values at which this end is tried, one after the other: first the outermost value of the range,
-    /// then values farther inside.
+    /// Indices of the values at which this end of the range is tried, one after the other: first the outermost value of
+    /// the range, then values farther inside.
     places: Vec<usize>,
     attempt: u32,
     /// Index of the value at which fresh trials confirmed this end of the range; `None` if they have not confirmed the

@@ -11,10 +11,10 @@ use super::random_scene::RandomScene;
 /// as a warning.
 const REJECTED: &str = "other-body";
 
-/// Number of trials for each name of a warning or error.
+/// Number of trials of a scene for each name of a warning or error.
 type NameCounts = BTreeMap<&'static str, f64>;
 
-/// Counts of warnings, errors and intervals that contain the true value, over the trials of a scene.
+/// Counts over the trials of a scene: warnings, errors, and intervals that contain the true value.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SceneCoverage {
     trials: f64,

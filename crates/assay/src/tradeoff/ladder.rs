@@ -25,7 +25,6 @@ impl Ease {
 
 /// A ladder: models or settings (rungs) for the same question, among which a user can choose, on three scenes.
 pub(super) struct Ladder {
-    /// Name of the ladder in the tables: lower-case words with hyphens.
     pub(super) name: &'static str,
     /// The question that all rungs answer, in one line.
     pub(super) title: &'static str,
@@ -38,7 +37,7 @@ pub(super) struct Ladder {
 
 /// A scene, and the rungs (models or settings) of its ladder.
 pub(super) struct SceneRungs {
-    /// How easy the scene is.
+    /// How easy it is for the rungs to be accurate on the scene.
     pub(super) ease: Ease,
     pub(super) scene: String,
     pub(super) rungs: Vec<Rung>,
@@ -52,7 +51,7 @@ impl SceneRungs {
     }
 }
 
-/// Error of a rung, as defined by [`Ladder::error`].
+/// Error of a rung (a model or setting), as defined by [`Ladder::error`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {
     pub(super) error: f64,

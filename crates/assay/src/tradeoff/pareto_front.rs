@@ -1,6 +1,6 @@
 //! The Pareto front of a ladder's rungs, and the recommended rung for a target error.
 
-/// Cost and error of a rung. Smaller values are better.
+/// Cost and error of a rung (a model or setting). Smaller values are better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CostError {
     /// Number of processor instructions, or time in nanoseconds if instructions were not counted.
@@ -13,9 +13,9 @@ const EQUAL_COST_RATIO: f64 = 1.02;
 /// Errors below this value are caused by rounding, so they count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung is on the Pareto front, that is, whether no other rung dominates it. One rung dominates another if
-/// neither its cost nor its error is larger, and at least one of them is smaller. Of several rungs with equal cost and
-/// error, only the first can be on the front.
+/// Whether each rung (model or setting) is on the Pareto front, that is, whether no other rung dominates it. One rung
+/// dominates another if neither its cost nor its error is larger, and at least one of them is smaller. Of several rungs
+/// with equal cost and error, only the first can be on the front.
 pub(super) fn pareto(rungs: &[CostError]) -> Vec<bool> {
     let beats = |a: usize, b: usize| {
         let ([a_cost, b_cost], [a_error, b_error]) = (

@@ -10,10 +10,10 @@ use palpate_sweep::Observation;
 
 use super::ladder::{Ease, Rung, RungError, SceneRungs};
 
-/// Placeholder in the config text of a scene. It is replaced by the config lines of a rung.
+/// Placeholder in the config text of a scene. It is replaced by the config lines of a rung (model or setting).
 const RUNG: &str = "$rung";
 
-/// Config text of a scene, with a placeholder for the config lines of a rung.
+/// Config text of a scene, with a placeholder for the config lines of a rung (model or setting).
 pub(super) struct Template {
     pub(super) ease: Ease,
     pub(super) scene: &'static str,
@@ -49,7 +49,7 @@ pub(super) fn scenes(
     templates.iter().map(stage).collect()
 }
 
-/// A rung, with the text that replaces `$rung`.
+/// A rung (model or setting), with the text that replaces `$rung` in the config text of a scene.
 pub(super) struct Choice {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
@@ -77,7 +77,7 @@ impl Choice {
     }
 }
 
-/// How the error and the cost of a rung are measured.
+/// How the error and the cost of a rung (model or setting) are measured.
 #[derive(Clone, Copy)]
 pub(super) struct Measure {
     /// Computes the error of the scene's estimates from this number of trials.
