@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 /// Folder of the files with the baselines.
 pub(crate) const DIRECTORY: &str = "crates/assay/baseline";
 
-/// The numbers of a table with their names, in the order of the rows.
+/// Names and numbers of a table, in the order of its rows.
 pub(crate) type Figures = Vec<(String, f64)>;
 
 /// Reads a table with a header and two columns: name and number.
@@ -105,7 +105,6 @@ impl Comparison {
         })
     }
 
-    /// The measured numbers as a table that [`read`] can read.
     pub(crate) fn to_csv(&self) -> Result<String> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(["name", self.limits.what])?;

@@ -33,7 +33,6 @@ const STEPS: [Step; 14] = [
     ("documents", book::check),
 ];
 
-/// Runs every step, and stops at the first step that fails.
 pub(crate) fn run(shell: &Shell) -> Result<()> {
     let start = Instant::now();
     for (name, step) in STEPS {
@@ -68,7 +67,6 @@ fn tests(shell: &Shell) -> Result<()> {
     Ok(tests.env("PROPTEST_RNG_SEED", "1996").run()?)
 }
 
-/// Runs all example programs of the library, which the step `tests` has built.
 fn examples(shell: &Shell) -> Result<()> {
     for file in shell.read_dir("crates/palpate/examples")? {
         let name = file.file_stem().unwrap_or_default();

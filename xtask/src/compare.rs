@@ -6,7 +6,6 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-/// Table of a run with at least one row for every cell.
 const CELLS: &str = "cells.csv";
 /// Table that `palpate report` writes, but `palpate run` does not.
 const SCORED: &str = "claims.csv";

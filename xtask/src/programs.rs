@@ -34,7 +34,7 @@ const RELEASED: [&str; 7] = [
     "palpate/cli",
 ];
 
-/// Builds the release programs, and returns the path of one of them.
+/// Builds the release programs in [`RELEASED`], and returns the path of `program`.
 pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
     let build = cmd!(shell, "cargo build --release {RELEASED...} --bins");
     build.quiet().run()?;

@@ -31,7 +31,6 @@ pub(crate) struct Options {
     pub(crate) check: bool,
 }
 
-/// Builds the program `palpate`, and runs the studies with it.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     chosen(&known_studies(shell)?, &options.studies)?;
     run_with(shell, &programs::build_alone(shell)?, options)

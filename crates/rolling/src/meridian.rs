@@ -27,8 +27,8 @@ pub(crate) struct MeridianRung {
     /// The meridian of an object that is a surface of revolution about the apex, so that its meridian is the same in
     /// every direction; `None` for other objects.
     revolved: Option<Meridian>,
-    /// The sections along the x and y axes of the contact frame; `None` for an axis along which the object is not
-    /// symmetric.
+    /// The sections of the object along the x and y axes of the contact frame; `None` for an axis along which the
+    /// object is not symmetric.
     along: [Option<Meridian>; 2],
     radius: f64,
 }
@@ -52,8 +52,8 @@ impl MeridianRung {
         self.revolved.is_some()
     }
 
-    /// The section along which a motion without spin and sliding leads from the apex; `None` if there is no such
-    /// section.
+    /// The section of the object along which a motion without spin and sliding leads from the apex; `None` if there is
+    /// no such section.
     #[inline]
     pub(crate) fn section(&self, motion: &Motion) -> Option<&Meridian> {
         let aside = match motion.drive() {
@@ -65,8 +65,8 @@ impl MeridianRung {
         self.along[aside].as_ref()
     }
 
-    /// The point of a section at which the probe has turned by `theta > 0`, as parameter and as arc length from the
-    /// apex.
+    /// The point of a section of the object at which the probe has turned by `theta > 0`, as parameter and as arc
+    /// length from the apex.
     fn solve(&self, section: &Meridian, theta: f64) -> Result<(f64, f64), RollFault> {
         match *section {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),

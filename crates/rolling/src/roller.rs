@@ -45,7 +45,7 @@ pub(crate) struct Bodies<'a, S> {
 }
 
 impl<'a, S> Bodies<'a, S> {
-    /// The same probe on another form of the object, `object`.
+    /// The same probe on `object`, which may have another type than the previous object.
     pub(crate) fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
         Bodies {
             probe: self.probe,

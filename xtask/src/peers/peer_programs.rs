@@ -19,13 +19,11 @@ const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_N
 
 /// Language of a peer program, with the path of its source.
 pub(crate) enum Kind {
-    /// A Python script in xtask/peers/.
     Python(&'static str),
     /// A group of tasks in xtask/peers/python_package.py. This script also measures palpate's Python package.
     Package(&'static str),
     /// A C++ source file in xtask/peers/, compiled with g++.
     Cpp(&'static str),
-    /// A Rust package in xtask/peers/.
     Rust(&'static str),
 }
 

@@ -305,7 +305,7 @@ fn meridians_from_flat_to_sharp() {
     }
 }
 
-/// Copies of the objects with all lengths multiplied by `scale`.
+/// Several objects to roll on, with all their lengths multiplied by `scale`.
 fn scaled(scale: f64) -> [Shape; 4] {
     [
         sphere(5.0 * scale),

@@ -30,7 +30,7 @@ fn assert_at(touch: &Touch, point: [f64; 3], normal: Vector3<f64>, tolerance: f6
     assert!(turned <= 1e-12, "{} is not {normal}", touch.normal);
 }
 
-/// A zero of a function, found by bisection. The function is negative at `low` and positive at `high`.
+/// A zero of `function`, by bisection. The function is negative at `low` and positive at `high`.
 fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -355,7 +355,7 @@ fn contacts_lost_and_domains_left() {
     }
 }
 
-/// Copies of the objects with all lengths multiplied by `scale`.
+/// Several objects to glide on, with all their lengths multiplied by `scale`.
 fn scaled(scale: f64) -> [Shape; 7] {
     [
         sphere(2.0 * scale),
