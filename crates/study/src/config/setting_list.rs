@@ -401,46 +401,56 @@ where
     if given.is_empty() {
         return Ok(base.clone());
     }
-    let known = known::<T>();
     let unreadable = |error: &serde_json::Error| format!("cannot be read: {error}");
-    let mut table = match serde_json::to_value(base) {
-        Ok(Json::Object(table)) => table,
-        Ok(_) => Map::new(),
-        Err(error) => return Err(SettingError::new("kind", unreadable(&error))),
-    };
-    if let Some((setting, kind)) = known.setting("kind").zip(given.get("kind")) {
-        setting.accepts.check("kind", kind)?;
-        table.insert("kind".to_owned(), kind.clone());
-    }
-    let kind = table.get("kind").and_then(Json::as_str);
-    let variant = variant(&known.schema, kind);
-    let properties = variant.and_then(|variant| variant["properties"].as_object());
-    let knows = |key: &str| properties.is_some_and(|properties| properties.contains_key(key));
-    table.retain(|key, _| knows(key));
-    for (key, value) in given {
-        let setting = known.setting(key);
-        if !knows(key) {
-            let kinds = setting.map(|setting| setting.kinds.join(" or "));
-            let reason = kinds.map_or("does not exist".to_owned(), |kinds| {
-                format!("is of use only to setting `kind` {kinds}")
-            });
-            return Err(SettingError::new(key, reason));
+    let table = serde_json::to_value(base)
+        .map_err(|error| SettingError::new("kind", unreadable(&error)))?;
+    let table = known::<T>().with_settings(table, given)?;
+    serde_path_to_error::deserialize(table)
+        .map_err(|error| SettingError::new(&error.path().to_string(), unreadable(error.inner())))
+}
+
+impl Known {
+    /// The table `base` in which the settings `given` replace those with the same key. Settings that the kind of the
+    /// table does not have are dropped.
+    fn with_settings(&self, base: Json, given: &Map<String, Json>) -> Result<Json, SettingError> {
+        let mut table = match base {
+            Json::Object(table) => table,
+            _ => Map::new(),
+        };
+        if let Some((setting, kind)) = self.setting("kind").zip(given.get("kind")) {
+            setting.accepts.check("kind", kind)?;
+            table.insert("kind".to_owned(), kind.clone());
         }
-        if let Some(setting) = setting {
-            setting.accepts.check(key, value)?;
-        }
-        let property = properties.and_then(|properties| properties.get(key));
-        for other in property.into_iter().flat_map(instead_of) {
-            if given.contains_key(other) {
-                let reason = format!("cannot be combined with setting `{other}`; give one of them");
+        let kind = table.get("kind").and_then(Json::as_str);
+        let variant = variant(&self.schema, kind);
+        let properties = variant.and_then(|variant| variant["properties"].as_object());
+        let knows = |key: &str| properties.is_some_and(|properties| properties.contains_key(key));
+        table.retain(|key, _| knows(key));
+        for (key, value) in given {
+            let setting = self.setting(key);
+            if !knows(key) {
+                let kinds = setting.map(|setting| setting.kinds.join(" or "));
+                let reason = kinds.map_or("does not exist".to_owned(), |kinds| {
+                    format!("is of use only to setting `kind` {kinds}")
+                });
                 return Err(SettingError::new(key, reason));
             }
-            table.remove(other);
+            if let Some(setting) = setting {
+                setting.accepts.check(key, value)?;
+            }
+            let property = properties.and_then(|properties| properties.get(key));
+            for other in property.into_iter().flat_map(instead_of) {
+                if given.contains_key(other) {
+                    let reason =
+                        format!("cannot be combined with setting `{other}`; give one of them");
+                    return Err(SettingError::new(key, reason));
+                }
+                table.remove(other);
+            }
+            table.insert(key.clone(), value.clone());
         }
-        table.insert(key.clone(), value.clone());
+        Ok(Json::Object(table))
     }
-    serde_path_to_error::deserialize(Json::Object(table))
-        .map_err(|error| SettingError::new(&error.path().to_string(), unreadable(error.inner())))
 }
 
 /// The table in another unit of length: its lengths are multiplied by `factor`, and its curvatures are divided by
