@@ -32,8 +32,8 @@ const REFINEMENTS: usize = 3;
 
 /// Finds the values of one or several fields that meet a target, and the best value of one of these fields.
 ///
-/// `progress` receives the number of tested values and the number of trials so far. Without a budget, the result
-/// depends only on the study and the question. The combinations of the grid share the time budget.
+/// `progress` receives the number of tested values and the number of trials so far. Without a time budget, the result
+/// depends only on the study and the question. The searches at all combinations of field values share the time budget.
 ///
 /// ```
 /// use std::time::Instant;

@@ -17,13 +17,13 @@ const STATED_FAILURES: f64 = 0.05;
 /// trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discrimination {
-    /// The quantity whose estimates distinguish the objects.
+    /// The quantity whose estimates are compared to distinguish the objects.
     pub quantity: Quantity,
-    /// Unit of the quantity, as in `cells.csv`.
+    /// Unit of the compared quantity, as in `cells.csv`.
     pub unit: &'static str,
     /// Required probability that the means of several trials put two objects in the right order.
     pub confidence: f64,
-    /// Word for the trials: `presses`, `glides`, or for example `trials of 8 rolls`.
+    /// Word for the study's trials: `presses`, `glides`, or for example `trials of 8 rolls`.
     pub trials: String,
     /// Columns of the swept fields that define the objects, such as the object's radius.
     pub object_columns: Vec<String>,
@@ -39,8 +39,8 @@ pub struct Discrimination {
 pub struct Group {
     /// Values of the fields in [`Discrimination::columns`] for this group, formatted as in the tables.
     pub settings: Vec<String>,
-    /// The objects, in ascending order of their true values. If the compared quantity is `class`, the objects are in
-    /// the order of the config.
+    /// The objects of the group, in ascending order of their true values. If the compared quantity is `class`, the
+    /// objects are in the order of the config.
     pub objects: Vec<Object>,
     /// All pairs of the group's objects.
     pub pairs: Vec<Pair>,
@@ -60,16 +60,16 @@ pub struct Object {
     pub class: Option<&'static str>,
     /// Number of trials of this object, and number of failed trials.
     pub counts: TrialCounts,
-    /// Mean of the object's estimates; `None` if every trial failed.
+    /// Mean of the estimates of the compared quantity for this object; `None` if every trial failed.
     pub mean: Option<f64>,
 }
 
 /// A pair of objects of the same group, and how reliably trials distinguish them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// Index of the first object in the group.
+    /// Index in [`Group::objects`] of the first object.
     pub first: usize,
-    /// Index of the second object in the group. It comes after the first object in [`Group::objects`].
+    /// Index in [`Group::objects`] of the second object. It is larger than `first`.
     pub second: usize,
     /// Probability that one trial of each object distinguishes the two objects; `None` if both have the same true
     /// value.
@@ -187,8 +187,8 @@ impl Discrimination {
         table
     }
 
-    /// One sentence for each pair of neighbouring objects in each group. The sentence starts with the settings of the
-    /// group.
+    /// One sentence for each pair of neighbouring objects in each group. The sentence starts with the swept values that
+    /// all objects of the group share.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for group in &self.groups {
@@ -255,8 +255,8 @@ impl Discrimination {
         )
     }
 
-    /// The result as JSON: the sentences, and for each pair of a group the probability, its 95 % interval and the required
-    /// number of trials.
+    /// The result as JSON: the sentences, and for each pair of objects the probability that trials distinguish them,
+    /// its 95 % interval, and the required number of trials.
     pub fn to_json(&self, study: &Study) -> Value {
         let groups = self.groups.iter().map(|group| {
             let pairs = group.pairs.iter().map(|pair| {

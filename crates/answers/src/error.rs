@@ -14,12 +14,12 @@ pub enum AnswerError {
     /// The config is invalid, either by itself or with some values of a varied field.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// A setting is out of its range.
+    /// A setting of the question is out of its range.
     #[error("{setting} is {value}; it must be {expected}")]
     OutOfRange {
         /// Name of the setting that is out of its range.
         setting: &'static str,
-        /// Value of the setting.
+        /// Value of the setting that is out of range.
         value: f64,
         /// Values that the setting may have, as text.
         expected: &'static str,
@@ -28,9 +28,9 @@ pub enum AnswerError {
     /// number and the range contains none.
     #[error("{path} {why}")]
     NoRange {
-        /// Path of the field.
+        /// Path of the varied field.
         path: String,
-        /// Reason, and what would be right, as text.
+        /// Reason why the field accepts no range, and what would be right, as text.
         why: &'static str,
     },
     /// The question sets or varies the same field twice.
@@ -45,9 +45,9 @@ pub enum AnswerError {
     /// The question asks for the best value of a field, but the values of the field are not numbers.
     #[error("{path} has no largest or smallest value, because {text:?} is no number")]
     NoOrder {
-        /// Path of the field.
+        /// Path of the field whose best value the question asks for.
         path: String,
-        /// The value of the field that is not a number.
+        /// The value of this field that is not a number, as text.
         text: String,
     },
     /// No field of the object is swept.
@@ -61,27 +61,27 @@ pub enum AnswerError {
     NoQuantity {
         /// Kind of the scene: `roll`, `glide` or `press`.
         scene: &'static str,
-        /// Name of the quantity.
+        /// Name of the quantity that the question asks for.
         name: String,
-        /// Names of the quantities of the scene.
+        /// Names of the quantities that the scene has.
         known: String,
     },
     /// The statistic of the target is undefined, although some trials succeed.
     #[error("{statistic} of {quantity} has no value where {place}: {why}")]
     Undefined {
-        /// Name of the statistic.
+        /// Name of the target's statistic.
         statistic: &'static str,
-        /// Name of the quantity.
+        /// Name of the target's quantity.
         quantity: &'static str,
         /// Values of the swept fields for which the statistic is undefined, as text.
         place: String,
-        /// Reason, and what would be right, as text.
+        /// Reason why the statistic is undefined, and what would be right, as text.
         why: &'static str,
     },
     /// There is no error that a field could change, because every trial fails or every estimate is exact.
     #[error("the scene has no error that could change: {0}")]
     NoError(&'static str),
-    /// The question has too many combinations of values.
+    /// The varied fields have too many combinations of values.
     #[error(
         "{0} combinations of values would each be searched; at most {MAX_COLUMNS} are allowed: \
          list fewer values, or vary fewer fields"

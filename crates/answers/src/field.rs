@@ -6,16 +6,16 @@ use palpate_study::{Label, number};
 use crate::error::AnswerError;
 use crate::search::{SearchRange, Span};
 
-/// A varied field of a study.
+/// A field that a question varies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Path of the field in the config.
     pub path: String,
-    /// Name of the field's column. It is the path, with the unit appended if there is one.
+    /// Name of the field's column in tables: the path, with the unit appended if there is one.
     pub column: String,
     /// Name of the field in words, and its unit.
     pub label: Label,
-    /// Listed values; empty for a range of numbers.
+    /// Values that the question lists for the field; empty if it gives a range of numbers.
     pub listed: Vec<toml::Value>,
     /// Range of the field's values. If the question lists the values, this is the range of their indices in the list.
     pub span: Span,

@@ -14,13 +14,13 @@ use crate::search::Span;
 pub struct Question {
     /// Target that all cells of the study (combinations of its swept values) must meet.
     pub target: Target,
-    /// Field that is searched at each combination of the grid's values. The values in this question replace the values
-    /// that the config states or sweeps.
+    /// Field that is searched at each combination of values of the other varied fields (`grid`). The values in this
+    /// question replace the values that the config states or sweeps.
     pub searched: Vary,
     /// The other varied fields, which form the grid. The grid contains all values of a field with listed values, and
     /// some values of a field with a range.
     pub grid: Vec<Vary>,
-    /// Field whose best value the answer states: the searched field or a field of the grid.
+    /// Field whose best value the answer states: `searched` or a field of `grid`.
     pub sought: Option<Sought>,
     /// Fields with a fixed value in all trials of the question, each with this value.
     pub set: Vec<(String, toml::Value)>,
@@ -39,12 +39,12 @@ pub struct Question {
     pub confidence: f64,
 }
 
-/// The optimised field. The answer is the largest or the smallest of its values that meet the target.
+/// The optimised field of a question. The answer is the largest or the smallest of its values that meet the target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sought {
-    /// Path of the field.
+    /// Path of the optimised field.
     pub path: String,
-    /// Whether the answer is the largest or the smallest value.
+    /// Whether the answer is the largest or the smallest value that meets the target.
     pub extreme: Extreme,
 }
 

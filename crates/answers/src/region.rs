@@ -23,9 +23,9 @@ pub struct Region {
     /// The answered question. If the question did not name the quantity of its target, this copy names the first
     /// quantity of the scene.
     pub question: Question,
-    /// Fields of the grid; empty if only one field is varied.
+    /// Varied fields that are not searched (the grid); empty if only one field is varied.
     pub grid: Vec<Field>,
-    /// Field that is searched at each combination of the grid's values.
+    /// Field that is searched at each combination of values of the fields in `grid`.
     pub searched: Field,
     /// Unit of the target's statistic, as in `cells.csv`.
     pub unit: &'static str,
@@ -34,25 +34,26 @@ pub struct Region {
     pub cell_columns: Vec<String>,
     /// For each cell, the values of the fields in `cell_columns`, formatted as in the tables.
     pub cells: Vec<Vec<String>>,
-    /// One result for each combination of the grid's values, in ascending order of the values. There is at least one
-    /// combination.
+    /// One result for each combination of values of the fields in `grid`, in ascending order of these values. There is
+    /// at least one combination.
     pub columns: Vec<RegionColumn>,
 }
 
-/// A combination of the grid's values, and the values of the searched field that meet the target at this combination.
+/// A combination of values of the fields in [`Region::grid`], and the values of the searched field that meet the target
+/// at this combination.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionColumn {
-    /// Value of each field of the grid. For a field with listed values, this is the index in its list.
+    /// Value of each field in [`Region::grid`]. For a field with listed values, this is the index in its list.
     pub at: Vec<f64>,
-    /// Tested values in ascending order. Listed values are in the order of the list.
+    /// Tested values of the searched field, in ascending order. Listed values are in the order of the list.
     pub points: Vec<DesignPoint>,
-    /// Ranges of neighbouring values on the same side of the target, in ascending order. For listed values, the ranges
-    /// contain the indices of the values.
+    /// Ranges of neighbouring values of the searched field on the same side of the target, in ascending order. For
+    /// listed values, the ranges contain the indices of the values.
     pub runs: Vec<Run>,
-    /// Number of range ends that fresh trials did not confirm at the first attempt. The ranges were shortened at these
-    /// ends.
+    /// Number of ends of ranges that fresh trials did not confirm at the first attempt. The ranges were shortened at
+    /// these ends.
     pub narrowed: usize,
-    /// Reason why the search at this combination ended.
+    /// Reason why the search of values at this combination ended.
     pub ended: EndReason,
 }
 
@@ -75,7 +76,7 @@ pub struct DesignPoint {
 /// Result of the trials of a cell at a tested value of the searched field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Index of the cell.
+    /// Index of the cell (combination of values that the study itself sweeps).
     pub cell: usize,
     /// Number of trials of the cell, and number of failed trials.
     pub counts: TrialCounts,
@@ -88,7 +89,7 @@ pub struct Sample {
 pub struct Best<'a> {
     /// The value of the optimised field. For a listed value, its index in the list.
     pub value: f64,
-    /// Combination of the grid's values at which this best value meets the target.
+    /// Combination of values of the fields in [`Region::grid`] at which this best value meets the target.
     pub column: &'a RegionColumn,
     /// Value of the searched field at which the target is met together with `value`. For a listed value, its index in
     /// the list.
@@ -96,7 +97,7 @@ pub struct Best<'a> {
 }
 
 impl RegionColumn {
-    /// The ranges whose values all lie on this side of the target.
+    /// The ranges of the searched field whose values all lie on this side of the target.
     pub fn on(&self, side: Side) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(move |run| run.side == side)
     }

@@ -16,9 +16,10 @@ use crate::words::settings_in_words;
 const MAX_LINES: usize = 7;
 
 impl Region {
-    /// Figure of the region. With a grid, the searched field is plotted over the last field of the grid. There is one
-    /// panel for each combination of values of the remaining grid fields. Without a grid, the target's statistic is
-    /// plotted over the searched field. `name` is the file name of the figure, without extension.
+    /// Figure of the region. If several fields are varied, the searched field is plotted over the last field of
+    /// [`Region::grid`]. There is one panel for each combination of values of the remaining fields. If one field is
+    /// varied, the target's statistic is plotted over this field. `name` is the file name of the figure, without
+    /// extension.
     ///
     /// # Errors
     /// [`ReportError`] if the figure cannot be drawn.

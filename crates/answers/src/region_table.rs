@@ -9,10 +9,10 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 
 impl Region {
-    /// Table of the results of all trials. It has one row for each combination of the grid's values, each tested value
-    /// of the searched field, each cell, and each kind of trials. The kinds are trials of the search, and fresh trials
-    /// that verify the answer. A row contains the statistic that is compared with the target, its standard error, and
-    /// whether the tested value meets the target.
+    /// Table of the results of all trials. It has one row for each combination of values of the fields in
+    /// [`Region::grid`], each tested value of the searched field, each cell, and each kind of trials. The kinds are
+    /// trials of the search, and fresh trials that verify the answer. A row contains the statistic that is compared
+    /// with the target, its standard error, and whether the tested value meets the target.
     pub fn table(&self) -> Table {
         let grid = self.grid.iter().map(|field| &field.column);
         let fields = grid.chain([&self.searched.column]).cloned();
@@ -63,8 +63,9 @@ impl Region {
         table
     }
 
-    /// Table of the ranges of values that meet or miss the target, with one row per range. The first columns are the
-    /// values of the grid's fields. It is undecided whether values between two ranges meet the target.
+    /// Table of the ranges of values of the searched field that meet or miss the target, with one row per range. The
+    /// first columns are the values of the fields in [`Region::grid`]. It is undecided whether values between two
+    /// ranges meet the target.
     pub fn runs(&self) -> Table {
         let field = &self.searched;
         let fields = self.grid.iter().map(|field| field.column.clone());

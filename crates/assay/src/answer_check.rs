@@ -25,12 +25,12 @@ const FRESH: u64 = 1 << 50;
 const APART: u64 = 1 << 40;
 const HALF_WIDTH_95: f64 = 1.96;
 
-/// Options of a run of the check.
+/// Options for checking the answers of `design` and `distinguish`.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
-    /// Number of seeds for each scene.
+    /// Number of seeds with which each scene is run.
     pub seeds: u64,
-    /// Number of pairs of fresh trials that test each probability.
+    /// Number of pairs of fresh trials that test each probability that `distinguish` estimates.
     pub pairs: u64,
     /// Run only scenes whose names contain these words.
     pub only: &'a str,
@@ -43,9 +43,9 @@ pub struct Score {
     pub command: &'static str,
     /// Name of the scene.
     pub scene: &'static str,
-    /// Number of checked answers.
+    /// Number of checked answers for the scene.
     pub cases: u64,
-    /// Number of correct answers.
+    /// Number of correct answers for the scene.
     pub right: u64,
 }
 

@@ -24,7 +24,7 @@ const MIN_DETECTED: f64 = 0.9;
 /// Name of the flaw of readings that were recorded without a contact. For such readings, the estimate must fail.
 const NO_CONTACT: &str = "no contact";
 
-/// Options of a measurement of coverage and warnings.
+/// Options for measuring the coverage of intervals and the share of warnings.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Seed of the scenes and the noise.

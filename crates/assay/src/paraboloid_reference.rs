@@ -55,7 +55,8 @@ enum Pressure {
 }
 
 impl ParaboloidPress {
-    /// The contact of an object. `relative_curvature` is the sum of the curvatures of the object and the skin.
+    /// The contact of an object with the soft body `body`. `relative_curvature` is the sum of the curvatures of the
+    /// object and the skin.
     ///
     /// # Errors
     /// An error if the relative curvature or the indentation is not positive, or if the contact with a layer cannot be
@@ -87,7 +88,8 @@ impl ParaboloidPress {
         }
     }
 
-    /// Displacements at a depth, inward and outward, for each of these distances from the middle of the contact.
+    /// Displacements of the body at a depth, inward and outward, for each of these distances from the middle of the
+    /// contact.
     ///
     /// # Errors
     /// An error at the surface of a compressible half-space, because the integral over wavenumbers does not converge

@@ -39,7 +39,7 @@ impl fmt::Display for Verdict {
 /// Result of testing one claim with the tables of one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Score {
-    /// Number of the claim.
+    /// Number of the claim in the list of both papers' claims.
     pub claim: u32,
     /// Name of the study.
     pub study: String,

@@ -28,7 +28,7 @@ pub struct Contact {
     /// The probe's contact frame `(x₁, y₁, z₁)` in the probe's body frame; `z₁` points from the probe's centre to the
     /// contact.
     pub body_from_contact: UnitQuaternion<f64>,
-    /// Length of the path that the contact has moved on the probe.
+    /// Length of the path that the contact has moved on the probe since the start of the roll.
     pub arc_length: f64,
 }
 
@@ -37,7 +37,7 @@ pub struct Contact {
 pub struct Shift {
     /// Great-circle displacement (logarithm map) in the probe's first contact frame `(x₁, y₁)`.
     pub displacement: Vector2<f64>,
-    /// Length of the path on the probe. It exceeds the length of the displacement if the path is curved.
+    /// Length of the contact's path on the probe. It exceeds the length of the displacement if the path is curved.
     pub arc_length: f64,
 }
 

@@ -6,13 +6,13 @@ use palpate_geometry::{CurvatureForm, TangentForm};
 use crate::integrator::System;
 use crate::{Contact, Motion, RollFault};
 
-/// The form of the contact equations that is integrated.
+/// The form of the contact equations that an integrator solves: with or without charts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chart {
-    /// The chart-free form, which has no poles.
+    /// The equations without charts. They have no poles.
     #[default]
     Free,
-    /// Montana's form in charts. A steady motion has constant components in the given frame.
+    /// Montana's equations in charts of both bodies. A steady motion has constant components in the given frame.
     Montana(HeldAxis),
 }
 

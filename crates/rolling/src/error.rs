@@ -28,20 +28,20 @@ pub enum RollFault {
         /// Depth of the overlap, length.
         depth: f64,
     },
-    /// The contact has left the area in which the object is defined.
+    /// The contact has left the region in which the object's surface is defined.
     #[error("the contact left the object: {0}")]
     #[strum(transparent)]
     Surface(#[from] SurfaceError),
     /// The integrator has reached its maximum number of steps.
     #[error("the integration needs more than {steps} steps")]
     TooManySteps {
-        /// Number of steps, including rejected steps.
+        /// Number of integration steps, including rejected steps.
         steps: usize,
     },
     /// The step of the integrator has become too short, because the motion is singular at this place.
     #[error("the motion is singular")]
     Singular,
-    /// A number has overflowed or is NaN.
+    /// A number of the computation has overflowed or is NaN.
     #[error("a number of the motion is not finite")]
     NotFinite,
 }

@@ -27,10 +27,10 @@ const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
-/// A model with its error and cost on the rolls without noise.
+/// A roll model with its error and cost on a scene's rolls without noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredRung {
-    /// The model; never [`Model::Auto`].
+    /// The roll model; never [`Model::Auto`].
     pub model: Model,
     /// Displayed name of the model, including the number of steps or the tolerance of an integrator.
     pub name: String,

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
 
-/// Tolerances that are tried in the search for a sufficiently small tolerance, largest first.
+/// Tolerances that are tried when a sufficiently small tolerance is searched, largest first.
 pub const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
@@ -14,7 +14,8 @@ pub const TOLERANCES: [f64; 14] = [
 /// A model that computes rolls, or the automatic choice of such a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model {
-    /// The cheapest model whose error is within `tolerance`. The error is relative to the contact's length scale.
+    /// The cheapest model whose error is within `tolerance`. The error of a contact is relative to the contact's length
+    /// scale.
     Auto {
         /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
         /// [`Model::LARGEST_TOLERANCE`].
@@ -22,7 +23,8 @@ pub enum Model {
         /// Form of the contact equations, which is used if the chosen model is an integrator.
         chart: Chart,
     },
-    /// Exact formulas. [`crate::Roller::new`] returns an error if no exact formulas exist for the rolls.
+    /// Exact formulas for the contact. [`crate::Roller::new`] returns an error if there are no exact formulas for the
+    /// rolls.
     ClosedForm,
     /// The meridian model. [`crate::Roller::new`] returns an error if the model is not valid for the rolls.
     Meridian,
@@ -44,9 +46,9 @@ pub enum Model {
 }
 
 impl Model {
-    /// Smallest allowed tolerance. Rounding errors are about as large as this tolerance.
+    /// Smallest allowed tolerance for the error of a contact. Rounding errors are about as large as this tolerance.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
-    /// Largest allowed tolerance. A larger error would not be useful.
+    /// Largest allowed tolerance for the error of a contact. A larger error would not be useful.
     pub const LARGEST_TOLERANCE: f64 = 0.1;
 
     pub(crate) fn name(&self) -> String {
@@ -73,10 +75,11 @@ pub struct Choice<M = Model> {
     pub rung: String,
     /// The chosen model; never `Auto`.
     pub model: M,
-    /// Reason for the choice, as text.
+    /// Reason for the choice of the model, as text.
     pub reason: String,
-    /// Upper bound on the error of the contact without noise, in addition to the rounding errors of its coordinates. It
-    /// is relative to the contact's length scale; for a glide, to the tip's radius. `None` if the user has set RK4.
+    /// Upper bound on the error of the contact without noise, in addition to the rounding errors of the contact's
+    /// coordinates. The bound is relative to the contact's length scale; for a glide, to the tip's radius. `None` if
+    /// the user has set RK4.
     pub error_bound: Option<f64>,
 }
 

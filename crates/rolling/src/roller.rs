@@ -160,7 +160,7 @@ impl Roller {
         })
     }
 
-    /// The chosen model, and the reason for the choice.
+    /// The chosen model of this roller, and the reason for the choice.
     pub const fn choice(&self) -> &Choice {
         &self.choice
     }

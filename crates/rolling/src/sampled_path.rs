@@ -20,8 +20,8 @@ const MAX_INTERVALS: usize = 128;
 pub struct PathPoint {
     /// Great-circle displacement of the contact on the probe, from its first contact (logarithm map).
     pub displacement: Vector2<f64>,
-    /// Rotation vector of the probe since the start, in the probe's first contact frame (rad). Its direction is the
-    /// axis, and its length is the angle, of the finite rotation.
+    /// Rotation vector of the probe since the start of the roll, in the probe's first contact frame (rad). Its
+    /// direction is the axis, and its length is the angle, of the finite rotation.
     pub rotation: Vector3<f64>,
 }
 

@@ -10,9 +10,9 @@ use crate::Number;
 pub struct BadSetting<Words = &'static str> {
     /// Name of the setting, as in the config.
     pub setting: &'static str,
-    /// Value of the setting.
+    /// Value of the setting that is out of range.
     pub value: f64,
-    /// The allowed values, as text that follows "must be".
+    /// The allowed values of the setting, as text that follows "must be".
     pub expected: Words,
 }
 

@@ -8,7 +8,7 @@ use crate::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 pub enum Misfit {
     /// The residuals are larger than the noise can explain.
     PoorFit {
-        /// p-value of the goodness of fit.
+        /// p-value of the fit's goodness of fit.
         p_value: f64,
     },
     /// One reading contradicts the other readings.
@@ -31,12 +31,14 @@ pub enum Misfit {
     },
     /// The displacements of a press vary with the distance from the contact differently than the fitted model predicts.
     OtherBody {
-        /// P-value for a dependence on the distance that the fitted model does not explain.
+        /// P-value for a dependence of the displacements on the distance from the contact that the fitted model does
+        /// not explain.
         p_value: f64,
     },
     /// The displacements of a press depend on the direction from the contact more than the fitted model predicts.
     NotRound {
-        /// P-value for a dependence on the direction that the fitted model does not explain.
+        /// P-value for a dependence of the displacements on the direction from the contact that the fitted model does
+        /// not explain.
         p_value: f64,
     },
 }
@@ -44,11 +46,11 @@ pub enum Misfit {
 /// A quantity that the user states and that can also be estimated from the readings.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum StatedQuantity {
-    /// Standard deviation of the noise of the readings.
+    /// Standard deviation of the readings' noise.
     Noise,
     /// Indentation of a press.
     Indentation,
-    /// Distance between neighbouring pads.
+    /// Distance between neighbouring pads of the sensor.
     Pitch,
     /// A length that scales all lengths in the readings, for example the distance between fingers.
     Scale,
@@ -107,7 +109,8 @@ impl Misfit {
         }
     }
 
-    /// The p-value: the probability of a contradiction at least as large as this one, if the model is correct.
+    /// The p-value of this misfit: the probability of a contradiction at least as large as this one, if the model is
+    /// correct.
     pub const fn p_value(&self) -> f64 {
         match self {
             Self::PoorFit { p_value }

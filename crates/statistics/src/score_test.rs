@@ -13,18 +13,19 @@ pub const LEFT: f64 = 0.02;
 /// Decrease of a fit's chi-squared, to first order, if patterns are fitted in addition to the parameters of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
-    /// Decrease of chi-squared.
+    /// Decrease of the fit's chi-squared.
     pub fall: f64,
     /// Number of independent patterns that remain after the parameters of the model are fitted to them.
     pub freedom: usize,
 }
 
 impl Explained {
-    /// The decrease of chi-squared by some patterns. Patterns and residuals are divided by the standard deviations of
-    /// the readings. The remainder of a pattern is the part that the fitted parameters do not explain. `squares` are
-    /// the squared norms of the patterns, `left` the inner products of all pairs of remainders, and `by_residuals` the
-    /// inner products of the remainders with the residuals. Combinations of patterns are skipped if their remaining
-    /// share is smaller than `least` (usually [`LEFT`]). If a number is not finite, all patterns are skipped.
+    /// The decrease of a fit's chi-squared if these patterns are fitted, too. Patterns and residuals are divided by the
+    /// standard deviations of the readings. The remainder of a pattern is the part that the fitted parameters do not
+    /// explain. `squares` are the squared norms of the patterns, `left` the inner products of all pairs of remainders,
+    /// and `by_residuals` the inner products of the remainders with the residuals. Combinations of patterns are skipped
+    /// if their remaining share is smaller than `least` (usually [`LEFT`]). If a number is not finite, all patterns are
+    /// skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -61,13 +62,13 @@ impl Explained {
         explained
     }
 
-    /// P-value of the decrease if the standard deviation of the noise is stated by the user.
+    /// P-value of the decrease of chi-squared if the standard deviation of the noise is stated by the user.
     pub fn p_value(self) -> f64 {
         chi_squared_tail(self.fall, self.freedom)
     }
 
-    /// P-value of the decrease if the standard deviation of the noise is estimated from the residuals. `chi_squared`
-    /// and `freedom` are the chi-squared and the degrees of freedom of the fit without the patterns.
+    /// P-value of the decrease of chi-squared if the standard deviation of the noise is estimated from the residuals.
+    /// `chi_squared` and `freedom` are the chi-squared and the degrees of freedom of the fit without the patterns.
     pub fn p_value_beside(self, chi_squared: f64, freedom: usize) -> f64 {
         let rest = freedom.saturating_sub(self.freedom);
         let below = (chi_squared - self.fall).max(0.0);

@@ -139,7 +139,7 @@ const STRAIGHT: f64 = 1e-6;
 
 /// The continued fraction of the beta function has converged if the next factor differs from 1 by less than this value.
 const CONVERGED: f64 = 1e-13;
-/// Largest number of factors of the beta function's continued fraction that are computed.
+/// Largest number of factors that are computed of the continued fraction of the beta function.
 const MOST_FACTORS: usize = 20_000;
 
 /// Regularised incomplete beta function I_x(a, b), computed by Lentz's algorithm (DLMF 8.17.22). The first argument is

@@ -10,7 +10,7 @@ use super::auto_scenes::{Kind, config_text};
 use super::competing_models::{CompetingModel, CompetingModels, body, curvature, markers};
 use crate::timing::Evaluation;
 
-/// Number of scenes of each kind.
+/// Number of random scenes of each kind (roll, glide, press).
 pub const SCENES: u64 = 50;
 /// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
@@ -32,7 +32,7 @@ pub struct AutoChoice {
     pub(super) taken: usize,
     /// Name of the reference method, whose results are used as true values.
     pub truth: &'static str,
-    /// Tolerance of `auto`.
+    /// Tolerance of the setting `auto` in this scene.
     pub tolerance: f64,
 }
 
@@ -73,13 +73,13 @@ impl AutoChoice {
         self.is_adequate(self.taken)
     }
 
-    /// Number of other models whose error is within the tolerance.
+    /// Number of models, besides the chosen one, whose error is within the tolerance.
     pub fn competitors(&self) -> usize {
         let others = (0..self.models.len()).filter(|place| *place != self.taken);
         others.filter(|place| self.is_adequate(*place)).count()
     }
 
-    /// Whether the reference uses a different method from the chosen model.
+    /// Whether the reference method differs from the method of the chosen model.
     pub fn has_independent_truth(&self) -> bool {
         let method = |name: &str| name.split([' ', ',', ':']).next().map(str::to_owned);
         method(&self.taken().name) != method(self.truth)

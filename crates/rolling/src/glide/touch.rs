@@ -33,7 +33,7 @@ pub struct Touch {
     pub curvature: CurvatureForm,
 }
 
-/// Reasons why a finger has no contact.
+/// Reasons why a finger has no contact with the object.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum GlideError {
