@@ -87,9 +87,9 @@ impl Region {
         pairs.map(|(field, value)| field.text(*value))
     }
 
-    /// The answer as JSON: the sentence, the ranges of values that meet or miss the target at each combination of the
-    /// grid, and the best value. Without a grid, there is only one combination, and its results appear also at the top
-    /// level of the JSON object.
+    /// The answer as JSON: the sentence, the ranges of values that meet or miss the target at each combination of
+    /// values of the fields in [`Region::grid`], and the best value. If only one field is varied, there is only one
+    /// combination, and its results also appear at the top level of the JSON object.
     pub fn to_json(&self, study: &Study) -> Value {
         let columns = self.columns.iter().map(|column| {
             let at: Map<_, _> = self.grid_json(column).collect();

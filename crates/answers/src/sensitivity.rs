@@ -22,9 +22,9 @@ const MAX_BARS: usize = 12;
 /// Effect of the numeric fields of a scene on the rms error of a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
-    /// The estimated quantity.
+    /// The estimated quantity whose rms error is examined.
     pub quantity: Quantity,
-    /// Unit of the quantity, as in `cells.csv`.
+    /// Unit of this quantity, as in `cells.csv`.
     pub unit: &'static str,
     /// Number of trials for each value of a field.
     pub trials: u64,
@@ -39,13 +39,13 @@ pub struct Sensitivity {
 /// Effect of one field on the rms error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldEffect {
-    /// Column of the field: its path with its unit.
+    /// Column of the field in tables: its path with its unit.
     pub column: String,
     /// Value of the field in the config.
     pub value: f64,
     /// The two values of the field that are compared.
     pub values: [f64; 2],
-    /// Rms errors for the two values.
+    /// Rms errors of the quantity for the two values of the field.
     pub rms_errors: [f64; 2],
     /// Relative change of the rms error, divided by the relative change of the field's value. It is 1 if the error is
     /// proportional to the value.
@@ -375,7 +375,7 @@ impl Sensitivity {
         })
     }
 
-    /// Bar chart of the largest effects. `name` is the name of its files.
+    /// Bar chart of the largest effects on the rms error. `name` is the name of the chart's files.
     ///
     /// # Errors
     /// [`ReportError`] if the chart cannot be drawn.

@@ -9,9 +9,9 @@ use crate::words::percent;
 /// Number of trials of a cell, and number of its failed trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrialCounts {
-    /// Number of trials; 0 if no trial was run because the readings do not determine an estimate.
+    /// Number of trials of the cell; 0 if no trial was run because the readings do not determine an estimate.
     pub trials: u64,
-    /// Number of failed trials.
+    /// Number of failed trials of the cell.
     pub failed: u64,
     /// The most frequent kind of failure, and the number of trials that failed in this way.
     pub main_failure: Option<(&'static str, u64)>,

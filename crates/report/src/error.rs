@@ -21,7 +21,7 @@ pub enum ReportError {
     Csv {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the CSV parser. Its text contains the line number.
+        /// Error of the CSV parser. The text of this error contains the line number.
         source: csv::Error,
     },
     /// A table is empty, a column is missing or occurs twice, or a cell has a value of the wrong type.
@@ -38,7 +38,7 @@ pub enum ReportError {
     Toml {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the TOML parser. Its text contains the line and the column.
+        /// Error of the TOML parser. The text of this error contains the line and the column.
         source: Box<toml::de::Error>,
     },
     /// A `[[plot]]` table of `run.toml` is invalid.
@@ -47,7 +47,7 @@ pub enum ReportError {
     /// A key of `run.toml` is missing, unknown or of the wrong type.
     #[error("{}: {key}: {problem}", path.display())]
     BadKey {
-        /// Path of the file.
+        /// Path of the `run.toml`.
         path: PathBuf,
         /// Path of the key, with dots between its parts.
         key: String,
@@ -67,7 +67,7 @@ pub enum ReportError {
     /// The drawing library reported an error.
     #[error("{}: drawing failed: {message}", path.display())]
     Draw {
-        /// Name of the image.
+        /// Name of the image that was being drawn.
         path: PathBuf,
         /// Error message of the drawing library.
         message: String,

@@ -14,15 +14,15 @@ pub(crate) enum SearchRange {
     Listed(usize),
 }
 
-/// Reason why a search ended.
+/// Reason why a search for values that meet a target ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EndReason {
-    /// Every gap between values that meet the target and values that miss it is small enough. Outside of these gaps, no
-    /// tested value is undecided.
+    /// Every gap between values that meet the target and values that miss it is small enough. All tested values outside
+    /// of these gaps either meet or miss the target.
     Known,
     /// The search reached the largest number of trials, or the largest number of tests.
     Trials,
-    /// The time budget was used up.
+    /// The time budget of the search was used up.
     Time,
 }
 

@@ -3,12 +3,12 @@
 use super::limits::Rules;
 use super::{ScoreRequest, Scores};
 
-/// Side of the target on which a value lies.
+/// Side of the target on which a value of the searched field lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// All cells meet the target.
+    /// At this value, all cells meet the target.
     Meets,
-    /// At least one cell misses the target.
+    /// At this value, at least one cell misses the target.
     Misses,
 }
 

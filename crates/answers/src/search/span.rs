@@ -7,10 +7,10 @@ pub struct Span {
     pub from: f64,
     /// Largest value of the range.
     pub to: f64,
-    /// Whether values are spaced evenly on a logarithmic scale. This is the case if both ends are positive and their
-    /// ratio exceeds 8.
+    /// Whether values of the range are spaced evenly on a logarithmic scale. They are if both ends are positive and
+    /// their ratio exceeds 8.
     pub is_log: bool,
-    /// Whether all values must be whole numbers.
+    /// Whether all values of the range must be whole numbers.
     pub is_whole: bool,
 }
 

@@ -33,14 +33,14 @@ pub struct DesignFigure {
 /// Axis that shows the values of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldAxis {
-    /// Label of the field to which the axis belongs, with the field's unit.
+    /// Label of the axis: name and unit of the field.
     pub label: Label,
     /// Whether the axis is logarithmic.
     pub is_log: bool,
-    /// Smallest and largest value of the field's range.
+    /// Ends of the axis: smallest and largest value of the field's range.
     pub ends: (f64, f64),
-    /// Names of the values, if the field has a list of values; empty if it has a range. If there are names, a value on
-    /// the axis is an index into this list.
+    /// Names of the field's values, if the field has a list of values; empty if it has a range. If there are names, a
+    /// value on the axis is an index into this list.
     pub names: Vec<String>,
 }
 
@@ -56,34 +56,34 @@ pub enum DesignChart {
 /// Plot of the target's statistic over the searched field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignCurve {
-    /// Label of the statistic, with its unit.
+    /// Label of the target's statistic, with its unit.
     pub statistic: Label,
-    /// Limit of the statistic, and the label of the line that shows the limit.
+    /// Limit of the target's statistic, and the label of the line that shows the limit.
     pub limit: (f64, String),
-    /// One line per cell, which shows the statistic of this cell.
+    /// One line per cell of the study, which shows the target's statistic of this cell.
     pub lines: Vec<CurveLine>,
-    /// Ranges of values that meet the target and ranges of values that miss it, in ascending order. Values between
-    /// these ranges are undecided.
+    /// Ranges of values of the searched field that meet the target, and ranges of values that miss it, in ascending
+    /// order. Values between these ranges are undecided.
     pub runs: Vec<Stretch>,
 }
 
-/// Statistic of one cell over the searched field.
+/// The target's statistic of one cell over the searched field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveLine {
-    /// Name of the cell; empty if there is only one cell.
+    /// Name of the cell to which the line belongs; empty if there is only one cell.
     pub label: String,
-    /// Points, sorted by x.
+    /// Points of the line, sorted by x.
     pub points: Vec<CurvePoint>,
 }
 
-/// Value of the statistic at one value of the searched field. Both values are in the units of the tables.
+/// Value of the target's statistic at one value of the searched field. Both values are in the units of the tables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
-    /// Value of the field.
+    /// Value of the searched field.
     pub x: f64,
-    /// Value of the statistic.
+    /// Value of the target's statistic.
     pub y: f64,
-    /// Standard error of the statistic.
+    /// Standard error of the target's statistic.
     pub std: f64,
     /// Whether too many trials failed. The statistic then describes only the successful trials.
     pub is_of_survivors: bool,
@@ -92,7 +92,7 @@ pub struct CurvePoint {
 /// Plot of the searched field over another field, as a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignMap {
-    /// The field on the other axis of the map.
+    /// The field on the other axis than the searched field.
     pub other: FieldAxis,
     /// Panels of the map. There is at least one panel.
     pub panels: Vec<MapPanel>,
@@ -100,10 +100,10 @@ pub struct DesignMap {
     pub best: Option<String>,
 }
 
-/// Map of the searched field over the other field. All further fields have fixed values.
+/// Map of the searched field over one other field. All further varied fields have fixed values in the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapPanel {
-    /// Text with the values of the further fields; may be empty.
+    /// Text with the panel's values of the further varied fields; may be empty.
     pub title: String,
     /// Each value of the other field, in ascending order, with the ranges of the searched field as in
     /// [`DesignCurve::runs`].
@@ -116,9 +116,9 @@ pub struct MapPanel {
 /// A range of values that all meet the target, or all miss it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Lower end of the range.
+    /// Smallest value of the range.
     pub from: f64,
-    /// Upper end of the range.
+    /// Largest value of the range.
     pub to: f64,
     /// Whether the values meet the target (true) or miss it.
     pub meets: bool,

@@ -22,7 +22,7 @@ pub struct Heat {
     pub title: String,
     /// Line of text below the title. It explains what the shares in the heat map mean.
     pub subtitle: String,
-    /// Label of the field whose values are the names of the rows and columns.
+    /// Label of the field whose values are the names of the items, that is, of the rows and columns.
     pub axis: String,
     /// The panels of the heat map.
     pub panels: Vec<HeatPanel>,
@@ -33,11 +33,11 @@ pub struct Heat {
 /// One panel of a heat map: some items, and a share for every pair of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
-    /// Text with the settings that all items share; may be empty.
+    /// Text with the settings that all items of the panel share; may be empty.
     pub title: String,
-    /// Names of the items.
+    /// Names of the items. Each item is a row and a column of the panel.
     pub names: Vec<String>,
-    /// Shares from 0 to 1, row by row. `None` if a pair has no share.
+    /// Share of each pair of items from 0 to 1, row by row; `None` if a pair has no share.
     pub shares: Vec<Vec<Option<f64>>>,
 }
 
