@@ -43,7 +43,7 @@ pub enum AnswerError {
     #[error("{0} is not varied, so it has no best value: vary it over a range, such as {0}=1..2")]
     NotVaried(String),
     /// The question asks for the best value of a field, but the values of the field are not numbers.
-    #[error("{path} has no largest or smallest value, because {text:?} is no number")]
+    #[error("{path} has no largest or smallest value, because {text:?} is not a number")]
     NoOrder {
         /// Path of the field whose best value the question asks for.
         path: String,

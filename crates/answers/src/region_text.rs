@@ -36,7 +36,7 @@ impl Region {
         let trials = match samples().any(|sample| sample.counts.trials > 1) {
             false => "1 per value, because the scene has no random numbers".to_owned(),
             true => format!(
-                "{}, of which {} new ones verify the answer",
+                "{}; {} new ones verify the answer",
                 number::grouped(samples().map(|sample| sample.counts.trials).sum()),
                 number::grouped(fresh.map(|sample| sample.counts.trials).sum())
             ),

@@ -115,7 +115,7 @@ pub enum PlanError<E> {
     SetUp(E),
     /// One trial of each cell does not fit into the budget.
     #[error(
-        "one trial of each cell does not fit into {budget:?}; the least is about {least_s} s on {threads} threads"
+        "one trial of each cell does not fit into {budget:?}; it needs about {least_s} s on {threads} threads"
     )]
     DoesNotFit {
         /// The stated time budget.

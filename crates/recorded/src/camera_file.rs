@@ -212,7 +212,7 @@ fn check(camera: &CameraEstimate) -> Result<(), String> {
         if (stds[entry] - stated).abs() > ROUNDING * stated {
             let [std, stated] = [stds[entry], stated].map(Number::rounded);
             return Err(format!(
-                "`covariance[{entry}][{entry}]` is that of a standard deviation of {std}, but {stated} is stated"
+                "`covariance[{entry}][{entry}]` belongs to a standard deviation of {std}, but the stated one is {stated}"
             ));
         }
     }

@@ -87,7 +87,7 @@ impl RotationForm {
             let is_unit = (length - 1.0).abs() <= MAX_ERROR;
             is_unit.then_some(()).ok_or_else(|| {
                 format!(
-                    "columns {columns}: a rotation is {what} of length 1 within {MAX_ERROR}, this one has {length:.5}"
+                    "columns {columns}: a rotation needs {what} of length 1 within {MAX_ERROR}, but the length is {length:.5}"
                 )
             })
         };

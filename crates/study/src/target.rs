@@ -66,7 +66,7 @@ pub enum TargetError {
         known: Vec<&'static str>,
     },
     /// This statistic cannot be a target. The first text is its name, the second is the reason.
-    #[error("{0} is no target: {1}")]
+    #[error("{0} cannot be a target: {1}")]
     NoTarget(&'static str, &'static str),
     /// No quantity has this name.
     #[error("there is no quantity {name:?}; {}", suggest(name, known.iter().copied()))]

@@ -144,7 +144,7 @@ fn image_fit_estimates_the_traced_press() {
 const CAMERA_EDITS: &str = r#"
 place | place = [3.0, 0.0, 0.0] | contradicts the frame at rest: `place[0]` is 3
 place | place = [nan, 0.0, 0.0] | `place[0]` is NaN; it must be finite
-place_std | place_std = [1.0, 1.0, 1.0] | `covariance[3][3]` is that of a standard deviation
+place_std | place_std = [1.0, 1.0, 1.0] | `covariance[3][3]` belongs to a standard deviation
 place_std |  | missing field `place_std`
 px_per_rad | px_per_rad = 180.0 | `px_per_rad` is 180
 px_per_rad | px_per_rad = -1.0 | `px_per_rad` is -1; it must be finite and > 0

@@ -16,7 +16,7 @@ fn cells_trials_models_and_time() {
             .to_owned()
     };
     assert_eq!(line("study"), "study   a-study");
-    assert_eq!(line("cells"), "cells   2, of which 0 run a single trial");
+    assert_eq!(line("cells"), "cells   2; 0 of them run a single trial");
     assert_eq!(line("trials"), "trials  40");
     assert_eq!(line("2 of 2"), "2 of 2 cells");
     assert!(line("closed form").starts_with("closed form: sphere on sphere"));
@@ -85,7 +85,7 @@ fn each_combination_of_models_is_printed_once() {
 fn a_scene_without_noise() {
     let printed = Desk::with(SCENE).palpate("check c.toml").printed();
     assert!(
-        printed.contains("cells   1, of which 1 run a single trial\n"),
+        printed.contains("cells   1; 1 of them run a single trial\n"),
         "{printed}"
     );
     assert!(printed.contains("trials  1\n"), "{printed}");
@@ -163,13 +163,16 @@ fn study_with_two_sweeps(counts: [usize; 2]) -> String {
 fn a_sample_of_a_million_cells_is_checked_and_reported() {
     let text = study_with_two_sweeps([1000, 1000]);
     let printed = Desk::with(&text).palpate("check c.toml").printed();
-    assert!(printed.contains("cells   1000000, of which "), "{printed}");
+    assert!(printed.contains("cells   1000000; "), "{printed}");
     assert!(printed.contains("\ntrials  at most "), "{printed}");
     assert!(
-        printed.contains("sample  every swept value against the limits of its field; "),
+        printed.contains("sample  each swept value is checked against the limits of its field; "),
         "{printed}"
     );
-    assert!(printed.contains(" cells together: "), "{printed}");
+    assert!(
+        printed.contains("all fields together are checked in "),
+        "{printed}"
+    );
 }
 
 #[test]
@@ -178,7 +181,7 @@ fn all_cells_of_a_small_study_are_checked() {
         .palpate("check c.toml")
         .printed();
     assert!(
-        printed.contains("cells   2000, of which 2000 run a single trial\n"),
+        printed.contains("cells   2000; 2000 of them run a single trial\n"),
         "{printed}"
     );
     assert!(!printed.contains("sample"), "{printed}");

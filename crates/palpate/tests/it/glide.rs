@@ -191,7 +191,7 @@ fn two_pass_has_no_standard_errors() {
 fn check_prints_models_noise_and_estimator() {
     let printed = Desk::with(GLIDE).palpate("check c.toml").printed();
     for line in [
-        "cells   2, of which 1 run a single trial",
+        "cells   2; 1 of them run a single trial",
         "contacts by Newton's method on the offset surface, tolerance 1e-12 (a round tip on a saddle has no closed form",
         "noise: Gaussian errors of x, y and z, drawn per contact",
         "ideal sensor: the contact, with its normal",

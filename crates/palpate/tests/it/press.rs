@@ -402,7 +402,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
 fn check_prints_models_noise_and_estimator() {
     let printed = Desk::with(PRESS).palpate("check c.toml").printed();
     for line in [
-        "cells   4, of which 0 run a single trial",
+        "cells   4; 0 of them run a single trial",
         "trials  160",
         "    Hertz contact on a half-space, at the markers' depth: closed form",
         "    convex contact: the object bulges",

@@ -172,7 +172,7 @@ fn the_same_region_on_any_threads() {
 
 const QUESTIONS: &str = "
 --maximise scene.object.radius | is not varied, so it has no best value: vary it over a range, such as scene.object.radius=1..2
---vary scene.noise.angular_velocity.kind=uniform,gaussian --minimise scene.noise.angular_velocity.kind | no largest or smallest value, because \"uniform\" is no number
+--vary scene.noise.angular_velocity.kind=uniform,gaussian --minimise scene.noise.angular_velocity.kind | no largest or smallest value, because \"uniform\" is not a number
 --maximise scene.probe.radius --minimise scene.probe.radius | cannot be used with
 --vary scene.noise.angular_velocity.fraction=1,2 | is given twice
 --vary scene.object.radius=5,20 --set scene.object.radius=1 | scene.object.radius is given twice

@@ -258,7 +258,7 @@ fn unusable_rotations_are_refused_with_line_and_value() {
         ),
         (
             table("probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm", None, long),
-            "r.csv:2: columns `qx` to `qw`: a rotation is a quaternion of length 1 within 0.001, this one has 1.10000",
+            "r.csv:2: columns `qx` to `qw`: a rotation needs a quaternion of length 1 within 0.001, but the length is 1.10000",
         ),
         (
             table(

@@ -57,7 +57,9 @@ pub enum VaryError {
     )]
     NoValues(String),
     /// An end of a range is not a finite number.
-    #[error("the range {range} needs a finite number on each side of `..`, and {end:?} is none")]
+    #[error(
+        "the range {range} needs a finite number on each side of `..`, but {end:?} is not a finite number"
+    )]
     NoNumber {
         /// The range as the user wrote it.
         range: String,
@@ -280,8 +282,8 @@ mod tests {
             ("scene.sensor.pitch=", "is not of the form PATH"),
             ("a b=1", "is not of the form PATH"),
             ("a=,", "is not of the form PATH"),
-            ("a=1..", "\"\" is none"),
-            ("a=1..nan", "\"nan\" is none"),
+            ("a=1..", "\"\" is not a finite number"),
+            ("a=1..nan", "\"nan\" is not a finite number"),
             ("a=2..1", "write 1..2"),
         ] {
             let error = text.parse::<Vary>().expect_err(text).to_string();

@@ -79,7 +79,7 @@ fn refused(
             least_s,
             threads,
         } => Failure::usage(anyhow!(
-            "--budget: one trial of each cell does not fit into {} s; the least is about {} on {threads} threads, \
+            "--budget: one trial of each cell does not fit into {} s; it needs about {} on {threads} threads, \
              planning included",
             exact(budget.as_secs_f64()),
             roughly(least_s),

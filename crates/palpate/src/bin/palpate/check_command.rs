@@ -47,15 +47,15 @@ fn text(name: &str, check: &Check) -> String {
     let _ = writeln!(text, "study   {name}");
     let _ = writeln!(
         text,
-        "cells   {}, of which {} run a single trial{not_set_up}",
+        "cells   {}; {} of them run a single trial{not_set_up}",
         check.cells, check.single
     );
     if check.checked < check.cells {
         let _ = writeln!(
             text,
-            "sample  every swept value against the limits of its field; the fields of {} cells together: values of each axis\n        \
-             with the first and with other values of the others, both ends of every two axes, and cells spread evenly;\n        \
-             {} of these were set up, as many as a second allows. The others are first checked by `run`, when it comes to them",
+            "sample  each swept value is checked against the limits of its field; all fields together are checked in {} cells:\n        \
+             cells with each value of an axis, cells with both ends of every two axes, and cells spread evenly;\n        \
+             {} of these cells were set up, as many as one second allows. `run` checks every other cell before its trials",
             check.checked, check.set_up
         );
     }

@@ -297,7 +297,7 @@ fn wait_for_sync(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> 
     let ended = syncing.map(JoinHandle::join);
     let lost = |_| {
         Err(io::Error::other(
-            "the thread that brings it to the disk ended early",
+            "the thread that writes it to the disk ended early",
         ))
     };
     ended.map_or(Ok(()), |ended| ended.unwrap_or_else(lost))

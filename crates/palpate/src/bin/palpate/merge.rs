@@ -104,7 +104,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let (files, totals) = drafts.fill(readers)?;
     if totals.cells != cells as u64 {
         return Err(Failure::work(anyhow!(
-            "the shards have {} cells of {cells}: one of them has changed since it was read",
+            "the shards have only {} of {cells} cells: a shard has changed since it was read",
             totals.cells
         )));
     }
@@ -206,7 +206,7 @@ pub(crate) fn mismatch(found: &JournalState, first: &Path, of: &JournalState) ->
     } else if number(one) != number(other) {
         let (one, other) = (number(one), number(other));
         format!(
-            "is one of {one} shards, but {} is one of {other}",
+            "belongs to a run of {one} shards, but {} belongs to a run of {other} shards",
             first.display()
         )
     } else if one.config != other.config {

@@ -152,12 +152,12 @@ fn set(text: &str) -> Result<(String, toml::Value), String> {
         Varied::Listed(values) => match <[toml::Value; 1]>::try_from(values) {
             Ok([value]) => Ok((path, value)),
             Err(values) => Err(format!(
-                "{path} is set to one value, and here are {}",
+                "--set sets {path} to a single value, but there are {}",
                 values.len()
             )),
         },
         Varied::Range { .. } => Err(format!(
-            "{path} is set to one value, and this is a range; --vary takes one"
+            "--set sets {path} to a single value, but this is a range; use --vary for a range"
         )),
     }
 }
