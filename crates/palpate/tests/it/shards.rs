@@ -165,7 +165,7 @@ fn shards_of_another_run_are_named() {
     );
     of_other(
         "c.toml --shard 3/3",
-        &["s/2 is one of 3 shards, but s/1 is one of 2"],
+        &["s/2 belongs to a run of 3 shards, but s/1 belongs to a run of 2"],
     );
 }
 

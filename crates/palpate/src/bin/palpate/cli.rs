@@ -127,9 +127,9 @@ message lists it, and nothing is written. The shards stay, so the merge can be r
     --vary scene.motion.arc_length=0.5..8 --maximise scene.sensor.pitch
 
 The target must be met in every cell of the config; --set fixes a swept field at one value. The search tries
-at least 16 values. Between two values of which one meets the target and one misses it, more values are tried
-until the gap is small. New trials verify the answer. The answer as a whole is right with a probability of
-95 %. Between the tried values, nothing is tested.
+at least 16 values. If one of two neighbouring values meets the target and the other misses it, more values
+between them are tried until the gap is small. New trials verify the answer. The whole answer is right with a
+probability of 95 %. Values between the tried values are not tested.
 
 If several fields are varied, one field is searched in this way for each of several values of the other fields:
 the field of --maximise or --minimise, otherwise the last field with a range. Near the best value, the values

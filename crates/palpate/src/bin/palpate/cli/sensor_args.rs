@@ -32,14 +32,14 @@ Example:
     Track(TrackArgs),
 }
 
-const CALIBRATE_HELP: &str = concat!("Tables have one row per known displacement. For a marker that is displaced inward,
+const CALIBRATE_HELP: &str = concat!("Tables have one row per known displacement. The columns for a marker that is displaced inward are
   normal_displacement_mm,hue_turns,growth
-with the changes of its hue and of the logarithm of its diameter, one of which may be missing. For a marker that
-is displaced along the skin,
+where hue_turns is the change of the marker's hue and growth the change of the logarithm of its diameter. One of
+these two columns may be missing. The columns for a marker that is displaced along the skin are
   tangential_displacement_mm,centroid_shift_px
-or all of these. The optional columns `series` and `marker` number the series of presses and the marker;
-several tables are fitted together. If a row also has a normal displacement, px per length is fitted as a
-function of it.
+A table may have the columns of both kinds. The optional columns `series` and `marker` are the numbers of the
+series of presses and of the marker. Several tables are fitted together. If a row for a displacement along the
+skin also has a normal displacement, the shift in px per length is fitted as a function of the normal displacement.
 
 ", tables!(), "Other columns are ignored. One of the tables may be -, standard input.
 
