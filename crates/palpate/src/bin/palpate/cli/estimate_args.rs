@@ -13,12 +13,12 @@ use super::settings::Settings;
 /// Paragraph about the format of tables. Every help text of `palpate estimate` contains this paragraph.
 macro_rules! tables {
     () => {
-        "The table may be CSV with commas, semicolons, tabs or spaces, with decimal points or commas, in UTF-8,
-JSON with one object per line or a list of objects, whose keys are the columns (nested keys are joined by points),
-or an array of NumPy, .npy or .npz. Columns may have any
-order and any case of letters. A unit follows the name, x_mm or x [mm]: m, cm, mm, um, nm, in; rad, mrad, deg.
-Inches are converted to mm and nm to um, unless --length-unit states another unit. If the file has other column
-names, assign them by --columns, or by a table [columns] in the study of --like.
+        "The table may be CSV with commas, semicolons, tabs or spaces, with decimal points or commas, in UTF-8. It may also
+be JSON with one object per line or a list of objects, whose keys are the columns (nested keys are joined by points),
+or a NumPy array, .npy or .npz. Columns may have any order, and their names any case of letters. A unit follows the
+name of its column, as in x_mm or x [mm]: m, cm, mm, um, nm, in; rad, mrad, deg. Inches are converted to mm and nm to
+um, unless --length-unit states another unit. If the file has other column names, assign them by --columns, or by a
+table [columns] in the study of --like.
 "
     };
 }
@@ -27,39 +27,47 @@ pub(super) use tables;
 #[derive(Debug, Subcommand)]
 pub(crate) enum Estimator {
     /// Curvature at a point from small rolls (exploratory procedure 1, EP1).
-    #[command(after_help = concat!("The readings have one row per probe,
+    #[command(after_help = concat!("The readings have one row per probe:
   probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
-or, with the rotation from start to end as a unit quaternion,
+The rotation from start to end may be a unit quaternion:
   probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm
-or a time series per probe, whose last row counts,
+Or there is a time series per probe with the centre of the active pad. The method least-squares uses its last row:
   probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
-or one with the place of the contact on the probe, whose last row counts relative to its first,
+Or the time series has the position of the contact on the probe. The method least-squares uses its last row relative to
+its first row:
   probe,time_s,rotation_x_rad,rotation_y_rad,contact_u_mm,contact_v_mm
-Each may have, instead of rotation_x_rad and rotation_y_rad, a quaternion qx,qy,qz,qw, a matrix r11,r12,r13,r21 to r33,
-or axis_x,axis_y,axis_z,angle_rad,
-with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
-rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact. Without a column
-probe, each row is a probe; a new time series starts after a blank line or where the time does not increase.
+In all these tables, a quaternion qx,qy,qz,qw, a matrix r11,r12,r13,r21 to r33, or axis_x,axis_y,axis_z,angle_rad may
+replace rotation_x_rad and rotation_y_rad.
 
-", tables!(), "Other columns are ignored, but `unresolved_probes`, the rolls whose contact did not move, contain
-theirs as `columns`.
+Rotations are summed in the probe's contact frame, whose z axis points out of the probe. If a contact moves to +u, then
+rotation_y < 0. Shifts are great-circle displacements on the probe from its first contact. Without a column probe, each
+row is a probe. A new time series starts after a blank line, or where the time does not increase.
 
-`p_value` is the probability that noise of the stated size leaves residuals at least as large; null if no noise is
-stated. The errors of pads are not independent, so their p-value tends to be too large. `warnings`, also printed on
-standard error, have a `code`, a `text` and `numbers`; `palpate explain CODE` explains one. Readings contradict the model by
-poor-fit (the p-value is below 0.02: the stated noise is too small, the rolls are too long, frames are turned or probes
-slip) and outlier (one roll contradicts the others). Stated values contradict the readings by stated-noise (a noise of
-shifts that is at least four times too large) and stated-pitch. `units` warns of rotations in degrees, and of shifts in
-another unit than the probe's radius. Fewer than 5 of 100 estimates from sound readings have a warning. Readings cannot
-show a gain of all shifts or rotations, nor a wrong radius in the right unit, which changes the curvature by the error of 1/R.
+", tables!(), "Other columns are not used. In the output, `unresolved_probes` lists the rolls whose contact did not move, with
+their values of the other columns as `columns`.
 
-If noise is stated, `interval95` is 1.96 standard deviations to either side. Otherwise standard deviations follow from the
-residuals, and the half-width is Student's t of 2n - 3 degrees of freedom with n probes: 2.57 with 4 probes, 2.16 with 8.
+`p_value` is the probability that noise of the stated size causes residuals at least as large. It is null if no noise is
+stated. The errors of pads are not independent, so their p-value tends to be too large.
+
+`warnings` are also printed on standard error. Each has a `code`, a `text` and `numbers`; `palpate explain CODE` explains
+a code:
+  poor-fit      the p-value is below 0.02: the stated noise is too small, the rolls are too long, frames are turned, or
+                probes slip
+  outlier       one roll contradicts the others
+  stated-noise  the stated noise of the shifts is at least four times too large
+  stated-pitch  the stated pitch contradicts the readings
+  units         rotations are in degrees, or shifts in another unit than the probe's radius
+Fewer than 5 of 100 estimates from sound readings have a warning. The readings do not show whether all shifts or
+rotations have a gain error, or whether the probe's radius R is wrong. A wrong R changes the curvature by the error of 1/R.
+
+If noise is stated, `interval95` extends 1.96 standard deviations to both sides. Otherwise, the standard deviations follow
+from the residuals. The half-width then follows from Student's t with 2n - 3 degrees of freedom for n probes: 2.57
+standard deviations with 4 probes, 2.16 with 8.
 
 The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
-With --like STUDY.toml, probe, noise and estimator are those of a study of kind roll, in the readings'
-unit; flags override them.
+With --like STUDY.toml, the probe, the noise and the estimator come from a study of kind roll, and are converted to the
+readings' unit. Flags override them.
 
 Examples:
   palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.2
@@ -68,36 +76,46 @@ Examples:
     Roll(EstimateRollArgs),
     /// Curvature over a patch from sliding fingers (exploratory procedure 2, EP2).
     #[command(
-        after_help = concat!("The readings have one row per contact; the contacts of a finger are in the order of its path,
+        after_help = concat!("The readings have one row per contact. The contacts of each finger are in the order of the finger's path:
   finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z
-or without normals,
+Normals may be missing:
   finger,x_mm,y_mm,z_mm
-Without a column finger, blank lines separate the fingers. Without blank lines, steps separate them that are more than
-three times the median and 1.5 times all other steps. A warning states how the fingers were separated.
+Without a column finger, blank lines separate the fingers. Without blank lines, a new finger starts after a long step
+between contacts: more than three times the median step and 1.5 times all other steps. A warning states how the fingers
+were separated.
 
-", tables!(), "Other columns are ignored, but a map at the contacts has them after its own columns.
+", tables!(), "Other columns are not used, but a map with --at-contacts has them after its own columns.
 
-The JSON has the curvature in the middle of the patch and the regions of one shape class. Lost readings are left out and
-listed in `left_out`; copies, rests and correlated noise reduce `effective_contacts`. Methods plane, sphere, cylinder and
-shape also have `radius`, `shape` and `rms_misfit`. For a single stroke, `stroke` has the curvature along it. --map writes the curvature
-all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
+The JSON has the curvature in the middle of the patch, and the regions of one shape class. Lost readings are left out and
+listed in `left_out`. Copies, rests and correlated noise reduce `effective_contacts`. The methods plane, sphere, cylinder
+and shape also state `radius`, `shape` and `rms_misfit`. For a single stroke, `stroke` has the curvature along the stroke.
+--map writes the curvature all over the patch, with standard deviations and the probability of each class. With
+--at-contacts, the map has the positions of the readings.
 
-`p_value` is the probability that noise of the stated size leaves residuals at least as large; null if the noise is
-estimated, and for two-pass. `warnings`, also printed on standard error, have a `code`, a `text` and `numbers`; `palpate explain CODE` explains one. Contacts contradict the model by poor-fit (the p-value is below 0.005:
-the stated noise is too small, a finger is displaced, or a quadric does not fit the surface) and outlier (one contact
-contradicts the others). Stated values contradict the readings by stated-noise (of positions or normals, compared with the
-noise that the same method estimates) and stated-scale (the distance between fingers). `units` and `signs` warn of normals
-that are not of length 1, point to -z, or fit the positions better with a sign reversed or components swapped. Contacts
-cannot show a wrong tip radius, whether all normals point inward, or the unit of all lengths.
+`p_value` is the probability that noise of the stated size causes residuals at least as large. It is null if the noise is
+estimated, and for the method two-pass.
+
+`warnings` are also printed on standard error. Each has a `code`, a `text` and `numbers`; `palpate explain CODE` explains
+a code:
+  poor-fit      the p-value is below 0.005: the stated noise is too small, a finger is displaced, or a quadric does not fit
+                the surface
+  outlier       one contact contradicts the others
+  stated-noise  the stated noise of positions or normals contradicts the noise that the same method estimates
+  stated-scale  the stated distance between fingers contradicts the readings
+  units, signs  normals do not have the length 1, point to -z, or fit the positions better with a sign reversed or with
+                components swapped
+The contacts do not show whether the tip radius is wrong, whether all normals point inward, or whether all lengths are in
+a wrong unit.
 
 The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
-Fingertips are points unless --tip-radius states a radius. If positions are those of a round tip's lowest point or
-centre, contacts follow from the normals. Without normals they follow from a first fit to the centres; the stated
-standard deviations do not contain the error of that fit.
+Fingertips are points unless --tip-radius states a radius. If the positions are those of a round tip's lowest point or
+centre, the contacts are computed from the normals. Without normals, the contacts are computed from a first fit to the
+centres. The stated standard deviations do not contain the error of this first fit.
 
-With --like STUDY.toml, the estimator, the distance between fingers and the thresholds are those of a study of kind glide,
-in the readings' unit, and also its tip if its sensor reports lowest points; flags override them.
+With --like STUDY.toml, the estimator, the distance between fingers and the thresholds come from a study of kind glide,
+and are converted to the readings' unit. If the study's sensor reports lowest points, the tip comes from the study, too.
+Flags override them.
 
 Examples:
   palpate estimate glide examples/glide-readings.csv --map map.csv
@@ -123,13 +141,14 @@ Examples:
 
 const FORCE_HELP: &str = concat!("The readings have one row per indentation, with the columns
   indentation_mm,force_N
-A force that presses the two bodies together is positive. Indentations count from the first touch.
+A force that presses the two bodies together is positive. Indentations are measured from the first touch.
 
 ", tables!(), "
-By Hertz the force is 4/3 E* sqrt(R) d^1.5 with the indentation d, the effective radius R = 1/(1/R_sensor + 1/R_object) and
-E* = E/(1 - nu^2). Without the modulus E, the curve determines `stiffness` = E* sqrt(R), but no radius. The intervals contain the
-noise of the forces and the standard deviation of the modulus. `exponent` is the power of the indentation that fits best; a
-warning other-body reports that it is not 1.5, so that the radius is wrong: a wrong point of first touch, a thin layer or an edge.
+By Hertz's law, the force is 4/3 E* sqrt(R) d^1.5, with the indentation d, the effective radius
+R = 1/(1/R_sensor + 1/R_object) and E* = E/(1 - nu^2). Without the modulus E, the curve determines only
+`stiffness` = E* sqrt(R), not the radius. The intervals contain the noise of the forces and the standard deviation of the
+modulus. `exponent` is the power of the indentation that fits the forces best. The warning other-body reports that this
+power is not 1.5, so that the radius is wrong. Possible causes: a wrong point of first touch, a thin layer, or an edge.
 
 The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
@@ -137,38 +156,41 @@ Examples:
   palpate estimate force examples/load-curve.csv
   palpate estimate force examples/load-curve.csv --modulus-kpa 500 --modulus-std-kpa 25 --sensor-radius 20");
 
-const PRESS_HELP: &str = concat!("The readings have one row per marker,
+const PRESS_HELP: &str = concat!("The readings have one row per marker:
   x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm
-or without the last two; or, for markers in a row through the apex along x,
+The last two columns may be missing. For markers in a row through the apex along x, the columns are:
   radial_position_mm,normal_displacement_mm
-A place (x, y) lies sqrt(x^2 + y^2) along the skin from its apex, in the direction (x, y). Normal
-displacements are positive inward. Tangential displacements are along the axes at the apex, transported along
-the meridian. For markers in a row, the contact is assumed to lie on the row.
+A position (x, y) lies at the distance sqrt(x^2 + y^2) from the apex along the skin, in the direction (x, y). Normal
+displacements are positive inward. Tangential displacements are along the axes at the apex, transported along the
+meridian to the marker. For markers in a row, the contact is assumed to lie on the row.
 
-", tables!(), "Other columns are ignored, but `wrong_markers`, the markers that are left out, contain theirs as
-`columns`.
+", tables!(), "Other columns are not used. In the output, `wrong_markers` lists the markers that are left out, with their
+values of the other columns as `columns`.
 
-The JSON has curvatures, radii and the indentation, each with its 95 % interval; an end that is null is
-unbounded. object_radius is negative for a dish and null for a plane. It has one interval of radii if the object is
-convex and one if it is concave, in which null is flat. `verdict` is the shape by the interval: convex, concave,
-flat-within-noise or not-resolved. `wrong_markers` are the rows that contradict the others and were left out.
-`contact_seen` is false if only the stated indentation implies a contact: the interval then contains all objects that
-the readings do not exclude. If only one marker shows the contact, a warning names it. `warnings`, also printed on
-standard error, have a `code`, a `text` and `numbers`. Those with a `p_value` are contradictions between the readings and
-the model: poor-fit, stated-noise, stated-indentation, outlier (the interval then also contains the estimate without this
-marker), other-body and not-round. If the model holds, 1 press in 200 has each of them by chance.
+The JSON has curvatures, radii and the indentation, each with its 95 % interval. If an end of an interval is null, the
+interval is unbounded on this side. object_radius is negative for a dish and null for a plane. It has one interval for a
+convex object and one for a concave object, in which null is flat. `verdict` is the shape of the object by the interval
+of its curvature: convex, concave, flat-within-noise or not-resolved. `wrong_markers` are the rows that contradict the
+others and were left out. `contact_seen` is false if only the stated indentation implies a contact. The interval then
+contains all objects that the readings do not exclude. If only one marker shows the contact, a warning names this marker.
+
+`warnings` are also printed on standard error. Each has a `code`, a `text` and `numbers`. Warnings with a `p_value` report
+that the readings contradict the model: poor-fit, stated-noise, stated-indentation, outlier (the interval then also
+contains the estimate without this marker), other-body and not-round. If the model holds, each of them appears by chance in
+1 of 200 presses.
 
 The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
-The stated indentation is compared with the indentation from the readings alone, the noise with the residuals. The
-body, the depth of its markers and the shape of the object are checked by the dependence of residuals on distance and
-direction; units and signs by implausible displacements and places. The readings cannot show the accuracy of a
-stated indentation, Poisson's ratio, Young's modulus, or an error of scale common to all lengths. They hardly show the
-sensor's radius R: a wrong one changes the object's curvature by the error of 1/R.
+The stated indentation is compared with the indentation that follows from the readings alone, and the stated noise with
+the residuals. If the residuals depend on the distance or the direction from the contact, the body, the depth of the
+markers or the shape of the object differs from the model. Units and signs are checked by implausible displacements and
+positions. The readings do not show whether a stated indentation, Poisson's ratio or Young's modulus is right, or whether
+all lengths are wrong by a common factor. They hardly show whether the sensor's radius R is right: a wrong R changes the
+object's curvature by the error of 1/R.
 
-With --like STUDY.toml, the sensor, the noise of its readings and the estimator are those of a study of
-kind press, in the readings' unit; flags override them. The indentation of the study's presses is not
-used: it is fitted unless --indentation states it.
+With --like STUDY.toml, the sensor, the noise of its readings and the estimator come from a study of kind press, and are
+converted to the readings' unit. Flags override them. The indentation of the study's presses is not used: the indentation
+is fitted unless --indentation states it.
 
 Examples:
   palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 \\

@@ -43,17 +43,19 @@ skin also has a normal displacement, the shift in px per length is fitted as a f
 
 ", tables!(), "Other columns are ignored. One of the tables may be -, standard input.
 
-Frames are PNG, JPEG, BMP, TIFF or WebP images, the first at rest; --normal and --tangential state the displacement of the marker that
-changes most in each of the others.
+Frames are PNG, JPEG, BMP, TIFF or WebP images. The first frame is at rest. For each other frame, --normal and
+--tangential state the displacement of the marker that changes most.
 
-Prints slope, its standard error, R^2 and residual, of all points and of each series: of the line with an intercept,
-as the 2020 paper draws it, and of the line through rest, from which `track` computes displacements. Warns of large
-residuals, slopes that may be 0 and series that disagree. A common factor on all displacements cannot be detected.
+The command prints slope, standard error of the slope, R^2 and residual, of all points and of each series. It prints them
+for two lines: the line with an intercept, as the 2020 paper draws it, and the line through rest, from which `track`
+computes displacements. It warns of large residuals, of slopes that may be 0, and of series that disagree. A common factor
+on all displacements cannot be detected.
 
-With --rest and --layout, the camera is calibrated by one frame at rest with the markers of a study's sensor: place,
-turn, px per rad and odd terms of the lens with standard deviations and covariance (of the image's centre, px; px per
-rad, a share; place, length; turn, rad; odd terms), and the distance of each marker from its expected position. An odd
-term keeps the study's value unless the frame determines it to half of its prior standard deviation.
+With --rest and --layout, the camera is calibrated by one frame at rest with the markers of a study's sensor. The result
+has place, turn, px per rad and odd terms of the lens, with standard deviations and covariance. The covariance is in the
+order: image's centre (px), px per rad (share), place (length), turn (rad), odd terms. The result also has the distance of
+each marker from its expected position. An odd term keeps the study's value unless the frame determines the term to half
+of its prior standard deviation.
 
 Examples:
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv \\
@@ -63,28 +65,30 @@ Examples:
   palpate sensor calibrate --rest rest.png --layout examples/press-with-a-camera.toml \\
     --out camera.toml");
 
-const TRACK_HELP: &str = "Frames are PNG, JPEG, BMP, TIFF or WebP images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is
-allowed if nothing is transparent. With --like, the central square of the frames is used. Writes to DIR
+const TRACK_HELP: &str = "Frames are PNG, JPEG, BMP, TIFF or WebP images of the same size, with 8 or 16 bits, grey, palette or RGB. An alpha
+channel is allowed if nothing is transparent. With --like, the central square of the frames is used. The command writes
+to DIR
   markers.csv     marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status,mean_hue_turns,dmean_hue_turns
   overlay.png     the pressed frame with a circle around each marker: blue tracked, red lost, orange merged,
                   violet split, cyan new, grey cut by the rim at rest; arrows are 5 times the shifts
-  difference.png  where green light was lost magenta, where it was gained green
-and with a calibration
-  readings.csv    what `palpate estimate press` accepts, of the markers that were tracked
-  field.csv       the same on a regular grid, by natural-neighbour interpolation
-and prints the estimate of `palpate estimate press` as JSON, with counts of the markers and the mean
-displacement outward from the contact. A soft layer on a rigid core is no half-space: use --method
-bonded-layer --thickness H. With --like STUDY.toml, sensor and estimator are those of a study of kind press;
-flags override them. Warns as `estimate press` does, and of a --px-per-rad that differs from the calibration.
-If there is no estimate, the tables are still written, and the status is 1.
+  difference.png  magenta where green light was lost, green where it was gained
+and with a calibration also
+  readings.csv    displacements of the tracked markers, a table that `palpate estimate press` accepts
+  field.csv       the same displacements on a regular grid, by natural-neighbour interpolation
+It then prints the estimate of `palpate estimate press` as JSON, with counts of the markers and the mean displacement
+outward from the contact. A soft layer on a rigid core is not a half-space: use --method bonded-layer --thickness H. With
+--like STUDY.toml, sensor and estimator come from a study of kind press; flags override them. The command warns as
+`estimate press` does, and if --px-per-rad differs from the calibration. If there is no estimate, the tables are still
+written, and the status is 1.
 
---method image --like STUDY.toml fits a press to centroid, hue and size of each marker, with the errors estimated from
-the frames. Layout, discs, body, camera and noise are those of the study, a press with a camera; with --calibration the
-camera is the one that `sensor calibrate --rest` wrote. The outputs are the same. readings.csv has the displacement of
-each marker by the estimated press, corrected by its own picture; it is not written if there is no estimate.
+--method image --like STUDY.toml fits a press to centroid, hue and size of each marker, whose errors are estimated from
+the frames. Layout, discs, body, camera and noise come from the study, which must be a press with a camera. With
+--calibration, the camera is the one that `sensor calibrate --rest` wrote. The outputs are the same. readings.csv has the
+displacement of each marker in the estimated press, corrected by the image of this marker. Without an estimate,
+readings.csv is not written.
 
-The other methods assume that the camera looks at the apex from the sensor's centre, through a fisheye with
-r = f angle, columns along x, rows against y.
+The other methods assume that the camera looks at the apex from the sensor's centre, through a fisheye lens with
+r = f angle. The columns of the image run along x, the rows against y.
 
 Examples:
   palpate sensor track rest.png pressed.png --out out/track
