@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
 use crate::programs::{FEATURES, PYTHON};
-use crate::{assay_harness, bench_check, book, crate_imports, programs, python, reproduce, tools};
+use crate::{bench_check, book, crate_imports, programs, python, reproduce, tools};
 
 /// Environment variables with which the Python package can be checked and linked without a Python interpreter.
 const NO_INTERPRETER: [(&str, &str); 2] = [
@@ -27,7 +27,7 @@ const STEPS: [Step; 14] = [
     ("licences", licences),
     ("results", results),
     ("WebAssembly", web_assembly),
-    ("answers", assay_harness::check_answers),
+    ("answers", programs::check_answers),
     ("python", python),
     ("instructions and accuracy", bench),
     ("documents", book::check),

@@ -1,7 +1,6 @@
 //! Development tasks, such as `cargo xtask ci` and `cargo xtask reproduce`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod assay_harness;
 mod baseline;
 mod bench_check;
 mod book;
@@ -45,10 +44,10 @@ enum Task {
     Tradeoff(tradeoff::Options),
     /// Compare the answers of `palpate design` and `palpate distinguish` for fixed scenes with references; writes
     /// results/answers.csv.
-    Answers(assay_harness::Options),
+    Answers(programs::AssayOptions),
     /// Compare the intervals and warnings of estimates in random scenes with the true values; writes the tables that
     /// `palpate check` reads.
-    Intervals(assay_harness::Options),
+    Intervals(programs::AssayOptions),
     /// Compare instruction counts and errors with the committed baseline.
     BenchCheck(bench_check::Options),
     /// Compare palpate with other programs on the same tasks; writes results/peers.csv.
@@ -84,8 +83,8 @@ fn run(cli: Cli) -> Result<()> {
         Task::Reproduce(options) => reproduce::run(&shell, &options),
         Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
-        Task::Answers(options) => assay_harness::answers(&shell, &options),
-        Task::Intervals(options) => assay_harness::intervals(&shell, &options),
+        Task::Answers(options) => programs::answers(&shell, &options),
+        Task::Intervals(options) => programs::intervals(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
         Task::Python(options) => python::run(&shell, &options),

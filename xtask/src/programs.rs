@@ -1,10 +1,11 @@
-//! Builds the programs that are tested, lists the packages of the workspace, and describes the machine.
+//! Builds the programs that are tested, runs test programs of palpate-assay, lists the packages of the workspace, and
+//! describes the machine.
 
-use std::env;
-use std::fs;
 use std::path::PathBuf;
+use std::{env, fs};
 
 use anyhow::{Result, bail};
+use clap::Args;
 use serde_json::Value;
 use xshell::{Shell, cmd};
 
@@ -80,4 +81,43 @@ pub(crate) fn machine(shell: &Shell) -> String {
     let rustc = rustc.unwrap_or_else(|_| "an unknown rustc".to_owned());
     let rustc = rustc.split(" (").next().unwrap_or_default();
     format!("{model}, {cores} cores, {rustc}")
+}
+
+#[derive(Args)]
+#[command(disable_help_flag = true)]
+pub(crate) struct AssayOptions {
+    /// Options for the test program. Add --help to list them.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    options: Vec<String>,
+}
+
+/// Folder of the tables into which the measured coverage of intervals is written.
+const FAMILIES: &str = "crates/palpate/src/coverage";
+
+/// Compares the answers of `design` and `distinguish` with references, and writes `results/answers.csv`.
+pub(crate) fn answers(shell: &Shell, options: &AssayOptions) -> Result<()> {
+    harness(shell, ["answers", "--out", "results/answers.csv"], options)
+}
+
+/// Measures the coverage of intervals and the warnings, and writes the measured columns of the tables in [`FAMILIES`].
+pub(crate) fn intervals(shell: &Shell, options: &AssayOptions) -> Result<()> {
+    harness(shell, ["intervals", "--tables", FAMILIES], options)
+}
+
+/// A step of CI that compares only some answers with references. It takes a few seconds.
+pub(crate) fn check_answers(shell: &Shell) -> Result<()> {
+    let table = target_dir(shell).join("answers.csv");
+    let options = "--seeds 5 --pairs 100000 --only cylinder".split(' ');
+    let options = AssayOptions {
+        options: options.map(str::to_owned).collect(),
+    };
+    let table = table.display().to_string();
+    harness(shell, ["answers", "--out", &table], &options)
+}
+
+fn harness(shell: &Shell, harness: [&str; 3], options: &AssayOptions) -> Result<()> {
+    let assay = build(shell, "palpate-assay")?;
+    let options = &options.options;
+    let run = cmd!(shell, "{assay} {harness...} {options...}");
+    Ok(run.quiet().run()?)
 }

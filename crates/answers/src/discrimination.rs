@@ -7,7 +7,7 @@ use palpate_study::{Label, Quantity, Table, label, number};
 use palpate_sweep::{Order, Repeats, TrialMeans};
 use serde_json::{Value, json};
 
-use crate::trial_counts::TrialCounts;
+use crate::cell_trials::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
 /// The sentences state the share of failed trials if it is larger than this value.

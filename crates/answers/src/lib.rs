@@ -25,9 +25,9 @@ mod region_text;
 mod search;
 mod sensitivity;
 mod target_score;
-mod trial_counts;
 mod words;
 
+pub use cell_trials::TrialCounts;
 pub use design::design;
 pub use discrimination::{Discrimination, Group, Object, Pair};
 pub use distinguish::distinguish;
@@ -37,7 +37,6 @@ pub use question::{Extreme, Question, Sought};
 pub use region::{Best, DesignPoint, Region, RegionColumn, Sample};
 pub use search::{EndReason, Run, Side, Span};
 pub use sensitivity::{FieldEffect, Sensitivity, sensitivity};
-pub use trial_counts::TrialCounts;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]

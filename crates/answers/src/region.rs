@@ -7,11 +7,11 @@ use palpate_scene::quantities_of;
 use palpate_study::config::Study;
 use palpate_study::{Bound, Target};
 
+use crate::cell_trials::TrialCounts;
 use crate::error::{AnswerError, MAX_CELLS};
 use crate::field::Field;
 use crate::question::{Extreme, Question, Sought};
 use crate::search::{EndReason, Run, Side};
-use crate::trial_counts::TrialCounts;
 
 /// The values of one or several fields that together meet a target.
 ///

@@ -6,7 +6,7 @@
 //! the true value, and how often an estimate has a warning.
 
 mod coverage;
-mod random_scene;
+pub(crate) mod random_scene;
 
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;

@@ -19,7 +19,6 @@ pub mod csv_table;
 pub mod intervals;
 pub mod paraboloid_reference;
 pub mod peer_tasks;
-mod random_draws;
 pub mod timing;
 pub mod tradeoff;
 pub mod workloads;

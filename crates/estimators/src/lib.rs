@@ -10,16 +10,14 @@ mod image_model;
 mod marker_images;
 mod marker_sphere;
 mod press_fit;
-mod tracks_table;
 
 pub use curvature_map::{map_table, push_map_point};
 pub use glide_fit::{GlideFit, GlideMethod, fit_shape};
 pub use image_fit::{ImageFitSetup, departure_stds};
 pub use image_model::{ImageModel, marker_image};
-pub use marker_images::{ImageEstimator, MarkerImages, pressed_images};
+pub use marker_images::{ImageEstimator, MarkerImages, pressed_images, tracks_table};
 pub use marker_sphere::{LAYOUT, MarkerSphere, optics_error};
 pub use press_fit::{
     PressFitError, PressFitSetup, baseline, body_error, large_contact_warning, sensor_body, within,
     within_sensor,
 };
-pub use tracks_table::tracks_table;

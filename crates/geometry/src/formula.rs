@@ -14,7 +14,6 @@
 
 mod error;
 mod jet;
-mod lexer;
 mod operation;
 mod parser;
 mod program;

@@ -1,6 +1,5 @@
 //! Simulates a study: runs the trials of its cells, and makes the tables of results.
 
-mod cell_results;
 mod cell_setup;
 
 use std::collections::BTreeMap;
@@ -12,19 +11,17 @@ use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels, drop_un
 use palpate_study::config::{Cell, ConfigError, Output, Study};
 use palpate_study::{Column, MapTable, Table, Warning, header};
 use palpate_sweep::{
-    CellStatistics, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError, SweepOutput,
-    Task, TrialObservations,
+    CellStatistics, Failure, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError,
+    SweepOutput, Task, TrialObservations,
 };
 use thiserror::Error;
 
 use crate::run_files::{self, Row};
 use crate::shard::{Shard, ShardTasks};
 use crate::warnings::Warnings;
-
-pub use cell_results::{CellResults, CellRows};
-pub(crate) use cell_setup::CellTruth;
-
 use cell_setup::CellSetup;
+
+pub(crate) use cell_setup::CellTruth;
 
 /// Largest number of cells for which every cell is set up, and so checked, before the first trial. In a larger study,
 /// only a sample of cells is checked.
@@ -506,4 +503,44 @@ pub fn run(study: &Study) -> Result<Ran, RunError> {
     let runner = Runner::new(&RunOptions::default())?;
     let simulation = Simulation::new(study, 0..study.cell_count(), &runner)?;
     Ok(simulation.run(&AtomicBool::new(false), &|_| ())?)
+}
+
+/// Results of a cell after its last trial.
+#[derive(Clone, Debug)]
+pub struct CellResults {
+    /// Number of the cell in the study.
+    pub cell: usize,
+    truth: Arc<CellTruth>,
+    warnings: Vec<Warning>,
+    map: Option<Table>,
+    /// Statistics of the cell. If the sign of the curvature is uncertain, there is no mean of a radius, because the
+    /// radius may be infinite.
+    statistics: CellStatistics,
+}
+
+/// Table rows of a cell, as CSV text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellRows {
+    /// Rows of `cells.csv`.
+    pub cells: String,
+    /// Rows of `failures.csv`.
+    pub failures: String,
+    /// Rows of `map.csv`.
+    pub map: String,
+    /// Number of trials of the cell.
+    pub trials: u64,
+    /// Each kind of failure of the cell, with the number of trials that failed in this way.
+    pub kinds: Vec<Failure>,
+    /// Warnings of the cell that the check before the run did not report.
+    pub warnings: Vec<Warning>,
+}
+
+impl CellResults {
+    fn row(&self) -> Row<'_> {
+        Row {
+            cell: self.cell,
+            truth: &self.truth,
+            statistics: &self.statistics,
+        }
+    }
 }

@@ -11,7 +11,7 @@ mod undetected_contacts;
 
 use crate::least_squares::LeastSquares;
 use crate::outcome::Stds;
-use crate::state::State;
+use crate::unknowns::State;
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
 use problem::Problem;
 use search::Search;

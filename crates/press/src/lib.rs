@@ -8,7 +8,6 @@
 
 mod body;
 mod bonded_layer;
-mod cholesky;
 mod elliptic_contact;
 mod elliptic_fit;
 mod error;
@@ -19,13 +18,11 @@ mod image_fit;
 mod least_squares;
 mod markers;
 mod misfit;
-mod no_contact;
 mod outcome;
 mod profile;
 mod regime;
 mod shear;
 mod skin;
-mod state;
 mod unknowns;
 
 pub use body::{Body, Contact, Displacement};

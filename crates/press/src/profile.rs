@@ -2,8 +2,7 @@
 
 use crate::Interval;
 use crate::least_squares::{LeastSquares, minimise};
-use crate::state::State;
-use crate::unknowns::{CURVATURE, INDENTATION};
+use crate::unknowns::{CURVATURE, INDENTATION, State};
 
 /// Tolerance of the search for an end of the interval. It is the relative error of the square root of the increase of
 /// chi-squared at the end. A result within this tolerance is improved by interpolation.

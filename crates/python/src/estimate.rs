@@ -2,14 +2,13 @@
 
 mod batch;
 mod glide;
-mod like;
 mod press;
 mod roll;
 mod settings;
 
 pub(crate) use batch::Batch;
 pub(crate) use glide::{GlideEstimate, estimate_glide};
-pub(crate) use like::like;
+
 pub(crate) use press::{PressEstimate, estimate_press};
 pub(crate) use roll::{RollEstimate, estimate_roll};
-pub(crate) use settings::{given, length_unit};
+pub(crate) use settings::{given, length_unit, like};

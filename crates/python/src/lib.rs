@@ -7,7 +7,6 @@ mod error;
 mod estimate;
 mod figure;
 mod json;
-mod pixels;
 mod record;
 mod sensor;
 mod study;
@@ -34,11 +33,11 @@ mod _native {
     #[pymodule_export]
     use super::answers::distinguish::{Distinction, distinguish};
     #[pymodule_export]
+    use super::answers::explain;
+    #[pymodule_export]
     use super::answers::report::{Report, report};
     #[pymodule_export]
     use super::answers::sensitivity::{Sensitivity, sensitivity};
-    #[pymodule_export]
-    use super::answers::words::explain;
     #[pymodule_export]
     use super::estimate::{Batch, GlideEstimate, PressEstimate, RollEstimate};
     #[pymodule_export]

@@ -61,7 +61,6 @@ mod table_format;
 mod table_layout;
 mod text_table;
 mod value;
-mod zip_archive;
 
 pub use calibration::{
     CalibrateOptions, CalibrationPoints, KnownDisplacements, calibrate, frame_calibration_points,

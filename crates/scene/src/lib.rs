@@ -8,7 +8,6 @@
 mod cache;
 mod config_conversion;
 mod glide;
-mod inverse_quantities;
 mod ladder;
 mod measured_sensor;
 mod pattern;
@@ -16,20 +15,19 @@ mod press;
 mod principal_curvatures;
 mod roll;
 mod scene;
-mod scene_trial;
 mod trace;
 
 pub use cache::SharedModels;
 pub use glide::GlideScene;
-pub use inverse_quantities::drop_undefined_moments;
 pub use ladder::{Accuracy, Ladder, Rung};
 pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
 pub use pattern::{CutPattern, marker_places};
 pub use press::{PressFailure, PressFlaw, PressScene};
+pub use principal_curvatures::drop_undefined_moments;
 pub use roll::{Arch, RollScene};
-pub use scene::{Need, Scene, Scenes, Trials, map_table_of, quantities_of};
-pub use scene_trial::SceneTrial;
+pub use scene::{Need, Scene, SceneTrial, Scenes, Trials, map_table_of, quantities_of};
+
 pub use trace::{CameraTrace, Trace, TraceError};
 
 #[cfg(doctest)]

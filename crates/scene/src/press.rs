@@ -4,7 +4,6 @@
 mod camera_calibration;
 mod camera_model;
 mod description;
-mod flawed_trial;
 mod plan;
 mod press_tables;
 mod reading;
@@ -13,13 +12,15 @@ mod trial;
 mod truth;
 
 use palpate_chromatouch::OpticsError;
-use palpate_press::PressError;
+use palpate_press::{PressError, Reading};
+use palpate_sweep::Observation;
 use palpate_tracking::TrackingError;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
+use reading::PressReading;
+
 pub(crate) use camera_calibration::{CalibrationFrames, ImageChanges, RestFrames, RestMarkers};
-pub use flawed_trial::PressFlaw;
 pub use trial::PressScene;
 
 /// Reason why a press or one of its trials has no estimate.
@@ -43,5 +44,80 @@ impl PressFailure {
     /// Name of the failure for tables. It stays the same in all versions.
     pub(crate) fn name(&self) -> &'static str {
         self.into()
+    }
+}
+
+/// Additional errors in the readings of a press. These errors are not part of the noise of the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PressFlaw {
+    /// Additional error of one normal displacement, length. The marker with this error differs from trial to trial.
+    pub outlier: f64,
+    /// Additional error of the stated indentation. Its unit is the standard deviation of the difference between the
+    /// stated indentation and the indentation that is estimated from the displacements alone.
+    pub indentation: f64,
+}
+
+impl PressScene {
+    /// Runs a trial like [`Trials::trial`](crate::Trials::trial), but with a flaw in its readings. Returns the names of
+    /// the warnings about its estimate. If the fit rejects markers, `outlier` is one of these names.
+    ///
+    /// # Errors
+    /// The name of the failure, which stays the same in all versions.
+    pub fn flawed_trial(
+        &self,
+        trial: u64,
+        flaw: PressFlaw,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, &'static str> {
+        let mut reading = self
+            .reading(Some(trial))
+            .map_err(|failure| failure.name())?;
+        reading.add_outlier(flaw.outlier, trial);
+        if flaw.indentation != 0.0 {
+            let std = self.indentation_difference_std();
+            reading.indentation += flaw.indentation * std.map_err(|failure| failure.name())?;
+        }
+        self.warnings(&reading, observe)
+            .map_err(|failure| failure.name())
+    }
+
+    /// Standard deviation of the difference between the stated indentation and the indentation that is estimated from
+    /// the displacements alone. It is computed from the estimate for noiseless readings.
+    fn indentation_difference_std(&self) -> Result<f64, PressFailure> {
+        self.with_fit(&self.reading(None)?, |fit, reading| {
+            let alone = fit.estimate(&Reading {
+                indentation: None,
+                ..*reading
+            })?;
+            let stated = reading.indentation.map_or(0.0, |stated| stated.std);
+            Ok(libm::hypot(stated, alone.indentation.std))
+        })
+    }
+
+    /// Estimates the press from a reading, compares the estimate with the true values, and returns the names of its
+    /// warnings.
+    fn warnings(
+        &self,
+        reading: &PressReading,
+        observe: &mut dyn FnMut(usize, Observation),
+    ) -> Result<Vec<&'static str>, PressFailure> {
+        let estimate = self.estimate(reading)?;
+        let given = self.given_indentation(reading);
+        // A stated indentation can contradict the readings only if the readings alone also determine the indentation.
+        let (indentation, misfits) = match self.estimator.images(reading) {
+            Some((fit, images)) => (
+                fit.check_indentation(images, given),
+                fit.misfits(images, given, &estimate)?,
+            ),
+            None => self.with_fit(reading, |fit, reading| {
+                let indentation = fit.check_indentation(reading, Some(&estimate));
+                Ok((indentation, fit.misfits(reading, &estimate)?))
+            })?,
+        };
+        self.compare(reading, &estimate, observe);
+        let outlier = (!estimate.wrong_markers.is_empty()).then_some("outlier");
+        let misfits = misfits.into_iter().chain(indentation.ok().flatten());
+        let codes = misfits.map(|misfit| misfit.code());
+        Ok(codes.chain(outlier).collect())
     }
 }

@@ -1,19 +1,19 @@
 //! Scenes of all kinds, their trials, and the scenes of a study's grid points.
 
 use std::fmt;
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 
 use palpate_estimators::map_table;
 use palpate_study::config::{Cell, ConfigError, LengthUnit, SceneConfig, Study};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
-use palpate_sweep::Observation;
+use palpate_sweep::{Observation, Record, Trial};
 
 use crate::cache::SharedModels;
 use crate::glide::GlideScene;
 use crate::ladder::{Ladder, Rung};
 use crate::measured_sensor::MeasuredSensor;
 use crate::press::PressScene;
-use crate::roll::RollScene;
+use crate::roll::{Arch, RollScene};
 use crate::trace::{Trace, TraceError};
 
 /// A scene of any kind that is ready to run its [`Trials`].
@@ -371,5 +371,48 @@ impl fmt::Display for Need {
             Self::Model(model) => f.write_str(model),
             Self::Warning(warning) => warning.fmt(f),
         }
+    }
+}
+
+/// A scene whose trials the runner of sweeps can run.
+#[derive(Debug)]
+pub struct SceneTrial {
+    /// The scene whose trials are run.
+    pub scene: Scene,
+    /// Vector instructions that run batches of trials. The results do not depend on them.
+    pub arch: Arch,
+}
+
+impl SceneTrial {
+    /// The trials of a scene. Batches of trials run with the widest vector instructions of the processor.
+    pub fn new(scene: Scene) -> Self {
+        Self {
+            scene,
+            arch: Arch::new(),
+        }
+    }
+}
+
+impl Trial for SceneTrial {
+    fn quantities(&self) -> usize {
+        self.scene.quantities().len()
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        self.scene
+            .trial(trial, |quantity, one| record.observe(quantity, one))
+    }
+
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        match &self.scene {
+            Scene::Roll(roll) => roll.side_by_side(self.arch, trials, |observed| {
+                record.observe_together(observed)
+            }),
+            _ => 0,
+        }
+    }
+
+    fn is_random(&self) -> bool {
+        self.scene.is_random()
     }
 }

@@ -1,7 +1,6 @@
 //! Probability distributions, numbers in messages, and counters of computational work, for all crates of the workspace.
 
 mod bad_setting;
-mod goodness_of_fit;
 mod hue;
 mod misfit;
 mod normal;
@@ -11,9 +10,9 @@ mod tails;
 pub mod work;
 
 pub use bad_setting::BadSetting;
-pub use goodness_of_fit::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
+
 pub use hue::{hue_turns, saturated_hue};
-pub use misfit::{Misfit, StatedQuantity};
+pub use misfit::{GoodnessOfFit, Misfit, SIGNIFICANCE_LEVEL, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use number_format::Number;
 pub use score_test::{Explained, LEFT, least_likely};

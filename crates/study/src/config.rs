@@ -18,7 +18,6 @@
 mod config_builder;
 mod config_output;
 mod error;
-mod error_location;
 mod field;
 mod field_path;
 mod field_value;
@@ -28,7 +27,6 @@ mod grid;
 pub mod infinite_length;
 mod load;
 mod marker_sensor;
-mod number_default;
 mod object;
 mod plot;
 mod press;

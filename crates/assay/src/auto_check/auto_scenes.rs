@@ -2,7 +2,7 @@
 
 use palpate_sensing::{Channel, Stream};
 
-use crate::random_draws::Draws;
+use crate::intervals::random_scene::Draws;
 
 const SEED: u64 = 6;
 

@@ -10,8 +10,6 @@ use palpate_study::config::{ReadingNoise, SceneConfig, parse, with_fields};
 use palpate_sweep::Observation;
 use serde_json::json;
 
-use crate::random_draws::Draws;
-
 /// Path of the field in the table of families that states the curvature of random surfaces. If its range contains
 /// negative values, the surfaces are balls and dishes. If its range starts at 0, the surfaces are quadrics with waves,
 /// and the upper end of the range limits their curvature.
@@ -136,4 +134,22 @@ fn waves(draws: &mut Draws, max: f64) -> serde_json::Value {
             "a": a, "b": b, "c": c, "p": p, "k": k, "l": l, "f": f, "q": q, "m": m, "n": n, "g": g,
         },
     })
+}
+
+/// The random numbers of one scene.
+pub(crate) struct Draws(pub(crate) Stream);
+
+impl Draws {
+    pub(crate) fn between(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * (0.5 + 0.5 * self.0.symmetric_uniform())
+    }
+
+    /// A random number between `from` and `to`, uniform on a logarithmic scale.
+    pub(crate) fn log_between(&mut self, from: f64, to: f64) -> f64 {
+        libm::pow(10_f64, self.between(libm::log10(from), libm::log10(to)))
+    }
+
+    pub(crate) fn index(&mut self, count: usize) -> usize {
+        (self.between(0.0, count as f64) as usize).min(count - 1)
+    }
 }

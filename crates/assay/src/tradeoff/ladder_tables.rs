@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::ladder::{Ease, RungError};
-use super::pareto_front::{CostError, answer, pareto};
+use super::{CostError, answer, pareto};
 use crate::csv_table::{self, Column, or_empty};
 use crate::timing::Spread;
 

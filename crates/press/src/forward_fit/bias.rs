@@ -3,8 +3,7 @@
 use super::problem::{BASELINE, GAIN, Problem};
 use crate::least_squares::LeastSquares;
 use crate::outcome::{OfReadings, outcome};
-use crate::state::State;
-use crate::unknowns::{CURVATURE, OTHERS, Square, Sums, UNKNOWNS, Unknowns};
+use crate::unknowns::{CURVATURE, OTHERS, Square, State, Sums, UNKNOWNS, Unknowns};
 use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate};
 
 impl Problem<'_> {

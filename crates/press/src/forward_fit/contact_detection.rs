@@ -8,8 +8,8 @@ use super::start::median;
 use crate::PressError;
 use crate::least_squares::LeastSquares;
 use crate::markers::see;
-use crate::no_contact::no_contact;
-use crate::state::State;
+use crate::outcome::no_contact;
+use crate::unknowns::State;
 
 /// False alarm rate: probability that a contact is detected although there is none. This value assumes that contacts
 /// are searched only at the markers. On a thin layer, a fit also finds contacts between the markers, which increases

@@ -9,8 +9,7 @@ use super::problem::{Problem, finite};
 use super::{ForwardFit, Reading};
 use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::misfit::{Noise, PatternSums, Patterns, patterns, stated_indentation};
-use crate::state::State;
-use crate::unknowns::{INDENTATION, Square, Sums};
+use crate::unknowns::{INDENTATION, Square, State, Sums};
 use crate::{PressError, PressEstimate};
 
 /// The stated noise is reported as wrong only if it is larger or smaller than the noise of the residuals by at least

@@ -7,8 +7,7 @@ use super::problem::{Problem, WRONG};
 use crate::PressError;
 use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::misfit::Noise;
-use crate::state::State;
-use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
+use crate::unknowns::{CURVATURE, Square, State, Sums, Unknowns};
 
 /// Outliers are tested only if the ratio of the estimated noise to the largest displacement is at least this value.
 /// Smaller noise may only be the rounding of the readings.

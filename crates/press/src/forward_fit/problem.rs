@@ -5,8 +5,7 @@ use nalgebra::{UnitVector3, Vector2, Vector3};
 use super::{ForwardFit, Measured, Prior, Reading};
 use crate::least_squares::{LeastSquares, minimise};
 use crate::markers::{PressSlopes, Sight};
-use crate::state::State;
-use crate::unknowns::{ACROSS, EXACT, Fitted, OTHERS, Sums, Unknowns};
+use crate::unknowns::{ACROSS, EXACT, Fitted, OTHERS, State, Sums, Unknowns};
 use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
 
 /// Index of the baseline, an offset of all normal displacements. Fits of images do not have this parameter.

@@ -13,8 +13,7 @@ use super::{ForwardFit, Reading};
 use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::outcome::until_best;
 use crate::profile::profile;
-use crate::state::State;
-use crate::unknowns::{EXACT, Square, Sums};
+use crate::unknowns::{EXACT, Square, State, Sums};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is

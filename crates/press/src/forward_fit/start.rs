@@ -8,7 +8,7 @@ use super::Prior;
 use super::problem::Problem;
 use crate::least_squares::LeastSquares;
 use crate::markers::Sight;
-use crate::state::State;
+use crate::unknowns::State;
 use crate::{Displacement, Place};
 
 /// Number of markers at which contacts are tried. They are the markers that moved most. Contacts are also tried at the

@@ -7,8 +7,7 @@ use super::problem::Problem;
 use super::start::{Shapes, median};
 use crate::Interval;
 use crate::least_squares::LeastSquares;
-use crate::state::State;
-use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
+use crate::unknowns::{ACROSS, ALONG, CURVATURE, State, Sums};
 
 /// Largest radius of the tried contacts, relative to the sensor's radius.
 const MAX_RADIUS: f64 = 0.9;

@@ -8,10 +8,8 @@
 use super::fit_state::FitState;
 use super::image_problem::Problem;
 use super::view::View;
-use crate::cholesky::inverse;
-use crate::least_squares::LeastSquares;
-use crate::state::State;
-use crate::unknowns::{CURVATURE, Square, Unknowns};
+use crate::least_squares::{LeastSquares, inverse};
+use crate::unknowns::{CURVATURE, Square, State, Unknowns};
 
 /// Step of the curvature for numerical derivatives, in standard errors of the curvature. During the step, all other fit
 /// parameters are changed such that chi-squared stays minimal.

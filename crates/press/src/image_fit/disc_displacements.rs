@@ -6,8 +6,7 @@ use super::ImageFit;
 use super::view::View;
 use crate::markers::PressSlopes;
 use crate::shear::stuck_shift;
-use crate::state::State;
-use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, UNKNOWNS, Unknowns};
+use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, State, UNKNOWNS, Unknowns};
 use crate::{Body, MarkerDisplacement, Place, PressError};
 
 /// Step for numerical derivatives of displaced discs, relative to the scale of each fit parameter.

@@ -2,10 +2,8 @@
 
 use super::image_problem::{Problem, Residuals, Slopes};
 use super::view::{NUMBERS, View};
-use crate::cholesky::solve;
-use crate::least_squares::LeastSquares;
-use crate::state::State;
-use crate::unknowns::{Fitted, Sums, Unknowns};
+use crate::least_squares::{LeastSquares, solve};
+use crate::unknowns::{Fitted, State, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
 /// Limit of the predicted decrease of chi-squared by an undamped step. It is the square of four standard deviations. If

@@ -11,7 +11,7 @@ use super::view::{NUMBERS, Seen, View};
 use super::{ImageFit, Rest};
 use crate::least_squares::LeastSquares;
 use crate::misfit::{Noise, PATTERNS, PatternSums, patterns, stated_indentation};
-use crate::state::State;
+use crate::unknowns::State;
 use crate::{Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {

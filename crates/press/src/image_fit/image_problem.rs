@@ -15,8 +15,7 @@ use super::fit_state::FitState;
 use super::rest::{Rest, products};
 use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
 use crate::least_squares::LeastSquares;
-use crate::state::State;
-use crate::unknowns::{Fitted, OTHERS, Square, Sums, UNKNOWNS};
+use crate::unknowns::{Fitted, OTHERS, Square, State, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
 
 /// Index of the first component of the object's sideways shift in the fit parameters.

@@ -8,11 +8,9 @@ use super::image_problem::{Problem, Residuals};
 use super::view::{NUMBERS, SIZE, Seen, View, difference};
 use super::{ImageFit, Rest};
 use crate::least_squares::{LeastSquares, minimise};
-use crate::no_contact::no_contact;
-use crate::outcome::{OfReadings, outcome, until_best};
+use crate::outcome::{OfReadings, no_contact, outcome, until_best};
 use crate::profile::profile;
-use crate::state::State;
-use crate::unknowns::CURVATURE;
+use crate::unknowns::{CURVATURE, State};
 use crate::{Estimated, GoodnessOfFit, Measured, PressError, PressEstimate};
 
 /// Outlier threshold: a marker is an outlier if the sum of its four squared residuals is above this value. Noise alone

@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::image_problem::Problem;
 use super::view::{NUMBERS, Seen, View};
 use super::{ImageFit, Rest};
-use crate::cholesky::solve;
-use crate::state::State;
+use crate::least_squares::solve;
+use crate::unknowns::State;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 impl<V: View> ImageFit<V> {

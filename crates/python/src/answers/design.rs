@@ -6,8 +6,8 @@ use palpate::{AnswerError, Extreme, Question, Region, Sought};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::answer_display::{figure, table};
 use super::question::{set as set_of, unanswered, varied};
+use super::{figure, table};
 use crate::error;
 use crate::json::to_python;
 use crate::record::{Made, Record, record};

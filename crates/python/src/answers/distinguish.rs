@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::answer_display::{figure, table};
 use super::question::{listed, set as set_of, unanswered, wrong};
+use super::{figure, table};
 use crate::error;
 use crate::json::to_python;
 use crate::record::{Made, Record, record};

@@ -13,8 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyString};
 
 use super::batch::{batch, in_set};
-use super::like::like;
-use super::settings::{given, length_unit};
+use super::settings::{given, length_unit, like};
 use crate::arrays::{Numbers, array, whole};
 use crate::error;
 use crate::json::to_python;

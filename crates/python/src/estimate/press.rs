@@ -6,8 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::batch::{batch, in_set};
-use super::like::like;
-use super::settings::{given, length_unit};
+use super::settings::{given, length_unit, like};
 use crate::arrays::Numbers;
 use crate::error;
 use crate::json::to_python;

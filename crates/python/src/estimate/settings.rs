@@ -1,13 +1,15 @@
 //! Reads the settings of readings and estimators from keyword arguments.
 
 use palpate::config::infinite_length::json_number;
-use palpate::config::{Accepts, LengthUnit, Setting};
+use palpate::config::{Accepts, LengthUnit, Setting, StudyConfig};
+use palpate::recorded::StudyMismatch;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Map, Value as Json};
 
 use crate::error;
+use crate::study::Study;
 
 /// Finds the settings among the keyword arguments of a call, and returns a map from their keys to their values. Each of
 /// the two functions in `tables` returns the setting with a given key: a setting of the readings, or of the estimator.
@@ -74,4 +76,23 @@ pub(crate) fn length_unit(name: Option<&str>) -> PyResult<Option<LengthUnit>> {
         })
     };
     name.map(unit).transpose()
+}
+
+/// Options of an estimate, taken from a cell of a study. Lengths are converted to the unit of the readings. If this
+/// unit is not stated (`None`), lengths keep the unit of the study.
+pub(crate) fn like<T>(
+    study: Option<&Bound<'_, Study>>,
+    cell: usize,
+    unit: Option<LengthUnit>,
+    options: fn(&StudyConfig, LengthUnit) -> Result<T, StudyMismatch>,
+) -> PyResult<Option<T>> {
+    let Some(study) = study.map(|study| study.get().study()) else {
+        return Ok(None);
+    };
+    let of_cell = study.cell(cell).map_err(error::config)?;
+    let unit = unit.unwrap_or(of_cell.config.length_unit);
+    let options = options(&of_cell.config, unit);
+    options
+        .map(Some)
+        .map_err(|error| error::config(study.error_at(cell, error.path(), error.to_string())))
 }

@@ -13,8 +13,8 @@ use crate::arrays::Numbers;
 use crate::error;
 use crate::estimate::length_unit;
 use crate::json::to_python;
-use crate::pixels::frame;
 use crate::record::records;
+use crate::sensor::frame;
 
 /// Calibration of a sensor: how the hue, size and centroid of a marker in the frames depend on its displacement.
 ///

@@ -5,8 +5,8 @@ use pyo3::prelude::*;
 
 use crate::error;
 use crate::json::to_python;
-use crate::pixels::frame;
 use crate::record::records;
+use crate::sensor::frame;
 use crate::study::Study;
 
 /// Camera of a sensor: its position, rotation and scale, with their covariance.

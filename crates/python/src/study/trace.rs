@@ -12,8 +12,8 @@ use super::runs::of_trace;
 use crate::error;
 use crate::figure::Figure;
 use crate::json::to_python;
-use crate::pixels::pixels;
 use crate::record::{Made, Record, record};
+use crate::sensor::pixels;
 use crate::table::table_of;
 use crate::watch::watched;
 

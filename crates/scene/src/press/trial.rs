@@ -13,11 +13,10 @@ use palpate_study::config::{
 use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
 
-use super::PressFailure;
-use super::flawed_trial::PressFlaw;
 use super::plan::{Choice, PressRungs};
 use super::reading::{CameraPressSensor, CameraReading, PressNoise, PressReading, PressSensor};
 use super::truth::{PressGeometry, SoftBody, TruePress};
+use super::{PressFailure, PressFlaw};
 use crate::ladder::Ladder;
 use crate::principal_curvatures::{finite, half_turn};
 use crate::scene::{Need, Trials};

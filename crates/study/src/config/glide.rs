@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::glide_estimator::GlideEstimatorConfig;
-use super::number_default::{number, whole};
 use super::object::ObjectConfig;
 use super::roll::PadLayout;
+use super::schema::{number, whole};
 
 /// Fingers slide over an object, each in its own vertical plane. The planes are parallel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

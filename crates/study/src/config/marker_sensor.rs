@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::number_default::{number, whole};
+use super::schema::{number, whole};
 
 /// The soft sensor that is pressed onto the object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::number_default::{number, whole};
 use super::object::ObjectConfig;
+use super::schema::{number, whole};
 
 /// A probe rolls on an object without sliding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

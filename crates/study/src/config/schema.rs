@@ -1,13 +1,14 @@
 //! The JSON Schema of a config, which also states the units of the keys. Configs are validated against it, and editors
 //! use it to complete keys.
 
-use super::study::LengthUnit;
-use super::study::StudyConfig;
-use super::validate::{instead_of, kind_of};
+use std::sync::LazyLock;
+
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value as Json, json};
-use std::sync::LazyLock;
+
+use super::study::{LengthUnit, StudyConfig};
+use super::validate::{instead_of, kind_of};
 
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
@@ -160,4 +161,16 @@ pub(super) fn alternatives(path: &str) -> Vec<String> {
 pub(super) fn is_whole(schema: &Json, keys: &[&str]) -> bool {
     let field = fields_at(schema, keys).into_iter().next();
     field.is_some_and(|field| field["type"] == "integer")
+}
+
+pub(super) const fn whole<const N: u32>() -> u32 {
+    N
+}
+
+pub(super) const fn count<const N: u64>() -> u64 {
+    N
+}
+
+pub(super) fn number<const N: u32>() -> f64 {
+    f64::from(N)
 }

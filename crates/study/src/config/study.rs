@@ -2,10 +2,10 @@
 
 use super::glide::{GlideConfig, GlideModelConfig};
 use super::marker_sensor::BareFingertipConfig;
-use super::number_default::count;
 use super::plot::PlotConfig;
 use super::press::{PressConfig, PressModelConfig};
 use super::roll::{RollConfig, RollModelConfig};
+use super::schema::count;
 use super::sweep::SweepConfig;
 use super::validate::NAME;
 use crate::readings::ColumnNames;

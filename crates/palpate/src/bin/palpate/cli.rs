@@ -2,8 +2,6 @@
 
 mod answers;
 mod estimate_args;
-mod form;
-mod number;
 mod sensor_args;
 mod settings;
 
@@ -20,9 +18,9 @@ use crate::output::Format;
 
 pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs, SensitivityArgs};
 pub(crate) use estimate_args::{
-    EstimateForceArgs, EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs,
+    EstimateForceArgs, EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, FormArgs,
+    LikeArgs,
 };
-pub(crate) use form::FormArgs;
 pub(crate) use sensor_args::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
 
 /// Simulate a fingertip that explores a surface, model the readings of its sensors, and estimate the surface's

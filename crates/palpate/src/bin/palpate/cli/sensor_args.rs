@@ -6,9 +6,9 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use palpate_recorded::NormalFrom;
 
+use super::estimate_args::FormArgs;
 use super::estimate_args::{SensorArgs, tables};
-use super::form::FormArgs;
-use super::number::{not_negative, positive};
+use super::settings::{not_negative, positive};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SensorCommand {

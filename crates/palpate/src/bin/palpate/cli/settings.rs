@@ -11,14 +11,14 @@ use clap::{Arg, ArgGroup, ArgMatches, Args, Command, FromArgMatches, Id};
 use palpate_recorded::{GlideOptions, PressOptions, RollSettings};
 use palpate_study::config::infinite_length::json_number;
 use palpate_study::config::{
-    Accepts, GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig, Setting, settings,
+    Accepts, GlideEstimatorConfig, LengthUnit, PressEstimatorConfig, Range, RollEstimatorConfig,
+    Setting, settings,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value as Json};
 
-use super::number::vector;
 use crate::failure::{flag, with_flags};
 
 /// A table of a config whose keys are available as command-line flags. The flag `--method` sets the key `kind`.
@@ -181,4 +181,45 @@ impl<T: Flagged> FromArgMatches for Settings<T> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
     }
+}
+
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    Range::POSITIVE.parse(text)
+}
+
+pub(super) fn radius(text: &str) -> Result<f64, String> {
+    let range = Range {
+        may_be_infinite: true,
+        ..Range::POSITIVE
+    };
+    range.parse(text)
+}
+
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    Range::NOT_NEGATIVE.parse(text)
+}
+
+/// Parses `size` numbers, separated by commas. Error messages show `name` as the expected form.
+pub(super) fn vector(text: &str, size: usize, name: &str) -> Result<Vec<f64>, String> {
+    let number = |part: &str| {
+        let number = part
+            .trim()
+            .parse()
+            .ok()
+            .filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| format!("`{part}` is not a number"))
+    };
+    let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    match numbers.len() {
+        count if count == size => Ok(numbers),
+        count => Err(format!("needs {size} numbers, {name}; has {count}")),
+    }
+}
+
+pub(super) fn length_unit(text: &str) -> Result<LengthUnit, String> {
+    use LengthUnit::{Cm, M, Mm, Um, Unit};
+    [M, Cm, Mm, Um, Unit]
+        .into_iter()
+        .find(|unit| unit.as_str() == text)
+        .ok_or_else(|| "must be one of m, cm, mm, um, unit".to_owned())
 }
