@@ -41,7 +41,7 @@ subjects! {
         "trial": "One repetition of a cell with new random noise. Seed, cell and trial number determine this noise, so `palpate trace --trial` can replay a trial.";
         "shard": "Part of a run: every N-th grid point, so that several processes or machines share a run. `palpate merge` combines the shards.";
         "sweep": "An axis along which fields of the config are varied. A swept value replaces the value that the config states for the field.";
-        "rung": "One of several models for the same contact, ordered by cost, from a cheap closed form to a general integrator. `palpate check` prints the chosen model, and error and cost of the next cheaper and the next more exact model.";
+        "rung": "One of several models for the same contact, ordered by cost, from a cheap closed form to a general integrator. `palpate check` prints the chosen model. It also prints the error and the cost of the next cheaper model and of the next more exact model.";
         "auto": "Setting of the contact model. With it, palpate chooses the cheapest model whose error is at most the tolerance.";
         "tolerance": "Largest relative error of a contact model that `auto` may choose. It limits the error of the contact model, not the noise of a sensor.";
         "roll": "A scene in which a round probe rolls on an object by a small angle. The object's curvature is estimated from the distance that the contact moves (EP1).";
@@ -72,13 +72,13 @@ subjects! {
         "shape index": "A number for the shape of a surface at a point that does not depend on the size: -1 is a cup, 0 a symmetric saddle, 1 a cap.";
         "convex": "An object is convex if it bulges towards the sensor; its curvature is positive. As a class by signs: both principal curvatures are positive.";
         "concave": "An object is concave if it is hollow; its curvature is negative. As a class by signs: both principal curvatures are negative.";
-        "saddle": "Class by signs of a point where the surface is convex in one direction and concave in another, or flat in some direction.";
+        "saddle": "Class, by the signs of the principal curvatures alone, of a point where the surface is convex in one direction and concave in another, or flat in some direction.";
         "thresholds": "Magnitudes of K and H below which K and H count as 0 for the shape class.";
         "edge": "Regime of a press on a hollow object with a smaller radius than the sensor. The sensor touches only the rim of the object, so its curvature cannot be estimated.";
         "RCR": "Relative curvature ratio: the object's normal curvature divided by the probe's. A relative error of the readings of a roll is amplified by 1 + 1/RCR.";
         "Montana": "Author of the contact equations (1988). They describe how a contact point moves on two bodies that roll on each other, as a function of their curvatures.";
         "coherence": "Property of a region of one shape class, from 0 (the directions of largest curvature in the region are random) to 1 (they are parallel).";
-        "indentation": "Distance by which two bodies approach each other after their first touch, length.";
+        "indentation": "A length: the distance by which two bodies approach each other after their first touch.";
         "half-space": "Model of a soft body that is deep compared with the contact radius. Its displacements under load have a closed form.";
         "bonded-layer": "Model of a soft layer that is bonded to a rigid core. Its contact is computed from an integral equation.";
         "hertz": "Hertz's model of elastic contact with a half-space. It uses the displacements at the surface for all markers, even for markers below the surface.";
@@ -89,7 +89,7 @@ subjects! {
         "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal, or uniform, which is a lattice with the same density of pads everywhere on the sphere. If `offset` is random, each roll starts at another place on a pad.";
         "pad": "Element of a tactile array. If the contact is anywhere on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
-        "pitch": "Distance between neighbouring pads or markers, length.";
+        "pitch": "A length: the distance between neighbouring pads or markers.";
         "IFD": "Inter-finger distance: the distance between neighbouring fingers. The 1996 paper states the noise of positions as a fraction of it (`fraction_of_ifd`, `axis_fractions`).";
         "marker": "Coloured disc, or a pair of discs at two depths, under the skin of a camera sensor. A press displaces the marker. In tables of markers, `dx`, `dy`, `dhue` and `dmean_hue` are changes since the frame at rest, and `radial_position` is the distance from the apex.";
         "layout": "Arrangement of the markers of a sensor.";
@@ -123,9 +123,9 @@ subjects! {
         "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is right. If an end is null, the interval is unbounded on this side.";
         "verdict": "Shape of a pressed object, from the 95 % interval of its curvature: convex, concave, flat-within-noise or not-resolved.";
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0 and is narrower than the sensor's own curvature.";
-        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing. As a warning about a shape that is fitted to contacts: the contacts do not determine the radius of the shape, so the interval of the radius is open.";
+        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing about the object's shape. As a warning about a shape that is fitted to contacts: the contacts do not determine the radius of the shape, so the interval of the radius is open.";
         "amplification": "Factor between a relative error of a roll's readings and the resulting relative error of the curvature: 1 + R_object/R_probe. It increases with the radius of the object.";
-        "baseline": "Constant displacement, length, that is part of the readings of all markers, for example because the sensor was not at rest. It is fitted only on request.";
+        "baseline": "A length: a constant displacement that is part of the readings of all markers, for example because the sensor was not at rest. It is fitted only on request.";
         "gain": "Factor on all inward displacements; 1 if the sensor has no scale error. It is fitted only on request. Readings cannot separate a gain from a change of curvature and indentation.";
         "contact_seen": "Whether the readings alone show a contact. If they do not, but an indentation is stated, the interval contains the curvatures of all contacts whose displacements are within the noise.";
         "radius below": "Status of rolls during which the contact stayed on one pad in some direction. The readings then give only an upper bound on the object's radius in this direction.";
@@ -169,7 +169,7 @@ subjects! {
         "format_version": "Version of the JSON. It increases when a key is removed or changes its meaning.";
     }
     "Warnings about estimates" {
-        "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. The number `p_value` is the probability that chance alone causes a contradiction at least as large.";
+        "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. The number `p_value` is the probability that chance alone causes a contradiction between readings and model that is at least as large as the observed one.";
         "p-value": "Probability that noise of the stated size causes residuals at least as large as these, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
         "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls, below 0.02). The stated noise is too small, or the model does not hold.";
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the number of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
@@ -198,7 +198,7 @@ subjects! {
         "units": "The readings or a stated noise seem to be in another unit, or the displacements of a press seem to have the opposite sign.";
         "signs": "The readings seem to have the opposite sign, or their columns seem to be swapped. For example, displacements point outward, or normals contradict the positions.";
         "unnamed-probes": "No column names the roll of each row. The rolls are found by rows, blank lines or times.";
-        "assumed-columns": "The file does not name its columns as palpate does. palpate found the columns by their order, or as columns of several fingers, or did not read some columns.";
+        "assumed-columns": "The file does not name its columns as palpate does. palpate used the order of the columns, or took them for columns of several fingers, or left some columns unread.";
         "unnamed-fingers": "No column names the finger of each row. The fingers are found by blank lines or long steps.";
         "half-turn": "The contact of a simulated roll passes half way round the probe, so the shift no longer determines the length of the roll.";
         "hidden-markers": "The simulated camera does not image all markers.";
@@ -234,7 +234,7 @@ subjects! {
         "camera-scale": "The stated radial scale contradicts the frames.";
         "uncertain-gain": "The gain of the calibration is uncertain, so the curvature is uncertain too.";
         "ignored-layer": "The study's contact model is a layer, but the estimator fits a half-space.";
-        "uneven-pictures": "The effect of light and blur is computed for markers at rest. It changes when the markers move.";
+        "uneven-pictures": "The effect of light and blur on the images of markers is computed for markers at rest. This effect changes when the markers move.";
     }
     "Failures of rolls" {
         "too-few-probes": "There are fewer than two rolls. A curvature has three components, and one roll determines two of them. Roll in at least two directions.";
@@ -350,7 +350,7 @@ pub fn related(word: &str) -> Option<Term> {
     }
 }
 
-/// Smallest length of a word that is similar to every longer word that contains it.
+/// A word counts as similar to every longer word that contains it, if it has at least this number of letters.
 const MIN_PART: usize = 3;
 
 /// Up to five names of terms, quantities or statistics that are similar to `word`, the most similar first.

@@ -24,7 +24,8 @@ pub struct Label {
 }
 
 impl Label {
-    /// A label for numbers that are displayed as in the table. `unit` is in the usual notation, such as `1/cm²`.
+    /// Label of a column whose numbers are displayed as they are in the table. `unit` is in the usual notation, such as
+    /// `1/cm²`.
     pub fn in_unit(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
@@ -33,8 +34,8 @@ impl Label {
         }
     }
 
-    /// A label for shares, which are displayed in percent. `unit` is a percent sign, or a percent sign with its
-    /// reference, such as `% of the IFD`.
+    /// Label of a column of shares, which are displayed in percent. `unit` is a percent sign, or a percent sign with
+    /// its reference, such as `% of the IFD`.
     pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),

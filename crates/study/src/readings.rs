@@ -41,8 +41,9 @@ pub enum ColumnUnit {
 }
 
 impl ColumnUnit {
-    /// Factor from this unit to the unit `length`. If this unit is not a length, the factor to the base unit of its
-    /// physical quantity. `None` if one of the two lengths has the unspecified unit `unit` and the other is metric.
+    /// Factor that converts numbers in this unit to the unit `length`. If this unit is not a length, the factor
+    /// converts to the base unit of its physical quantity. `None` if this unit is a length, but exactly one of this
+    /// unit and `length` is the unspecified unit of length, `unit`.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {

@@ -179,7 +179,7 @@ fn bad_scenes_are_refused_at_their_field() {
         ),
         (
             with("model = { kind = \"bonded-layer\", thickness = 1.5 }"),
-            "scene.probe.marker_depth: the markers lie below the layer: must be at most `scene.model.thickness`",
+            "scene.probe.marker_depth: the markers lie below the layer: their depth must be at most `scene.model.thickness`",
         ),
         (
             text(
@@ -198,7 +198,7 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             text(&cylinder(9.0, 0.0), "")
                 .replace("indentation = 1.0", "indentation = 1.0, shift = 0.1"),
-            "scene.motion.shift: sideways movement is modelled only for circular contacts: must be 0, or the object must be round",
+            "scene.motion.shift: sideways movement is modelled only for circular contacts: the movement must be 0, or the object must be round",
         ),
         (
             with("model = { kind = \"bonded-layer\", thickness = 21 }"),
@@ -210,7 +210,7 @@ fn bad_scenes_are_refused_at_their_field() {
         ),
         (
             with("estimator = { kind = \"bonded-layer\", thickness = 1 }"),
-            "scene.estimator.thickness: the layer ends above the markers: must be at least `scene.probe.marker_depth`",
+            "scene.estimator.thickness: the layer ends above the markers: its thickness must be at least `scene.probe.marker_depth`",
         ),
         (
             with("sensor = { kind = \"rendered\" }"),

@@ -146,11 +146,12 @@ impl Fault {
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
-    /// Whether the text is the content of a file. If the text was generated, line numbers would be meaningless.
+    /// Whether the config text is the content of a file. If palpate generated the text, line numbers would be
+    /// meaningless.
     is_written: bool,
 }
 
-/// Largest number of characters of a line that an excerpt shows.
+/// Largest number of characters of a config line that an excerpt in an error message shows.
 const EXCERPT: usize = 120;
 
 impl Source {
@@ -163,7 +164,7 @@ impl Source {
         }
     }
 
-    /// A text that was generated from the config of a file. Errors in such a text state no line numbers.
+    /// A config text that palpate generated from the config in `file`. Errors in such a text state no line numbers.
     pub(super) fn made(file: &str, text: &str) -> Self {
         Self {
             is_written: false,
@@ -226,8 +227,8 @@ impl Source {
         key_span.filter(|_| is_key).or(span)
     }
 
-    /// Returns two texts: the position as `file:line:column`, and the line itself with carets under the span. Line and
-    /// column (in characters) are counted from 1.
+    /// Returns two texts: the position as `file:line:column`, and the line of the config with carets under the bytes in
+    /// `span`. Line and column (in characters) are counted from 1.
     fn show(&self, span: &Span) -> (String, String) {
         let text = &self.text;
         let start = text.floor_char_boundary(span.start);
@@ -285,7 +286,7 @@ pub struct FieldError {
 }
 
 impl FieldError {
-    /// An error that applies to a whole field.
+    /// Error that applies to the whole field at `path`.
     pub fn at(path: impl Into<String>, message: impl ToString) -> Self {
         Self {
             path: path.into(),

@@ -137,8 +137,8 @@ fn unknown_key(tree: &Value, table: &str, key: &str) -> String {
     }
 }
 
-/// Message for a path that does not lead to a field. It states the first key of the path that does not exist, and the
-/// keys that exist in its place. `None` if the path leads to a field.
+/// Message for a path that does not lead to a field. It states which key of the path is the first that does not exist,
+/// and which keys exist instead of this key. `None` if the path leads to a field.
 pub(super) fn unknown_path(tree: &Value, path: &str) -> Option<String> {
     let exists = |path: &str| {
         let keys: Vec<&str> = path.split('.').collect();

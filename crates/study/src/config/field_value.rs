@@ -178,7 +178,8 @@ impl Study {
         Ok(fields?.into_iter().flatten().collect())
     }
 
-    /// Converts a text with a unit to a number in the unit of the field. Other values are returned unchanged.
+    /// If `value` is a text with a unit, such as `8mm`, converts it to a number in the unit of the field at `path`.
+    /// Returns any other value unchanged.
     fn in_field_unit(&self, path: &str, value: &Toml) -> Result<Toml, String> {
         let text = match value {
             Toml::String(text) => text,

@@ -14,7 +14,7 @@ use super::schema::{number, whole};
 pub struct GlideConfig {
     /// The fingertip that touches the object.
     pub probe: FingertipConfig,
-    /// The surface that is explored.
+    /// The object over whose surface the fingers slide.
     pub object: ObjectConfig,
     /// Position of the middle of the patch: x and y in the object's frame. The default is x = y = 0; on a torus, the
     /// default is a point at the top of the tube.
@@ -154,7 +154,7 @@ pub enum GlideSensorConfig {
     },
     /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own centre
     /// instead of the contact point. The direction from the tip's centre to this pad is used as the normal. Therefore,
-    /// contact points and normals have only as many different values as there are pads.
+    /// the reported contact points and normals have at most as many different values as there are pads.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -261,8 +261,8 @@ pub enum NormalNoise {
     },
 }
 
-/// Points at which estimates are compared with the true values, on a square grid around the middle of the patch. When
-/// these points are classified, curvatures below the thresholds count as zero.
+/// Points at which estimates are compared with the true values, on a square grid around the middle of the patch. For
+/// the shape class of a point, curvatures below the thresholds count as zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateConfig {

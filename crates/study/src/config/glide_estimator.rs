@@ -19,12 +19,13 @@ pub enum GlideEstimatorConfig {
         /// Method that chooses the weight of the smoothness penalty.
         #[serde(default)]
         criterion: CriterionName,
-        /// Factor on the effective degrees of freedom of the spline in robust cross validation. A larger factor gives a
-        /// smoother surface; 1 gives plain cross validation. Only the criterion `robust-gcv` has this setting.
+        /// Factor by which robust cross validation multiplies the effective degrees of freedom of the spline. A larger
+        /// factor gives a smoother surface; 1 gives plain cross validation. Only the criterion `robust-gcv` has this
+        /// setting.
         #[serde(default = "gamma")]
         #[schemars(extend("minimum" = 1, "maximum" = 100))]
         gamma: f64,
-        /// Stated noise of the contacts.
+        /// Noise of the contacts, as the user states it.
         #[serde(flatten)]
         noise: StatedNoise,
     },
@@ -153,7 +154,8 @@ impl GlideEstimatorConfig {
         (self, [stated.position_std, stated.normal_std_deg])
     }
 
-    /// Position noise as a fraction of the inter-finger distance; `None` unless it is stated in this form.
+    /// Position noise of the contacts as a fraction of the inter-finger distance; `None` unless the user states it as a
+    /// fraction.
     pub fn position_fraction_of_ifd(&self) -> Option<f64> {
         self.clone().noise()?.position_fraction_of_ifd
     }

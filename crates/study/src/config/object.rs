@@ -1,4 +1,4 @@
-//! The surface that is explored.
+//! The surface of the object that the sensor explores.
 
 use std::collections::BTreeMap;
 
@@ -53,7 +53,8 @@ pub enum ObjectConfig {
         #[schemars(extend("x-unit" = "1/length"))]
         c: f64,
     },
-    /// The saddle z = a (x² − y²).
+    /// Coefficient of the saddle. At the origin, the curvatures along x and along y have the magnitude 2 |a| and
+    /// opposite signs.
     Saddle {
         /// Half the curvature at the origin, along x and along y.
         #[schemars(extend("x-unit" = "1/length"))]

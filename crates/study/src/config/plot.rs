@@ -51,13 +51,13 @@ pub struct PlotConfig {
     /// Straight lines across the plot, each at a given value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Mark>,
-    /// Numbers from other sources that are added to the plot as open markers.
+    /// Numbers from other sources that are added to the plot as open markers, for comparison.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<Points>,
 }
 
 impl PlotConfig {
-    /// Columns of `where`, each with the texts that pass the filter.
+    /// Columns in the filter `where`, each with the texts of the values that pass the filter.
     pub fn filters(&self) -> impl Iterator<Item = (&str, Vec<String>)> {
         let text = |value: &toml::Value| match value {
             toml::Value::String(text) => text.clone(),

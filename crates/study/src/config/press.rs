@@ -37,7 +37,7 @@ impl PressConfig {
         if of_model.is_some_and(|thickness| marker_depth > thickness) {
             return Err((
                 "scene.probe.marker_depth",
-                "the markers lie below the layer: must be at most `scene.model.thickness`",
+                "the markers lie below the layer: their depth must be at most `scene.model.thickness`",
             ));
         }
         if let PressModelConfig::Auto {
@@ -63,13 +63,13 @@ impl PressConfig {
         if !self.object.is_round() && self.motion.shift != 0.0 {
             return Err((
                 "scene.motion.shift",
-                "sideways movement is modelled only for circular contacts: must be 0, or the object must be round",
+                "sideways movement is modelled only for circular contacts: the movement must be 0, or the object must be round",
             ));
         }
         if self.motion.shift != 0.0 && of_model.is_some() {
             return Err((
                 "scene.motion.shift",
-                "the sideways motion of a layer is not modelled: must be 0, or the model must be \
+                "sideways movement on a layer is not modelled: the movement must be 0, or the model must be \
                  a half-space",
             ));
         }
@@ -88,7 +88,7 @@ impl PressConfig {
             )),
             Some(thickness) if marker_depth > thickness => Err((
                 "scene.estimator.thickness",
-                "the layer ends above the markers: must be at least `scene.probe.marker_depth`",
+                "the layer ends above the markers: its thickness must be at least `scene.probe.marker_depth`",
             )),
             _ => Ok(()),
         }
@@ -343,8 +343,8 @@ impl PressModelConfig {
         }
     }
 
-    /// The most accurate model of the same soft body, which is the reference for the models of `auto`: the bonded layer
-    /// for a layer, otherwise the half-space. Any model other than `auto` is its own reference.
+    /// The most accurate model of the same soft body: the bonded layer for a layer, otherwise the half-space. It is the
+    /// reference for the models that `auto` chooses from. Any model other than `auto` is its own reference.
     pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {
@@ -372,11 +372,11 @@ impl PressModelConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {
-    /// Error of each marker's normal displacement. If the sensor has a camera, this error is added to the errors of the
-    /// images.
+    /// Error of each marker's normal displacement. If the sensor has a camera, this error is added to the error that
+    /// comes from the images.
     pub normal_displacement: Option<ReadingNoise<Length>>,
     /// Error of each marker's displacement along the skin, for both components. If the sensor has a camera, this error
-    /// is added to the errors of the images.
+    /// is added to the error that comes from the images.
     pub tangential_displacement: Option<ReadingNoise<Length>>,
     /// Error of the indentation that the estimator receives.
     pub indentation: Option<ReadingNoise<Length>>,
@@ -435,8 +435,8 @@ pub struct SensorNoise {
     /// discs have another common error.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub disc_diameter: f64,
-    /// Standard deviation of the shares of red, green and blue light that discs transmit. Discs of one colour have the
-    /// same errors.
+    /// Standard deviation of the errors of the transmittances: the shares of red, green and blue light that discs
+    /// transmit. Discs of one colour have the same errors.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub colour: f64,
 }

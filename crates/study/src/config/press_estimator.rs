@@ -115,8 +115,8 @@ pub struct IndentationPrior {
     pub indentation_std: f64,
 }
 
-/// Assumptions of the estimator about the displacements. All estimators with an elastic body and without images have
-/// these settings.
+/// Assumptions of the estimator about the displacements. All estimators that fit an elastic body to displacements have
+/// these settings; estimators that fit it to images do not.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct DisplacementPriors {
@@ -147,7 +147,7 @@ pub struct PressPriors {
 }
 
 impl PressEstimatorConfig {
-    /// The settings that all kinds of press estimators share.
+    /// The settings of this estimator that all kinds of press estimators have.
     pub fn priors(&self) -> PressPriors {
         let (prior, displacements) = match *self {
             Self::HalfSpace {

@@ -12,7 +12,7 @@ use super::schema::{number, whole};
 pub struct RollConfig {
     /// The fingertip that rolls on the object.
     pub probe: ProbeConfig,
-    /// The surface that is explored.
+    /// The object on whose surface the probe rolls.
     pub object: ObjectConfig,
     /// Position of the first contact: x and y in the object's frame. The default is x = y = 0; on a torus, the default
     /// is a point at the top of the tube.
@@ -148,8 +148,8 @@ pub struct RollMotionConfig {
     /// Rate at which the probe rotates about the contact normal.
     #[serde(default)]
     pub spin_rad_per_s: f64,
-    /// Number of rolls. Their directions are spread evenly over a full turn, starting at +x; the directions of two
-    /// rolls are at a right angle. State either this or `directions_deg`.
+    /// Number of rolls. Their directions are spread evenly over a full turn, starting at +x. If there are only two
+    /// rolls, their directions are at a right angle. State either this or `directions_deg`.
     #[schemars(extend("minimum" = 1, "maximum" = 10_000, "x-instead-of" = ["directions_deg"]))]
     pub rolls: Option<u32>,
     /// Directions of the rolls, as angles from +x in the tangent plane of the first contact. State either this or
@@ -202,21 +202,21 @@ pub enum RollAxis {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollModelConfig {
-    /// The cheapest model within the tolerance.
+    /// The cheapest model whose error is within the tolerance.
     Auto {
         /// Largest error of the contact's position, relative to the probe's radius.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates in which the path of the contact is integrated. They are used if `auto` chooses a model that
-        /// integrates.
+        /// Coordinates in which the path of the contact is integrated. `auto` uses them if it chooses a model that
+        /// integrates the path.
         #[serde(default)]
         chart: Chart,
     },
     /// The closed form of the contact's path, if one exists for the two shapes.
     ClosedForm {},
-    /// The relation between the angle of a roll and the path of the contact along a meridian, for rolls through the
-    /// apex of a surface of revolution. If the motion has no noise, also for rolls along the axes of ellipsoids and
+    /// For rolls through the apex of a surface of revolution: the relation between the angle of a roll and the path of
+    /// the contact along a meridian. If the motion has no noise, also for rolls along the axes of ellipsoids and
     /// saddles.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
@@ -320,7 +320,7 @@ pub struct RollNoiseConfig {
     pub encoder: Option<EncoderConfig>,
 }
 
-/// Error of the angular velocity. The error of each component is drawn independently.
+/// Error of the angular velocity. The error of each component of the angular velocity is drawn independently.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AngularVelocityNoise {
@@ -475,7 +475,7 @@ pub enum RollEstimatorConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RollStart {
-    /// The estimator receives only the number of the first active pad, not the position within the pad.
+    /// The estimator receives only the number of the first active pad, not the position of the contact within this pad.
     #[default]
     Unknown,
     /// The estimator receives the position of the first contact.
@@ -483,7 +483,7 @@ pub enum RollStart {
 }
 
 impl RollEstimatorConfig {
-    /// Whether the estimator needs time series, so that it cannot use rolls with a reading only at the end.
+    /// Whether the estimator needs time series, and so cannot use rolls of which only the end was read.
     pub const fn needs_series(&self) -> bool {
         matches!(self, Self::PadEdge { .. } | Self::Trajectory { .. })
     }

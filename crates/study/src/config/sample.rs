@@ -4,9 +4,9 @@ use super::grid::Grid;
 use super::sweep::Axis;
 use std::collections::BTreeSet;
 
-/// If a study has at most this number of cells, all its cells are checked.
+/// If a study has at most this number of cells, all its cells are checked before the run.
 const MOST_WHOLE: usize = 10_000;
-/// If an axis has at most this number of rows, all its rows are in the sample.
+/// If a sweep axis has at most this number of rows, all its rows are in the sample of the study's cells.
 const MOST_ROWS: usize = 1000;
 /// Number of cells in a sample that are spread evenly over all cells of the study.
 const SPREAD: usize = 2000;
@@ -56,8 +56,8 @@ pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     sample.into_iter().collect()
 }
 
-/// Numbers of cells in the form of a star: for each axis, each of its `rows` is combined with the first of the `rows`
-/// of all other axes.
+/// Numbers of the cells that form a star in the grid of the study's cells: for each axis, each of its `rows` is
+/// combined with the first of the `rows` of all other axes.
 pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     let first: Vec<usize> = rows.iter().map(|rows| rows[0]).collect();
     let mut cells = Vec::new();
@@ -94,9 +94,9 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
     few.into_iter().collect()
 }
 
-/// Returns a pseudo-random number below `count` that depends on `number`. Consecutive values of `number` give distant
-/// results, and many values cover the range evenly. The results are multiples of the golden ratio modulo 1, as
-/// fractions of 2⁶⁴.
+/// Returns a pseudo-random number below `count` that depends on `number`. Consecutive values of `number` result in
+/// numbers that are far apart, and many values of `number` cover the range evenly. The results are multiples of the
+/// golden ratio modulo 1, as fractions of 2⁶⁴.
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((u128::from(fraction) * count as u128) >> 64) as usize

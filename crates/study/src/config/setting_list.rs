@@ -137,7 +137,7 @@ impl Range {
         self.violated(number).is_none()
     }
 
-    /// Text about the limit that a number violates; `None` if it violates no limit.
+    /// What `number` would have to be to lie in this range, in words such as `a whole number`; `None` if it does.
     pub(super) fn violated(&self, number: f64) -> Option<String> {
         if self.may_be_infinite && number == f64::INFINITY {
             return None;
@@ -213,7 +213,7 @@ pub fn setting<T: JsonSchema + 'static>(key: &str) -> Option<Setting> {
     known::<T>().setting(key).cloned()
 }
 
-/// Splits settings into the settings that the table `T` has, and all others.
+/// Splits settings into those that the config table `T` has, and those that it does not have.
 pub fn split_settings<T: JsonSchema + 'static>(
     given: &Map<String, Json>,
 ) -> [Map<String, Json>; 2] {

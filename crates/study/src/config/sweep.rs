@@ -84,8 +84,7 @@ pub enum Spacing {
 }
 
 impl Spacing {
-    /// Number between the ends of a range, rounded to 12 digits. `share` is the fraction of the way from the first end
-    /// to the second.
+    /// Number between the ends of a range, rounded to 12 digits. `share` is 0 at the end `from` and 1 at the end `to`.
     fn between(self, from: f64, to: f64, share: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         rounded(match self {
@@ -204,8 +203,8 @@ impl Axis {
     }
 }
 
-/// A field that a sweep axis sets, and the place where the config names this field: a value (in `path` or `paths`), or
-/// a key (in `ranges`).
+/// A field that a sweep axis sets, and the place where the config names this field: a value of the key `path` or
+/// `paths`, or a key in the table `ranges`.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,

@@ -33,8 +33,8 @@ pub struct Vary {
     pub values: Varied,
 }
 
-/// Values of a varied field. A range whose ends have units is stored as a listed text until [`Study::resolve`] converts
-/// it.
+/// Values of a varied field. A range whose ends have units, such as `1mm..2mm`, is stored as a text in `Listed` until
+/// [`Study::resolve`] converts it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Varied {
     /// A range of numbers between two finite ends. The second end is not smaller than the first.
