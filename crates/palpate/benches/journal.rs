@@ -1,7 +1,7 @@
-//! Measures how much time the journal costs. The same study runs twice: once without a journal (the rows of the
-//! journal are made and dropped), and once with a journal. The journal is written to the disk once, at the end of the
-//! run. On a busy machine, times that were measured minutes apart cannot be compared. Therefore, the two runs of a
-//! pair follow each other directly, and the printed ratio is the median over the pairs.
+//! Measures how much longer a run takes if it writes a journal of its results. The same study runs twice: once without
+//! a journal (the rows of the journal are made and dropped), and once with a journal. The journal is written to the
+//! disk once, at the end of the run. On a busy machine, times that were measured minutes apart cannot be compared.
+//! Therefore, the two runs of a pair follow each other directly, and the printed ratio is the median over the pairs.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 // The journal belongs to the program `palpate`, which a bench cannot import. Therefore its source files are included

@@ -23,7 +23,7 @@ const SET_UP_LIMIT: Duration = Duration::from_millis(800);
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
 /// Time limit for running a few trials to measure the time per trial.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);
-/// Time limit for measuring the errors and the computing times of models, for all groups of cells together.
+/// Time limit for measuring the errors and the computing times of contact models, for all groups of cells together.
 const LADDERS_LIMIT: Duration = Duration::from_millis(600);
 /// If a trial of a roll takes longer than this time, the errors and computing times of its models are not measured.
 const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
@@ -39,7 +39,7 @@ pub struct Check {
     /// Number of cells that were set up completely. Presses that were set up without their camera, to save time, are
     /// not counted.
     pub set_up: usize,
-    /// Number of the cells that were set up and run only one trial, because they use no random numbers.
+    /// Number of set-up cells that will run only one trial each, because they use no random numbers.
     pub single: usize,
     /// Number of trials of all cells. If not all cells were set up, this is an upper limit.
     pub trials: u64,
@@ -54,7 +54,7 @@ pub struct Check {
     pub threads: NonZeroUsize,
 }
 
-/// Group of cells that need the same models and have the same warnings.
+/// Group of cells of the study that need the same models and have the same warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellGroup {
     /// Number of cells in the group.
@@ -69,14 +69,16 @@ pub struct CellGroup {
     pub rungs: Rungs,
 }
 
-/// Models that can compute the true contacts or displacements of a cell, from the cheapest to the most exact.
+/// The models (rungs of a ladder) that can compute the true contacts or displacements of a cell, from the cheapest to
+/// the most exact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rungs {
     /// At most one model can compute the true contacts or displacements, so there is nothing to choose.
     None,
     /// The errors and computing times of the models were not measured, to save time.
     NotMeasured,
-    /// The models are the same as in an earlier group. The number is the number of the earlier group's first cell.
+    /// The models are the same as in an earlier group of cells. The number is the number of the first cell of that
+    /// group.
     AsIn(usize),
     /// The errors and computing times of the models were measured in the cell `cell`.
     Measured {

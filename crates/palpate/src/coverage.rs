@@ -28,21 +28,22 @@ pub const FAMILY_TABLES: [(&str, &str); 4] = [
     ("image", include_str!("coverage/image.csv")),
 ];
 
-/// A family of random scenes with similar fields, and the measured coverage of their 95 % intervals.
+/// A family of random scenes with similar fields, and the coverage of 95 % intervals that was measured in these scenes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Kind of the scenes: `roll`, `glide` or `press`.
     pub scene: &'static str,
     /// Name of the family, as in the table of families.
     pub name: String,
-    /// Number of random scenes of the family.
+    /// Number of random scenes that were drawn for this family.
     pub scenes: usize,
-    /// Share of all trials whose 95 % interval contained the true value. A trial without an interval counts as a miss.
+    /// Share of all trials of these scenes whose 95 % interval contained the true value. A trial without an interval
+    /// counts as a miss.
     pub coverage95: f64,
-    /// Lowest coverage of any single scene in the family.
+    /// Lowest coverage of the 95 % intervals in a single scene of this family.
     pub lowest: f64,
-    /// Fields of the scenes of the family with their values. For a field that varies within the family, this is the
-    /// lowest value.
+    /// Fields of the family's scenes with their values. For a field that varies within the family, this is the lowest
+    /// value.
     fields: Fields,
     /// Smallest and largest value of each field that varies within the family.
     ranges: BTreeMap<String, [f64; 2]>,
@@ -108,8 +109,8 @@ pub fn coverage(scene: &SceneConfig, unit: LengthUnit) -> Coverage {
     }
 }
 
-/// Config of one scene of a family. `cells` contains, for each column of the table, the header and the text in the row
-/// of the family. Columns that are not fields of a scene are ignored.
+/// Config of one random scene of a family. `cells` is the row of the family in its table: for each column, the header
+/// and the text. Columns that are not fields of a scene are ignored.
 ///
 /// The text is a value, a range `low..high`, or `factor * field`. `draw` chooses a number from a range. `factor *
 /// field` is a multiple of the number in the earlier column `field`.

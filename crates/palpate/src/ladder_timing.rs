@@ -108,7 +108,8 @@ fn run(roll: &RollScene, trials: u64) {
     }
 }
 
-/// Calls `measured` again and again for about [`TIMING`], but at least once. Returns the smallest value.
+/// Calls `measured`, which measures a time, again and again for about [`TIMING`], but at least once. Returns the
+/// shortest measured time.
 fn least(mut measured: impl FnMut() -> Option<f64>, clock: &Clock<'_>) -> Option<f64> {
     let start = clock();
     let mut least = measured()?;

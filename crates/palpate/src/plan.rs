@@ -161,8 +161,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     let set_up = |scene: &SceneConfig| Scene::new(scene, config.length_unit, config.seed).ok();
     let mut scene = with_tolerance(&config.scene, tolerance)?;
     if matches!(scene, SceneConfig::Roll(_)) {
-        // Choose the model before the noise is removed, because `auto` may choose another model without noise: only
-        // noise moves a probe off a line of symmetry.
+        // Choose the model for the scene with its noise. Without noise, `auto` could choose a model that holds only for
+        // a probe on a line of symmetry, but noise moves the probe off this line.
         let ladder = set_up(&scene)?.ladder().ok()??;
         scene = scene.with_model(&ladder.taken().model)?;
     }
@@ -172,7 +172,7 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     let mut truths = vec![0.0_f64; quantities.len()];
     scene
         .trial(0, |quantity, outcome| {
-            // A model error does not shift a class, so it is left out.
+            // The error of a contact model does not shift a shape class, so quantities of this kind are left out.
             if ![Quantity::CLASS, Quantity::AXIS_UNDETERMINED].contains(&quantities[quantity]) {
                 truths[quantity] = truths[quantity].max(outcome.truth.abs());
                 values.push(PassValue {
@@ -183,8 +183,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
             }
         })
         .ok()?;
-    // Scale to which errors are compared if all true values of a quantity are 0: the largest true value of all
-    // quantities with the same unit.
+    // Scale by which the shifts of a quantity are divided if all true values of a quantity are 0: the largest true
+    // value of all quantities with the same unit.
     let of_unit = |place: usize| {
         let alike = (0..truths.len()).filter(|&one| quantities[one].unit == quantities[place].unit);
         alike.map(|one| truths[one]).fold(0.0, f64::max)

@@ -49,11 +49,11 @@ pub(crate) trait Plannable: Sized {
     /// Name of the quantity with this index in an experiment.
     fn quantity(trial: &Self::Trial, quantity: usize) -> &'static str;
 
-    /// Tolerances of the model from which a plan may choose, largest first. The list is empty if the config states the
-    /// model.
+    /// Tolerances of the contact model that a plan may choose from, largest first. The list is empty if the config
+    /// states the model.
     fn tolerances(&self) -> &[f64];
 
-    /// Estimates and true values of a cell without noise, computed by a model with this tolerance. `trial` is the
+    /// Estimates and true values of a cell, computed without noise by a model with this tolerance. `trial` is the
     /// experiment of the cell. Returns `None` if the cell cannot be computed without noise.
     fn pass(&self, cell: usize, trial: &Self::Trial, tolerance: f64) -> Option<Pass>;
 
@@ -92,7 +92,8 @@ pub struct Plan {
     /// Index of the cell and name of the quantity that require the most trials; `None` unless the errors of this
     /// quantity have heavy tails. With heavy tails, a few trials with very large errors determine the rms error.
     pub heavy_tails: Option<(usize, &'static str)>,
-    /// Cells whose errors are unknown, because every trial of the pilot (the small run before the actual run) failed.
+    /// Cells for which no errors could be estimated, because every trial of the pilot (the small run before the actual
+    /// run) failed.
     pub failing: Vec<FailingCell>,
 }
 
@@ -372,8 +373,8 @@ impl Planner<'_> {
     }
 }
 
-/// Largest shift of the estimates that the model's error may cause in each cell. The shift is relative to the rms
-/// error, if the pilot estimated it.
+/// Largest shift of the estimates that the error of the contact model may cause in each cell. The shift is relative to
+/// the rms error, if the pilot estimated it.
 fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64) -> Vec<Allowance> {
     let rms_errors = |cell: usize| {
         let found = random.iter().position(|&one| one == cell);

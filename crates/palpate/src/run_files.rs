@@ -99,7 +99,7 @@ pub(crate) fn cells_csv(study: &Study, ran: &Row<'_>, states_bounds: bool) -> St
     text
 }
 
-/// Fields of the current row of a table. The memory of the fields is used again for the next row.
+/// Fields of the current row of a table. The next row uses the memory of these fields again.
 #[derive(Default)]
 struct Fields {
     fields: Vec<String>,

@@ -9,7 +9,7 @@ use palpate_sweep::Task;
 pub struct Shard {
     /// Number of the shard, counted from 1.
     pub number: u64,
-    /// Number of shards.
+    /// Number of shards into which the study is divided.
     pub of: u64,
 }
 
@@ -22,7 +22,7 @@ impl Default for Shard {
 
 #[derive(Debug)]
 pub(crate) struct ShardTasks {
-    /// Numbers of the cells of all shards together.
+    /// Numbers of the study's cells that all shards together run.
     pub(crate) cells: Vec<usize>,
     shard: Shard,
 }

@@ -68,7 +68,7 @@ pub struct Simulation<'a> {
     /// Table of maps, with its columns but without rows; `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
-    /// Whether the rows of all single trials are output too.
+    /// Whether the simulation also outputs one row for each observation of each trial.
     has_trials: bool,
     /// Scenes that were set up for the check, by cell number. They are used again for the trials.
     cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,
@@ -168,8 +168,8 @@ impl<'a> Simulation<'a> {
         Self { arch, ..self }
     }
 
-    /// Also outputs the rows of all single trials. [`Simulation::stream`] passes the rows of a cell's trials on before
-    /// the result of the cell, and [`Simulation::run`] returns a table of all trials.
+    /// Also outputs the rows of the table of trials. [`Simulation::stream`] passes the rows of a cell's trials on
+    /// before the result of the cell, and [`Simulation::run`] returns a table of all trials.
     #[must_use]
     pub fn with_trials(self) -> Self {
         Self {

@@ -14,7 +14,7 @@ pub struct Warnings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Group {
     warning: Warning,
-    /// Number of the cell with this warning, and index of the warning among the warnings of the cell.
+    /// Number of the first cell with this warning, and index of the warning among the warnings of this cell.
     first: (usize, usize),
     cells: usize,
 }

@@ -202,7 +202,7 @@ fn name_press(press: &mut Json, poisson: f64) {
     }
 }
 
-/// Whether a number stated to the estimator equals the true number, except for rounding.
+/// Whether a number that the config states to the estimator equals the true number, except for rounding.
 fn agrees(stated: f64, truth: f64) -> bool {
     (stated - truth).abs() <= 1e-9 * truth
 }

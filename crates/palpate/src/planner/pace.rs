@@ -5,12 +5,14 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Largest value of the argument `long_enough` of [`seconds_per_trial`].
+/// Largest value of the argument `long_enough` of [`seconds_per_trial`], the time that a measurement must take at
+/// least.
 const LONGEST: Duration = Duration::from_millis(10);
-/// Smallest value of the argument `long_enough` of [`seconds_per_trial`].
+/// Smallest value of the argument `long_enough` of [`seconds_per_trial`], the time that a measurement must take at
+/// least.
 const SHORTEST: Duration = Duration::from_millis(1);
-/// A measurement longer than this time is not repeated. The delay of waking the threads is negligible in such a long
-/// time.
+/// A measurement of trials that takes longer than this time is not repeated: the delay of waking the threads is then
+/// negligible.
 const SLOW: Duration = Duration::from_millis(100);
 const REPEATS: usize = 3;
 const MAX_TIMED: u64 = 1 << 20;

@@ -50,7 +50,7 @@ pub(super) struct Figure {
     pub(super) is_rough: bool,
 }
 
-/// The rms error that needs the most trials, and the number of these trials.
+/// The rms error of a cell's quantity that needs the most trials, and the number of these trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Need {
     pub(super) cell: usize,

@@ -4,7 +4,7 @@
 /// Relative size below which an rms error counts as a rounding error, that is, as 0.
 const ROUNDING: f64 = 1e-12;
 
-/// Estimates and true values of a cell, computed without noise and with an ideal sensor.
+/// Estimates and true values of a cell of the study, computed without noise and with an ideal sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pass {
     pub(crate) quantities: Vec<PassQuantity>,
@@ -35,14 +35,14 @@ pub(super) struct Allowance {
     /// Largest allowed shift, relative to the rms error of a quantity. If no rms error was estimated, it is relative
     /// to [`PassQuantity::scale`].
     pub(super) share: f64,
-    /// Rms error of each quantity of the cell's experiment; `None` if it was not estimated. The list may be shorter than the
-    /// list of quantities.
+    /// Rms error of each quantity of the cell's experiment; `None` if it was not estimated. The list may be shorter
+    /// than the list of quantities.
     pub(super) rms_errors: Vec<Option<f64>>,
 }
 
 /// The largest of the `tolerances` at which the model shifts no estimate by more than the allowed shift. `tolerances`
-/// must be sorted, largest first. Shifts are measured from the result at the smallest tolerance. Cells that cannot be
-/// computed without noise are ignored. Returns `None` if all cells are ignored.
+/// must be sorted, largest first. Shifts are differences from the estimates at the smallest tolerance. Cells that
+/// cannot be computed without noise are ignored. Returns `None` if all cells are ignored.
 pub(super) fn tolerance_for(
     allowances: &[Allowance],
     tolerances: &[f64],

@@ -109,9 +109,9 @@ fn rms_errors_scatter_by_at_most_the_target() {
         .collect();
     let mean = rms.iter().sum::<f64>() / SEEDS as f64;
     let variance = rms.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
-    // The standard deviation of 30 numbers has a relative standard error of 13 %. The upper limit of the scatter is
-    // three standard errors above the target 0.1. If the runs had far too many trials, the scatter would be below the
-    // lower limit.
+    // The standard deviation of 30 numbers has a relative standard error of 13 %. The upper limit of the scatter
+    // between the runs is three such standard errors above the target 0.1. If the runs had far too many trials, this
+    // scatter would be below the lower limit.
     let relative = variance.sqrt() / mean;
     assert!((0.04..0.14).contains(&relative), "{relative}");
 }

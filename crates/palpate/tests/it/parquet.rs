@@ -323,7 +323,7 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
         let said = desk.palpate(command).said(1);
         assert!(said.contains("o has its tables as Parquet"), "{said}");
     }
-    // A run of another study may overwrite the tables, and so may a run with CSV tables.
+    // A run with another seed, or a run with CSV tables, is allowed to overwrite the tables of this run.
     desk.palpate("run c.toml --out o --format parquet --seed 8")
         .printed();
     desk.palpate("run c.toml --out o --seed 9").printed();

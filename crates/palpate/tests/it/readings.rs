@@ -25,7 +25,7 @@ pub(crate) fn named(columns: &str) -> Form {
     }
 }
 
-/// An estimate as JSON, or the text of the error.
+/// An estimate as JSON, or the text of the error that prevented it.
 type Estimated = Result<Value, String>;
 
 fn json<T: Serialize>(estimate: Result<T, impl ToString>) -> Estimated {

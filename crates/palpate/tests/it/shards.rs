@@ -243,7 +243,7 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    // A shard that cannot be read and a shard that exists twice are listed after the counts.
+    // A shard that cannot be read and a shard that exists twice are listed after the numbers of cells and trials.
     fs::write(&place, &sound[..60]).unwrap();
     fs::create_dir(desk.path("s/again")).unwrap();
     fs::copy(

@@ -171,7 +171,7 @@ fn failure(error: AnswerError) -> Failure {
     }
 }
 
-/// Directory for the files of an answer, if `--out` names one. The directory is opened before the work, so that an
+/// Opens the directory for the answer's files, if `--out` names one. It is opened before the work, so that an
 /// unwritable directory causes an error early.
 fn open_dir(args: &AnswerArgs) -> Result<Option<LockedDir>, Failure> {
     let guard = Guard::new([&args.config], args.force);
@@ -190,7 +190,7 @@ pub(crate) fn note_ignored_fields<'a>(study: &Study, paths: impl Iterator<Item =
     }
 }
 
-/// Writes the texts and the figure of an answer into the directory. Replaces the files of an earlier answer.
+/// Writes the texts and the figure of an answer into `folder`, and replaces the files of an earlier answer.
 fn write(
     folder: &mut LockedDir,
     study: &Study,

@@ -106,8 +106,8 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// One entry for each kind of [`Coverage`] in `all`: the number of cells of this kind, the number of its other results,
-/// and the result with the lowest coverage.
+/// Groups the coverages in `all` by their kind (measured, outside or not measured). Returns for each kind the number of
+/// its cells, the number of its other coverages, and its lowest coverage.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,
@@ -132,8 +132,8 @@ fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     groups
 }
 
-/// Text about the measured coverage of the intervals, and text about the random scenes in which the coverage was
-/// measured.
+/// Two texts: the first is about the measured coverage of the intervals, the second about the random scenes in which
+/// the coverage was measured.
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);

@@ -282,7 +282,7 @@ have ended, and fails if a shard is missing.")]
 pub(crate) struct SlurmArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
-    /// Number of shards.
+    /// Number of shards into which the study is divided.
     #[arg(long, value_name = "N", value_parser = shards)]
     pub(crate) shards: NonZeroU64,
     /// Where to write the scripts, the shards and the results [default: out/ and the name of the study].
@@ -298,7 +298,7 @@ pub(crate) struct SlurmArgs {
     /// Account that the computing time is charged to.
     #[arg(long, value_name = "NAME", value_parser = slurm_word)]
     pub(crate) account: Option<String>,
-    /// Memory of a shard in Slurm's format: 500M, 2G.
+    /// Memory that a shard needs, in Slurm's format: 500M, 2G.
     #[arg(long, value_name = "SIZE", value_parser = slurm_size)]
     pub(crate) mem: Option<String>,
     /// Number of processors of a shard, which is also its number of threads.

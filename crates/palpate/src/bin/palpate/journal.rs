@@ -180,10 +180,11 @@ pub(crate) struct Journal {
     path: PathBuf,
     pending: Vec<CellRecord>,
     pending_bytes: usize,
-    /// Buffer for the next frame. All frames use the same buffer, so that no memory is allocated for each frame.
+    /// Buffer for the next frame of the journal. All frames use the same buffer, so that no memory is allocated for
+    /// each frame.
     frame: Vec<u8>,
     written: Instant,
-    /// Start of the last synchronisation with the disk.
+    /// Time at which the last synchronisation of the journal file with the disk started.
     synced: Instant,
     /// Thread that synchronises the file with the disk, so that trials do not wait for the disk.
     syncing: Option<JoinHandle<io::Result<()>>>,

@@ -196,7 +196,8 @@ fn journals_in(dir: &Path, depth: usize) -> Vec<PathBuf> {
     below.collect()
 }
 
-/// Reason why two shards belong to different runs; `None` if they belong to the same run.
+/// Reason why the shards with the journals `found` and `of` belong to different runs; `None` if they belong to the same
+/// run.
 pub(crate) fn mismatch(found: &JournalState, first: &Path, of: &JournalState) -> Option<String> {
     let (one, other) = (&found.header, &of.header);
     let own = env!("CARGO_PKG_VERSION");

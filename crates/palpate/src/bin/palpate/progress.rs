@@ -16,7 +16,7 @@ const LINE_INTERVAL: Duration = Duration::from_secs(60);
 pub(crate) struct Progress {
     bar: ProgressBar,
     all: u64,
-    /// Number of trials that an earlier, interrupted run had already done.
+    /// Number of trials that an earlier run had already done before it was interrupted.
     before: u64,
     done: AtomicU64,
     start: Instant,

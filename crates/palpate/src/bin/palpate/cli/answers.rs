@@ -75,7 +75,7 @@ pub(crate) struct DesignArgs {
         allow_negative_numbers = true
     )]
     pub(crate) gap: f64,
-    /// Largest number of trials of each cell at one tried value.
+    /// Largest number of trials of each cell at one tried value of the varied fields.
     #[arg(long, value_name = "N", default_value = "4194304")]
     pub(crate) most_trials: NonZeroU64,
     /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first values
@@ -124,7 +124,7 @@ pub(crate) struct SensitivityArgs {
         allow_negative_numbers = true
     )]
     pub(crate) step: f64,
-    /// Number of trials at each value.
+    /// Number of trials at each value of a changed field.
     #[arg(long, value_name = "N", default_value = "1000")]
     pub(crate) trials: NonZeroU64,
 }

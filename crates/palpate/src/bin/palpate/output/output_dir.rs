@@ -29,7 +29,8 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// Guard for a command that reads the files `inputs`. Without `force`, the command must not overwrite these files.
+    /// Creates the guard of a command that reads the files `inputs`. Without `force`, the command must not overwrite
+    /// these files.
     pub(crate) fn new<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Self {
         let inputs = inputs.into_iter().cloned().collect();
         Self { inputs, force }
@@ -126,7 +127,7 @@ impl OutputDir {
         self.manifest.as_ref()?.files.get(name)
     }
 
-    /// Reason why palpate neither overwrites nor removes a file.
+    /// Reason why palpate neither overwrites nor removes the file `name`.
     pub(crate) fn reason_to_keep(&self, name: &str) -> &'static str {
         match self.entry(name) {
             Some(_) => "was changed since palpate wrote it",

@@ -25,7 +25,8 @@ pub(super) struct JournalRun<'s, 'a> {
     totals: Totals,
     warnings: Warnings,
     tasks: u64,
-    /// Rows of the unfinished cell in the table of trials, as CSV text. These rows are not in the journal yet.
+    /// Rows of the table of trials, as CSV text, for the cell that is not finished. These rows are not in the journal
+    /// yet.
     rows: String,
     is_shared: bool,
 }
