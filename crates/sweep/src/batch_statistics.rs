@@ -51,7 +51,7 @@ pub struct Batches {
     stored: Option<Stored>,
 }
 
-/// The quantities of a cell whose statistics are stored, and whether their histograms are stored.
+/// The quantities of a cell whose statistics are stored, and whether the histograms of these quantities are stored too.
 #[derive(Clone, Debug)]
 struct Stored {
     quantities: Vec<usize>,
@@ -83,7 +83,7 @@ pub struct Estimate {
 }
 
 impl Batches {
-    /// Empty batches, whose first trial will have the number `first`.
+    /// Batches without trials. The first trial that is run for them has the number `first`.
     pub fn from_trial(first: u64) -> Self {
         Self {
             batches: vec![Partial::default(); BATCHES as usize],
@@ -93,8 +93,8 @@ impl Batches {
         }
     }
 
-    /// The same batches, restricted to the quantities in `quantities`. Quantiles are stored only if `histograms` is
-    /// true. The restriction saves memory.
+    /// The same batches, which store the statistics of only the quantities in `quantities`. Quantiles are stored only
+    /// if `histograms` is true. The restriction saves memory.
     #[must_use]
     pub fn keeping(self, quantities: Vec<usize>, histograms: bool) -> Self {
         Self {

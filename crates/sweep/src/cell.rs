@@ -9,7 +9,7 @@ use crate::trial_record::Record;
 /// not depend on the threads.
 pub const BLOCK: u64 = 1024;
 
-/// An experiment. A cell repeats it in many trials.
+/// An experiment, which a cell of the study repeats in many trials.
 pub trait Trial: Sync {
     /// Number of quantities that the experiment observes.
     fn quantities(&self) -> usize;
@@ -25,7 +25,7 @@ pub trait Trial: Sync {
     /// record exactly the same numbers as [`Trial::run`], and must run only trials that succeed. If it returns 0, the
     /// next trial is run by [`Trial::run`].
     ///
-    /// Implement this function if several trials are faster together than one after the other. The default
+    /// Implement this function if several trials take less time together than one after the other. The default
     /// implementation returns 0.
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         let _ = (trials, record);
@@ -57,7 +57,7 @@ impl<T: Trial + ?Sized> Trial for &T {
     }
 }
 
-/// One grid point of a study: an experiment, and the number of its trials.
+/// One grid point of a study: an experiment, and the number of trials that repeat it.
 #[derive(Clone, Copy)]
 pub struct Cell<'a> {
     /// Number of trials; may be 0.
@@ -79,10 +79,10 @@ pub struct Task {
     pub may_stop: bool,
 }
 
-/// Rule that ends the trials of a cell when a statistic is precise enough.
+/// Rule that ends the trials of a cell when a statistic of a quantity is precise enough.
 ///
-/// The rule is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers. Therefore the end of a cell
-/// depends only on its trials, not on the number of threads.
+/// The rule is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers. Therefore the number of
+/// trials of a cell depends only on the results of its trials, not on the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
     /// Index of the quantity whose statistic is tested. It is an index among the quantities of the trial.

@@ -65,7 +65,7 @@ impl Column {
         self.keep_each();
     }
 
-    /// Marks all stored observations as those of successful trials with one observation each.
+    /// Marks all stored observations as observations of successful trials, with one observation per trial.
     #[inline]
     pub(crate) fn keep_each(&mut self) {
         self.kept = self.estimates.len();

@@ -65,7 +65,7 @@ impl Histogram {
         self.pages.is_empty()
     }
 
-    /// Replaces the list of bins by counts per bin.
+    /// Replaces the list of the values' bins by counts per bin.
     fn list_no_more(&mut self) {
         for bin in std::mem::take(&mut self.few) {
             self.count(bin);
@@ -136,7 +136,8 @@ impl Histogram {
 
 struct Ranked<'a> {
     few: Vec<f64>,
-    /// Halves of pages, in ascending order of the numbers that they count. A half contains the counts of one sign.
+    /// Halves of pages, in ascending order of the numbers that they count. A half contains the counts of the positive
+    /// or of the negative numbers of one octave.
     halves: Vec<Half<'a>>,
 }
 

@@ -21,7 +21,7 @@ pub type TrialMeans = Result<(f64, f64), &'static str>;
 /// Estimated probability that the results of two experiments are in the right order, with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
-    /// Estimate of the probability.
+    /// Estimated probability of the right order.
     pub probability: f64,
     /// Lower end of the probability's 95 % interval.
     pub low: f64,
@@ -40,14 +40,15 @@ pub enum Repeats {
     About(u64),
     /// No number of trials is enough, because the means are in the wrong order, or because all estimates are equal.
     Never,
-    /// The number of trials to average cannot be estimated, because too few trials were run.
+    /// The number of trials to average cannot be estimated from the trials that were run, because they are too few.
     Unknown,
 }
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// If `uncertain` in [`interval`] has this value, the interval is computed for a number of independent trials midway
-/// between two numbers: the smallest possible number, and the number that follows from the estimated variance.
+/// Number of trials at which [`interval`] gives half weight to the estimated variance. If `uncertain` has this value,
+/// the interval is computed for a number of independent trials midway between two numbers: the smallest possible
+/// number, and the number that follows from the estimated variance.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials to average that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;

@@ -21,7 +21,7 @@ const AHEAD_WITH_RULE: u64 = 128;
 /// it up. The memory is freed when no thread needs it any more.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
-/// Work for a thread: consecutive trials of one or several tasks.
+/// Work for one worker thread: consecutive trials of one or several tasks.
 pub(crate) struct Job<T, E> {
     pub(crate) number: u64,
     pub(crate) pieces: Vec<Piece<T, E>>,
@@ -58,7 +58,7 @@ struct State<T, E> {
     /// Number of jobs that were handed out, and number of jobs whose results were passed on.
     jobs: [u64; 2],
     is_stopped: bool,
-    /// Time per trial in the last finished job, s. `None` before the first job is finished, and if there is no clock.
+    /// Time per trial (s) in the last finished job. `None` before the first job is finished, and if there is no clock.
     trial_s: Option<f64>,
 }
 

@@ -59,7 +59,8 @@ pub(crate) struct Observed<'a> {
     pub(crate) stds: &'a [f64],
 }
 
-/// Sums over observations. If numbers are close to the largest or smallest floats, the sums of squares are invalid.
+/// Sums over the observations of one quantity. If the observed numbers are close to the largest or smallest floats, the
+/// sums of squares are invalid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
     /// Smallest and largest true value.
@@ -114,8 +115,8 @@ const SUMS: usize = 12;
 /// otherwise be a function call.
 struct Parts<S: Simd> {
     simd: S,
-    /// Numbers that the sums subtract, repeated in all lanes: the first estimate, the first error, and the absolute
-    /// value and the square of the first error.
+    /// Numbers that the sums subtract, repeated in all lanes of the vectors: the first estimate, the first error, and
+    /// the absolute value and the square of the first error.
     estimate: S::f64s,
     error: S::f64s,
     size: S::f64s,

@@ -63,10 +63,10 @@ pub trait Sweep: Sync {
     fn finish(&self, cell: usize, trial: &Self::Trial, statistics: CellStatistics) -> Self::Result;
 }
 
-/// A part of a sweep's output.
+/// A part of the output that a sweep passes on.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SweepOutput<R> {
-    /// Rows of the next trials of a task.
+    /// Rows of consecutive trials of a task. These trials follow the trials in the previous rows of the task.
     TrialRows(String),
     /// Result of a task. It follows all rows of the task's trials.
     Result(R),
@@ -191,7 +191,7 @@ struct Line<'a, S: Sweep> {
 struct Open {
     /// Statistics of the trials in completed blocks.
     cell: Partial,
-    /// Trials of the first incomplete block.
+    /// Trials of the first block that is not complete yet.
     block: Slice,
 }
 

@@ -68,7 +68,7 @@ impl CellStatistics {
 pub struct Summary {
     /// Number of observations of the quantity in all successful trials.
     pub observations: u64,
-    /// The true value; `None` if it differs between observations.
+    /// The true value of the quantity; `None` if it differs between observations.
     pub truth: Option<f64>,
     /// Mean of the estimates.
     pub mean: Option<f64>,

@@ -114,7 +114,7 @@ impl Sums {
         }
     }
 
-    /// The true value; `None` if it differs between observations, or if there are no observations.
+    /// The true value of the quantity; `None` if it differs between observations, or if there are no observations.
     pub(crate) fn truth(&self) -> Option<f64> {
         let [least, most] = self.truths;
         (self.errors.count() > 0 && least == most).then_some(least)
@@ -128,7 +128,7 @@ impl Sums {
         (self.reported > 0).then_some(self.std)
     }
 
-    /// Shares of the 50, 80 and 95 % intervals that contain the true value; `None` without intervals.
+    /// Shares of the 50, 80 and 95 % intervals that contain the true value; `None` if no observation has an interval.
     pub(crate) fn coverages(&self) -> [Option<f64>; 3] {
         let share =
             |covered: u64| (self.intervals > 0).then(|| covered as f64 / self.intervals as f64);

@@ -107,7 +107,7 @@ impl Observations<'_> {
     }
 }
 
-/// Recorder to which each [`Trial`](crate::Trial) adds its observations.
+/// Recorder of observations, to which each [`Trial`](crate::Trial) adds the observations that it makes.
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,

@@ -38,8 +38,8 @@ proptest! {
         }
     }
 
-    /// If blocks are in a different order, the sample is the same. So counts and quantiles must be equal, and sums must
-    /// be equal except for rounding errors.
+    /// If the blocks are in a different order, they contain the same errors. So counts and quantiles must be equal, and
+    /// sums must be equal except for rounding errors.
     #[test]
     fn blocks_in_any_order(errors in prop::collection::vec(-1e3..1e3_f64, 1..30), shift in 0..3_u64, power in -900..900) {
         let unit = 2f64.powi(power);

@@ -6,14 +6,14 @@ use palpate_sweep::{Order, Repeats, TrialMeans, in_order, repeats};
 
 use crate::{normal, observation, observing, runner, uniform};
 
-/// Trials whose estimates are normally distributed with this mean and standard deviation 1.
+/// Results of trials whose estimates are normally distributed with this mean and with the standard deviation 1.
 fn normals(seed: u64, count: u64, mean: f64) -> Vec<TrialMeans> {
     (0..count)
         .map(|trial| Ok((mean + normal((seed << 32) + trial), mean)))
         .collect()
 }
 
-/// Share of 400 samples for which the interval contains the true probability.
+/// Share of 400 samples in which the interval of the order's probability contains the true probability.
 fn coverage(probability: f64, found: impl Fn(u64) -> Order) -> f64 {
     let held = (0..400).filter(|seed| {
         let Order { low, high, .. } = found(*seed);

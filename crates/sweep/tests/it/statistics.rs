@@ -228,8 +228,8 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
     // The 50 % interval is narrower than one standard deviation to each side.
     assert_eq!(coverages(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
-    // The second and the third trial report whether their intervals contain the true value. Their reports differ from
-    // what their standard deviations give, and must be used instead.
+    // The second and the third trial report whether their intervals contain the true value. These reports differ from
+    // the coverage that follows from the standard deviations of the trials, and must be used instead of it.
     assert_eq!(
         coverages(stds, [None, none, all, None]),
         [1.0, 2.0, 2.0].map(third)

@@ -224,8 +224,8 @@ fn threads_that_share_a_cell_do_not_change_results() {
         (1, 1_000_000, 0.5),
         // Each trial has nine observations. They are added to the sums after each trial, not at the end of a block.
         (9, 1_000_000, 0.02),
-        // The required standard error is 0, so the rule never ends a cell. The last trial is at the end of a block,
-        // within a later block, or within the first block.
+        // The required standard error of the stopping rule is 0, so the rule never ends a cell. The last trial is at
+        // the end of a block, within a later block, or within the first block.
         (1, 2048, 0.0),
         (1, 2500, 0.0),
         (1, 700, 0.0),
