@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 /// Figure in SVG format. A notebook displays it.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Figure {
-    /// Name of the figure's files, without an extension.
+    /// Name of the figure's files, without the extension.
     #[pyo3(get)]
     name: String,
     /// Title of the figure, which is also drawn in the picture.

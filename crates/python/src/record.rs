@@ -50,7 +50,7 @@ impl Made for Value {
     }
 }
 
-/// A field that was computed without the other fields.
+/// A field of a result that was computed without the other fields.
 pub(crate) enum Alone {
     Number(Option<f64>),
     Value(Value),

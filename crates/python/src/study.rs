@@ -78,7 +78,8 @@ impl Study {
         Ok(study)
     }
 
-    /// Checks cell numbers. Returns them in ascending order and without duplicates.
+    /// Checks that the study has cells with these numbers. Returns the numbers in ascending order and without
+    /// duplicates.
     fn cells(&self, numbers: Vec<usize>) -> PyResult<Vec<usize>> {
         let count = self.study.cell_count();
         if let Some(place) = numbers.iter().position(|&number| number >= count) {
@@ -146,13 +147,13 @@ impl Study {
         &self.study.config.title
     }
 
-    /// Unit of all lengths.
+    /// Unit of all lengths in the study.
     #[getter]
     fn length_unit(&self) -> &'static str {
         self.study.config.length_unit.as_str()
     }
 
-    /// Number of cells. A cell is one combination of the swept values.
+    /// Number of cells of the study. A cell is one combination of the swept values.
     #[getter]
     fn cell_count(&self) -> usize {
         self.study.cell_count()
@@ -165,7 +166,7 @@ impl Study {
         self.study.trials()
     }
 
-    /// Seed of all random numbers.
+    /// Seed of all random numbers of the study.
     #[getter]
     fn seed(&self) -> u64 {
         self.study.config.seed
@@ -252,7 +253,8 @@ impl Study {
     }
 
     /// Copy of the study with the number of trials and the model that fit a time budget (s) or a target error. The
-    /// target error is the largest allowed relative standard error of any rms error. Raises ConfigError, RunError.
+    /// target error is the largest allowed relative standard error of the rms error of any quantity.
+    /// Raises ConfigError, RunError.
     #[pyo3(signature = (*, budget=None, target_error=None, threads=None))]
     fn plan(
         &self,
@@ -272,7 +274,7 @@ impl Study {
     /// trials, seed : int, optional
     ///     Number of trials per cell, and seed. They replace the numbers in the study.
     /// threads : int, optional
-    ///     Number of threads; by default one per processor. The results do not depend on it.
+    ///     Number of threads; by default one per processor. The results do not depend on this number.
     /// cells : sequence of int, optional
     ///     Numbers of the cells to run; by default all. The rows of the tables keep these numbers.
     /// trials_out : bool

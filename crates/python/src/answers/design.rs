@@ -75,7 +75,7 @@ impl Made for Found {
 /// most_trials : int
 ///     Largest number of trials of each cell at one tried value.
 /// budget : float, optional
-///     Time limit of the search, s, by default 60. The scan and the verification are always completed. With None there is
+///     Time limit of the search, s, by default 60. The first values and the verification always run. With None there is
 ///     no time limit, and the answer does not depend on the speed of the machine.
 /// seed, threads, progress
 ///     The same arguments as in `Study.run`.

@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 use crate::error;
 use crate::json::{from_python, to_toml};
 
-/// Converts the error for a question that cannot be answered to an exception. `quantity` is the name of the argument
-/// that states the quantity.
+/// Makes the exception for a question that has no answer, from the error of the library. `quantity` is the name of the
+/// argument that states the quantity.
 pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     let message = error.to_string();
     let (argument, value) = match error {

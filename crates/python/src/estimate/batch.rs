@@ -31,7 +31,7 @@ pub(crate) struct Batch {
 type Class = fn(Python<'_>, Record) -> PyResult<Bound<'_, PyAny>>;
 
 enum Member {
-    /// Three parts: the estimate of the library, the function that converts the estimate to a Python object, and this
+    /// Three parts: the estimate as a value of the library, the function that converts it to a Python object, and this
     /// object. The object is made when Python reads it for the first time.
     Made(Arc<dyn Made>, Class, PyOnceLock<Py<Record>>),
     Restored(Py<Record>),
@@ -83,8 +83,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Extends the index in an error about an array: the number of the set of readings is added. `with_sets` names the
-/// arrays whose first axis counts the sets.
+/// Adds the number `set` of the set of readings to the front of the index in an error about an array. `with_sets` names
+/// the arrays whose first axis counts the sets.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {

@@ -175,7 +175,7 @@ pub(crate) fn estimate_roll<'py>(
         return RollEstimate::of(py, Record::new(estimate));
     };
     if moved.is_some_and(|moved| moved != sets) {
-        let wanted = format!("(n, 2) or ({sets}, n, 2), like rotations,");
+        let wanted = format!("(n, 2) or ({sets}, n, 2) as in `rotations`,");
         return Err(error::shape("shifts", &wanted, shifts.shape()));
     }
     let with_sets = [("rotations", turned), ("shifts", moved)];
@@ -188,8 +188,8 @@ pub(crate) fn estimate_roll<'py>(
 
 type Call = (Py<PyDict>, Option<LengthUnit>, RollOptions);
 
-/// The last call without the argument `like`. A loop over readings repeats the same settings, and parsing these
-/// settings takes longer than an estimate.
+/// Settings and options of the last call without the argument `like`. A loop over readings repeats the same settings,
+/// and parsing these settings takes longer than an estimate.
 static LAST: Mutex<Option<Call>> = Mutex::new(None);
 
 fn options<'py>(
