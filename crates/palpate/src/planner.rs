@@ -17,9 +17,9 @@ pub(crate) use tolerance::{Pass, PassQuantity, PassValue};
 
 /// Largest shift that the model's error may cause in an estimate, divided by (target error × rms error).
 pub const MODEL_ERROR_SHARE: f64 = 0.1;
-/// Largest number of trials per cell that a target error may choose.
+/// Largest number of trials per cell that may be chosen to reach a target error.
 const MAX_FOR_TARGET: f64 = 1e8;
-/// Largest number of trials per cell that a budget may choose.
+/// Largest number of trials per cell that may be chosen to use a time budget.
 const MAX_FOR_BUDGET: NonZeroU64 = NonZeroU64::MIN.saturating_add(999_999_999_999);
 /// Share of the budget that is used to measure the time per trial.
 const TIMING_SHARE: f64 = 0.1;

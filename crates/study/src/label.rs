@@ -44,7 +44,7 @@ impl Label {
         }
     }
 
-    /// Words and unit together, as an axis shows them.
+    /// The words and the unit together, as the axis of a plot shows them.
     pub fn text(&self) -> String {
         with_unit(&self.words, &self.unit)
     }

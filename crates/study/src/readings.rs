@@ -42,8 +42,8 @@ pub enum ColumnUnit {
 
 impl ColumnUnit {
     /// Factor that converts numbers in this unit to the unit `length`. If this unit is not a length, the factor
-    /// converts to the base unit of its physical quantity. `None` if this unit is a length, but exactly one of this
-    /// unit and `length` is the unspecified unit of length, `unit`.
+    /// converts to the base unit of its physical quantity. `None` if no conversion exists, because one of the two units
+    /// is a metric length and the other is the unspecified unit of length, `unit`.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {
@@ -252,7 +252,7 @@ pub fn quaternion_part(name: &str) -> Option<Column> {
         });
         is_word && matches!(word, Some("q" | "quat" | "quaternion" | "orientation"))
     };
-    // The components are also called i, j, k, and r or s for the scalar part.
+    // The components of a quaternion are also called i, j, k, and r or s for the scalar part.
     let letters = [
         ["x", "i", "x"],
         ["y", "j", "y"],
@@ -345,7 +345,8 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
     columns
 }
 
-/// Names of columns in a file, by palpate's names. Palpate's name may end with a unit, such as `x_mm`.
+/// Names of columns in a file. The keys are palpate's names of these columns, which may end with a unit, such as
+/// `x_mm`.
 pub type ColumnNames = BTreeMap<String, String>;
 
 /// Reason why a table of column names ([`ColumnNames`]) is invalid.

@@ -227,7 +227,7 @@ struct Spread {
     mean: f64,
     std: f64,
     error: f64,
-    /// Share of the trials of the experiment that succeeded.
+    /// Share of the experiment's trials that succeeded.
     success: f64,
 }
 

@@ -117,8 +117,8 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         (!pieces.is_empty()).then_some(Job { number, pieces })
     }
 
-    /// The next piece of a job: as many trials of a task as fit into the remaining time. The first piece of a job may
-    /// take longer.
+    /// The next piece of a job: as many trials of a task as fit into the remaining time of the job. The first piece of
+    /// a job may take longer.
     fn piece(
         &self,
         state: &mut State<T, E>,

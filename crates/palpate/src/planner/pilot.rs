@@ -29,7 +29,7 @@ pub(super) struct Pilot {
 
 #[derive(Debug)]
 pub(super) struct CellPilot {
-    /// Share of the trials of the cell that succeeded.
+    /// Share of the cell's trials that succeeded.
     pub(super) success: f64,
     pub(super) trials: u64,
     /// Kind of the first failure, if a trial failed.

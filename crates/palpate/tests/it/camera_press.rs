@@ -110,7 +110,7 @@ fn image_fit_estimates_the_traced_press() {
     assert_eq!(of_image.1.header, desk.table("o/readings.csv").header);
     assert_eq!(of_image.2.header, desk.table("o/field.csv").header);
 
-    // Each displacement differs from the true one by at most a few standard errors.
+    // Each estimated displacement differs from the true one by at most a few of its standard errors.
     let truth = desk.table("t/trace.csv");
     let normal_std = number(&estimate["noise"]["normal_std"]["value"]);
     for row in 0..77 {

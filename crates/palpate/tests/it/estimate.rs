@@ -182,7 +182,7 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
     let readings = format!("{EXACT}12,0,-0.11,0,0\n13,0,0,0,0\n");
     let bound = |options| {
         let unresolved = estimate(&readings, options)["unresolved_probes"].clone();
-        // Only probe 12 is listed. Probe 13 did not roll at all.
+        // Only probe 12 is listed as unresolved, because probe 13 did not roll at all.
         assert_eq!(unresolved.as_array().unwrap().len(), 1);
         assert_eq!(unresolved[0]["probe"], 12);
         assert_eq!(unresolved[0]["unit"], "mm");

@@ -37,7 +37,7 @@ fn file(contents: impl AsRef<[u8]>, form: Form) -> RecordedFile {
     RecordedFile::new("r.csv", contents.as_ref().to_vec()).written(form)
 }
 
-/// Forms of a table with the settings that a message proposes.
+/// Table formats with the settings that a message proposes.
 fn proposed(message: &str, form: &Form) -> Vec<Form> {
     let mut forms = Vec::new();
     for part in message.split("setting `").skip(1) {
@@ -65,8 +65,8 @@ fn proposed(message: &str, form: &Form) -> Vec<Form> {
     forms
 }
 
-/// The estimate with a form. Each setting that its messages propose must change the message, and name columns of the
-/// file.
+/// The estimate from a table with the format `form`. Each setting that its messages propose must change the message,
+/// and name columns of the file.
 fn estimated(form: Form, estimate: impl Fn(Form) -> Estimated) -> Estimated {
     let found = estimate(form.clone());
     let message = match &found {

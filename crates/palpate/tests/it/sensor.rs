@@ -18,8 +18,8 @@ const MARKERS: [&str; 10] = [
     "dmean_hue_turns",
 ];
 
-/// Displacement at a depth of 2 mm in an incompressible half-space, mm. A sensor of radius 20 mm is pressed 1 mm onto
-/// a plane. The formula is the closed form for the Hertz pressure.
+/// Normal displacement (mm) at a depth of 2 mm in an incompressible half-space, if a sensor of radius 20 mm is pressed
+/// 1 mm onto a plane. The formula is the closed form for the Hertz pressure.
 fn pressed([x, y]: [f64; 2]) -> f64 {
     let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
     let r = radius * libm::hypot(x, y);

@@ -12,8 +12,8 @@ pub enum GlideEstimatorConfig {
     /// One bicubic spline, fitted to the heights of the contacts and, if there are normals, to the slopes. A penalty on
     /// its third derivatives makes it smooth.
     Penalised {
-        /// Number of knot intervals of the spline along each side of the patch. By default, it is chosen from the
-        /// number of contacts.
+        /// Number of knot intervals of the spline along each side of the patch. By default, the number of contacts
+        /// determines it.
         #[schemars(extend("minimum" = 1, "maximum" = 24))]
         intervals: Option<u32>,
         /// Method that chooses the weight of the smoothness penalty.
@@ -68,11 +68,12 @@ pub enum GlideEstimatorConfig {
     },
     /// A quadric, fitted to the contacts by weighted least squares.
     Quadric(StatedNoise),
-    /// A plane, fitted to the contacts without outliers.
+    /// A plane, fitted to the contacts that are not outliers.
     Plane(StatedNoise),
-    /// A sphere, fitted to the contacts without outliers. The contacts need not be on its upper side.
+    /// A sphere, fitted to the contacts that are not outliers. The contacts may lie on any side of the sphere.
     Sphere(StatedNoise),
-    /// A circular cylinder, fitted to the contacts without outliers. The contacts need not be on its upper side.
+    /// A circular cylinder, fitted to the contacts that are not outliers. The contacts may lie on any side of the
+    /// cylinder.
     Cylinder(StatedNoise),
     /// The most probable of four answers for the surface under the contacts: a plane, a sphere, a cylinder, or none of
     /// these shapes.

@@ -399,7 +399,7 @@ pub struct PressNoiseConfig {
     pub hue: Option<ReadingNoise<Pure>>,
     /// Error of each coordinate of a marker's centroid, in pixels. Only for a sensor of the kind `projected`.
     pub centroid: Option<ReadingNoise<Pure>>,
-    /// Relative error of each marker's size. Only for a sensor of the kind `projected`.
+    /// Relative error of each marker's size in the image. Only for a sensor of the kind `projected`.
     pub size: Option<ReadingNoise<Pure>>,
     /// Markers that are missing in the pressed frame. Each trial chooses them anew at random.
     pub lost_markers: Option<LostMarkers>,
@@ -414,8 +414,8 @@ pub struct PressNoiseConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorNoise {
-    /// Standard deviation of each coordinate of the image's centre, in pixels. It also describes small errors of the
-    /// camera's direction.
+    /// Standard deviation of each coordinate of the image's centre, in pixels. This error also represents small errors
+    /// of the camera's direction.
     #[schemars(extend("minimum" = 0))]
     pub centre_px: f64,
     /// Relative standard deviation of the image scale, that is, of the pixels per radian.

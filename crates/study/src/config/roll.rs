@@ -194,7 +194,7 @@ pub enum RollAxis {
     /// A frame that moves along the contact's path without turning about the normal (parallel transport).
     #[default]
     Transported,
-    /// The frame of the probe's coordinate chart. It needs a model with chart = "montana".
+    /// The frame of the probe's coordinate chart. This choice requires a model with chart = "montana".
     Chart,
 }
 
@@ -324,9 +324,9 @@ pub struct RollNoiseConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AngularVelocityNoise {
-    /// Error with a uniform distribution between −bound and +bound.
+    /// Error with a uniform distribution between −bound and +bound. The bound is `fraction` times the angular speed.
     Uniform(AngularVelocityDraws),
-    /// Error with a Gaussian distribution with mean 0.
+    /// Error with a Gaussian distribution with mean 0. The standard deviation is `fraction` times the angular speed.
     Gaussian(AngularVelocityDraws),
 }
 
@@ -483,7 +483,7 @@ pub enum RollStart {
 }
 
 impl RollEstimatorConfig {
-    /// Whether the estimator needs time series, and so cannot use rolls of which only the end was read.
+    /// Whether the estimator needs time series. Such an estimator cannot use a roll with only one reading, at its end.
     pub const fn needs_series(&self) -> bool {
         matches!(self, Self::PadEdge { .. } | Self::Trajectory { .. })
     }
@@ -531,7 +531,7 @@ pub enum PadLayout {
     Square,
     /// A hexagonal grid, measured in arc lengths along the surface of the probe.
     Hexagonal,
-    /// Points with almost uniform density over the cap.
+    /// Points with almost uniform density over the cap, the part of the probe that has pads.
     Uniform,
 }
 

@@ -137,7 +137,8 @@ impl Range {
         self.violated(number).is_none()
     }
 
-    /// What `number` would have to be to lie in this range, in words such as `a whole number`; `None` if it does.
+    /// The requirement of this range that `number` violates, in words such as `a whole number`; `None` if `number` is
+    /// in the range.
     pub(super) fn violated(&self, number: f64) -> Option<String> {
         if self.may_be_infinite && number == f64::INFINITY {
             return None;

@@ -107,7 +107,7 @@ fn text(name: &str, check: &Check) -> String {
 }
 
 /// Groups the coverages in `all` by their kind (measured, outside or not measured). Returns for each kind the number of
-/// its cells, the number of its other coverages, and its lowest coverage.
+/// its cells, the number of its coverages minus 1, and its lowest coverage.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,

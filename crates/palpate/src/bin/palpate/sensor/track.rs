@@ -39,7 +39,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ),
         ("difference.png", output::png(&difference)?),
     ];
-    // The two frames may be of different sensors, in which case the reading fails. The other files are written
+    // The two frames may be of different sensors. Then the press cannot be estimated, but the other files are written
     // nevertheless.
     let grid = args.grid.unwrap_or(GRID) as usize;
     let filter = args.filter.unwrap_or(0.0);
