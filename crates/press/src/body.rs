@@ -6,7 +6,8 @@ use std::sync::Arc;
 use crate::bonded_layer::{BondedLayer, ENDS, LayerContact};
 use crate::{PressError, half_space};
 
-/// At distances (length) from the contact above this value, displacements are set to 0.
+/// Largest distance (length) from the contact at which displacements are computed. At larger distances, they are set to
+/// 0.
 const MAX_DISTANCE: f64 = 1e50;
 
 /// A model of the soft body. It computes the displacement of the skin, at the depth of the markers, in a press.
@@ -65,16 +66,16 @@ pub struct Contact<'b> {
     pub relative_curvature: f64,
     /// Distance (length) by which the bodies have approached each other since they first touched.
     pub indentation: f64,
-    /// Radius of the contact area, length.
+    /// Radius of the contact area (length).
     pub radius: f64,
 }
 
 /// Displacement of a point of the skin in a press.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
-    /// Inward displacement along the normal, length.
+    /// Inward displacement along the normal (length).
     pub normal: f64,
-    /// Displacement along the skin, positive away from the contact, length.
+    /// Displacement (length) along the skin, positive away from the contact.
     pub radial: f64,
 }
 
@@ -126,7 +127,8 @@ impl Body {
     }
 
     /// Models of one incompressible layer bonded to a rigid core. There is one model for each depth in `depths`, in the
-    /// same order. It computes displacements at this depth. Their tables are computed together, in little more time
+    /// same order; the model computes displacements at this depth. The tables of all models are computed together, in
+    /// little more time
     /// than the tables for one depth.
     ///
     /// # Errors
@@ -189,7 +191,7 @@ impl Body {
         }
     }
 
-    /// Whether the model has displacements along the skin.
+    /// Whether the model also computes displacements along the skin.
     pub fn moves_tangentially(&self) -> bool {
         !matches!(self.0, Rung::Gaussian { .. })
     }

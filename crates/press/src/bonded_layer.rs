@@ -35,10 +35,11 @@ const STEPS: usize = 30;
 pub(crate) struct BondedLayer {
     thickness: f64,
     depth: f64,
-    /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
+    /// Number by which the standard number of quadrature nodes is multiplied for contacts that are solved without a
+    /// table.
     resolution: f64,
-    /// Data that the models of this layer for several depths have in common. `number` is the index of this model's
-    /// depth.
+    /// Data that is shared by all models of this layer; there is one model per depth. `number` is the index of this
+    /// model's depth.
     family: Arc<Family>,
     number: usize,
 }
@@ -47,8 +48,8 @@ pub(crate) struct BondedLayer {
 struct Family {
     /// Depths at which the models compute displacements, relative to the layer's thickness.
     depths: Vec<f64>,
-    /// Tables for the ranges of contact radii, with one table for each depth. The tables of a range are computed when
-    /// they are first needed.
+    /// For each range of contact radii, one table per depth. The tables of a range are computed when they are first
+    /// needed.
     tables: [OnceLock<Result<Vec<Table>, PressError>>; ENDS.len() - 1],
 }
 
@@ -79,8 +80,8 @@ pub(crate) struct LayerContact {
     base: Base,
 }
 
-/// The correction of the displacement for the rigid base. It is either a sum over wavenumbers or is interpolated in a
-/// table.
+/// How the correction of the displacement for the rigid base is computed: as a sum over wavenumbers, or by
+/// interpolation in a table.
 #[derive(Clone, Debug)]
 enum Base {
     Waves(Waves),

@@ -36,7 +36,7 @@ const MAX_CURVATURE_RATIO: f64 = 1e6;
 const MAX_DISTANCE: f64 = 1e50;
 
 /// Number of panels (intervals) in the quadrature of the integral χ_x. Each panel is half as long as the panel before,
-/// because the integrand may have a peak at the end.
+/// because the integrand may have a peak at the end of the last panel.
 const PANELS: i32 = 12;
 
 /// Number of Gauss quadrature nodes in each panel.
@@ -122,7 +122,7 @@ impl EllipticContact {
         })
     }
 
-    /// Geometric mean of the contact's semi-axes, length.
+    /// Geometric mean (length) of the contact's semi-axes.
     pub fn radius(&self) -> f64 {
         let [long, short] = self.semi_axes;
         long.sqrt() * short.sqrt()

@@ -464,7 +464,7 @@ impl<'a> Problem<'a> {
             let width = limit * stds.along(angle);
             let ends = [value - width, value + width];
             // In any direction, the normal curvature is at most the larger principal curvature and at least the smaller
-            // one.
+            // one. Therefore the interval of each normal curvature limits the intervals of both.
             bounds[0] = [0, 1].map(|end| bounds[0][end].max(ends[end]));
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }
@@ -473,9 +473,9 @@ impl<'a> Problem<'a> {
         // difference, to second order.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
-        // An angle is in the 95 % interval of the axis if the mixed component of the tensor, in axes at this angle, is
-        // within the limit that noise allows. This component is gap · sin(2Δ)/2, where Δ is the difference between the
-        // angle and the estimated axis.
+        // The 95 % interval of the axis contains the angles at which the mixed component of the tensor, in axes at this
+        // angle, is 0 within the noise. This component is gap · sin(2Δ)/2, where Δ is the difference between the angle
+        // and the estimated axis. `unknown` is the standard error if the noise allows every angle.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {

@@ -14,7 +14,7 @@ pub enum PressError {
     /// A reading, or a value computed from it, is not a finite number.
     #[error("marker {marker} (counting from 0): a number is not finite, or beyond 1e50")]
     NotFinite {
-        /// Number of the marker, counted from 0.
+        /// Number of the marker with a value that is not finite, counted from 0.
         marker: usize,
     },
     /// A marker is beyond the point of the skin opposite the apex.
@@ -28,7 +28,7 @@ pub enum PressError {
         marker: usize,
         /// Distance (length) of the marker from the apex along the skin.
         distance: f64,
-        /// Half the circumference of the sensor, length. The distance of a marker from the apex must be smaller.
+        /// Half the circumference of the sensor (a length). The distance of a marker from the apex must be smaller.
         limit: f64,
     },
     /// The indentation is not positive, so the bodies do not touch.
@@ -37,7 +37,7 @@ pub enum PressError {
         indentation = Number(*indentation)
     )]
     NoIndentation {
-        /// Approach of the bodies since their first contact, length.
+        /// Distance (length) by which the bodies have approached each other since they first touched.
         indentation: f64,
     },
     /// The object is concave, and its curvature equals the sensor's curvature, so the surfaces touch everywhere at
@@ -47,7 +47,7 @@ pub enum PressError {
         relative_curvature = Number(*relative_curvature)
     )]
     Conforming {
-        /// Sum of the sensor's and the object's curvatures, 1/length.
+        /// Sum (1/length) of the sensor's and the object's curvatures.
         relative_curvature: f64,
     },
     /// The object is concave, and its curvature is larger than the sensor's. The sensor therefore touches the object's
@@ -58,7 +58,7 @@ pub enum PressError {
         relative_curvature = Number(*relative_curvature)
     )]
     EdgeContact {
-        /// Sum of the sensor's and the object's curvatures, 1/length.
+        /// Sum (1/length) of the sensor's and the object's curvatures.
         relative_curvature: f64,
     },
     /// The indentation is too large: it reaches the layer's base or the sensor's centre.
@@ -67,7 +67,7 @@ pub enum PressError {
         indentation = Number(*indentation), limit = Number(*limit)
     )]
     TooDeep {
-        /// The impossible indentation, length.
+        /// The impossible indentation (length).
         indentation: f64,
         /// Limit of the indentation: it must be less than this length.
         limit: f64,
@@ -80,7 +80,7 @@ pub enum PressError {
         radius = Number(*radius), limit = Number(*limit)
     )]
     TooWide {
-        /// Radius that the contact would have, length.
+        /// Radius (length) that the contact would have.
         radius: f64,
         /// The contact radius must be less than this length.
         limit: f64,
@@ -123,15 +123,15 @@ pub enum PressError {
         /// Smallest decrease of chi-squared that counts as a contact.
         needed: f64,
     },
-    /// The markers moved, but not as in a press on this body. Either no press fits the readings better than no contact
-    /// does, or objects of very different sharpness fit them equally well.
+    /// The markers moved, but not as in a press on this body. Either no press fits the readings better than "no
+    /// contact", or presses of objects of very different sharpness fit them equally well.
     #[error(
         "the markers moved, but not as in a press on this body: chi-squared of the residuals is {chi_squared:.1}, and noise \
          alone would give about {freedom}; the stated body, its thickness, the depth of the markers or the noise is wrong",
         chi_squared = Number(*chi_squared)
     )]
     OtherBody {
-        /// Chi-squared of the readings. It compares them either with unmoved markers or with the fit.
+        /// Chi-squared of the readings, either with respect to unmoved markers or with respect to the best fit.
         chi_squared: f64,
         /// Number of degrees of freedom. It is the expected value of chi-squared.
         freedom: usize,
@@ -146,13 +146,13 @@ pub enum PressError {
         /// Distance (length) between the contact and the nearest marker along the skin.
         distance: f64,
     },
-    /// A marker was visible in the frame at rest, but the fitted sensor model predicts that the camera cannot see it.
+    /// A marker was visible in the frame at rest, but according to the fitted sensor model, the camera cannot see it.
     #[error(
         "marker {marker} (counting from 0) was found at rest where no camera that fits the other \
          markers can see it; the layout or the camera is wrong"
     )]
     HiddenMarker {
-        /// Smallest number of a marker with this contradiction, counted from 0.
+        /// Number of the first such marker, counted from 0.
         marker: usize,
     },
     /// The readings do not determine the fit parameters.

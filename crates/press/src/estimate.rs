@@ -118,7 +118,7 @@ pub struct PrincipalCurvatures {
     /// Angle between the direction of the smaller curvature (the axis of a cylinder) and the x axis at the contact,
     /// from −π/2 to π/2.
     pub axis: f64,
-    /// Standard error of the angle `axis`, rad. It is at most π/√12, the standard deviation of a completely unknown
+    /// Standard error (rad) of the angle `axis`. It is at most π/√12, the standard deviation of a completely unknown
     /// direction.
     pub axis_std: f64,
     /// The elliptic contact of the estimated press.
@@ -141,14 +141,14 @@ pub struct PressEstimate {
     pub principal: Option<PrincipalCurvatures>,
     /// Indentation: distance (length) by which the bodies have approached each other since they first touched.
     pub indentation: Estimated,
-    /// Radius of the contact area, length.
+    /// Radius of the contact area (length).
     pub contact_radius: Estimated,
     /// Position (length) of the contact in the coordinates of the skin.
     pub contact: [f64; 2],
     /// Standard errors (length) of the contact's position along the axes at the contact. If the markers are in a row,
     /// the contact is only searched on this row. The standard error across the row is then 0.
     pub contact_std: [f64; 2],
-    /// Estimated offset that is added to all normal displacements, length; `None` if it was not fitted.
+    /// Estimated offset (length) that is added to all normal displacements; `None` if it was not fitted.
     pub baseline: Option<Estimated>,
     /// Estimated factor by which all normal displacements are multiplied; `None` if it was not fitted.
     pub gain: Option<Estimated>,
@@ -188,7 +188,7 @@ impl PressEstimate {
         self
     }
 
-    /// Effective radius R = 1/C_r of the best fit, length. Unlike the curvature, the radius has almost no bias.
+    /// Effective radius R = 1/C_r (length) of the best fit. Unlike the curvature, the radius has almost no bias.
     pub fn effective_radius(&self) -> Estimated {
         let Estimated {
             value,
@@ -223,12 +223,12 @@ impl PressEstimate {
         within_object(curvature.interval.low.unwrap_or_default(), radius)
     }
 
-    /// The object's curvature 1/R_o in the best fit, 1/length. It is the inverse of the object's radius R_o.
+    /// The object's curvature 1/R_o (1/length) in the best fit, where R_o is the object's radius.
     pub fn most_likely_object_curvature(&self) -> f64 {
         self.most_likely_curvature - self.sensor_curvature
     }
 
-    /// The object's curvature 1/R_o, 1/length, positive for a convex object. Like the relative curvature, it is
+    /// The object's curvature 1/R_o (1/length), positive for a convex object. Like the relative curvature, it is
     /// corrected for bias.
     pub fn object_curvature(&self) -> Estimated {
         let shift = |end: f64| end - self.sensor_curvature;

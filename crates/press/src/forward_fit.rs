@@ -21,9 +21,9 @@ use search::Search;
 pub struct Reading<'a> {
     /// The markers, that is, their places on the skin.
     pub markers: &'a Markers,
-    /// Inward displacement of each marker, length.
+    /// Inward displacement (length) of each marker.
     pub normal: &'a [f64],
-    /// Displacement of each marker along the skin, length. The components are along the axes at the marker. `None` if
+    /// Displacement (length) of each marker along the skin. The components are along the axes at the marker. `None` if
     /// the sensor does not measure this displacement.
     pub tangential: Option<&'a [[f64; 2]]>,
     /// The indentation, if it is measured separately (for example from a robot's pose).
@@ -71,9 +71,9 @@ pub enum Prior {
 pub struct Bounds {
     /// Smallest possible standard error (1/length) of the relative curvature, and also of the object's curvature.
     pub relative_curvature: f64,
-    /// Smallest possible standard error of the indentation, length.
+    /// Smallest possible standard error (length) of the indentation.
     pub indentation: f64,
-    /// Smallest possible standard error of the contact's radius, length.
+    /// Smallest possible standard error (length) of the contact's radius.
     pub contact_radius: f64,
     /// Smallest possible standard errors of the larger principal curvature (1/length), the smaller principal curvature
     /// (1/length) and the direction of the axis (rad). The value is `None` if only one curvature is fitted, or if both
@@ -107,13 +107,14 @@ pub struct ForwardFit {
     pub baseline: Prior,
     /// Prior of the gain, a factor on all normal displacements. Its ideal value is 1.
     pub gain: Prior,
-    /// Standard deviation of the noise of normal displacements, length. If it is `None` or 0, it is estimated from the
+    /// Standard deviation (length) of the noise of normal displacements. If it is `None` or 0, it is estimated from the
     /// residuals. An estimate is at least 1e-10 of the largest normal displacement.
     pub normal_std: Option<f64>,
-    /// Standard deviation of the noise of each tangential component, length. If it is `None` or 0, it is estimated from
-    /// the residuals. An estimate is at least 1e-10 of the largest normal displacement.
+    /// Standard deviation (length) of the noise of each tangential displacement component. If it is `None` or 0, it is
+    /// estimated from the residuals. An estimate is at least 1e-10 of the largest normal displacement.
     pub tangential_std: Option<f64>,
-    /// The fit uses only the markers within this distance from the contact, length; `None` for all markers.
+    /// Radius (length) of the fit's window: the fit uses only the markers within this distance from the contact; `None`
+    /// for all markers.
     pub window: Option<f64>,
     /// Whether both principal curvatures are fitted. This requires a half-space as the body, and [`Prior::Exact`] for
     /// the baseline and the gain. The fit then uses all markers.
@@ -153,7 +154,7 @@ impl ForwardFit {
 
     /// The smallest possible standard errors of an unbiased estimate (Cramér–Rao bounds). The true contact is at the
     /// skin coordinates `at`. `tangential` states whether the sensor measures tangential displacements.
-    /// `indentation_std` is the standard deviation of a measured indentation, length.
+    /// `indentation_std` is the standard deviation (length) of a measured indentation.
     ///
     /// The result is `None` if the noise is not stated, or if the readings do not determine the press.
     pub fn bounds(

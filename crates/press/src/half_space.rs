@@ -232,7 +232,7 @@ pub(crate) struct Spheroidal {
     /// cancellation.
     pub(crate) off_axis: f64,
     pub(crate) r: f64,
-    /// ξ² + η², which is 0 at the edge of the contact.
+    /// The sum ξ² + η² of the squared coordinates. It is 0 at the edge of the contact.
     pub(crate) edge: f64,
 }
 

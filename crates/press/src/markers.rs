@@ -25,9 +25,9 @@ pub struct Markers {
 /// The displacement of a marker in a press.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerDisplacement {
-    /// Inward displacement along the normal, length.
+    /// Inward displacement (length) along the normal.
     pub normal: f64,
-    /// Displacement along the skin, length. The components are along the x and y axes of the apex, transported along
+    /// Displacement (length) along the skin. The components are along the x and y axes of the apex, transported along
     /// the meridian to the marker.
     pub tangential: [f64; 2],
 }
@@ -36,8 +36,8 @@ pub struct MarkerDisplacement {
 pub(crate) struct Sight {
     /// Distance from the contact to the marker along the skin.
     pub(crate) distance: f64,
-    /// R_s sin(distance/R_s), length, where R_s is the sensor's radius. It is the circumference of the circle around
-    /// the contact on which the marker lies, divided by 2π.
+    /// The length R_s sin(distance/R_s), where R_s is the sensor's radius. It is the radius of the circle around the
+    /// contact on which the marker lies.
     pub(crate) reach: f64,
     /// Unit vector from the contact towards the marker, in the axes at the contact.
     pub(crate) bearing: Vector2<f64>,
@@ -216,8 +216,8 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can observe the
-    /// contact if a marker is within twice this radius of it, or if markers surround it. Only markers in the hemisphere
+    /// Returns an error unless a marker is within twice the radius `contact_radius` of the contact, or markers surround
+    /// the contact. Otherwise, the markers cannot observe the contact. Only markers in the hemisphere
     /// around the contact count.
     ///
     /// # Errors
@@ -257,8 +257,8 @@ impl Markers {
     }
 }
 
-/// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can observe the
-/// contact if a marker is within twice this radius of it, or if markers at distances below `around` surround it.
+/// Returns an error unless a marker is within twice the radius `contact_radius` of the contact, or markers nearer than
+/// `around` surround the contact. Otherwise, the markers cannot observe the contact.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);

@@ -14,9 +14,9 @@ use crate::unknowns::{Square, Sums, UNKNOWNS};
 use crate::{Contact, Estimated, GoodnessOfFit, Measured, PressError};
 
 pub(crate) const PATTERNS: usize = 7;
-/// Indices of the patterns that depend only on the distance from the contact.
+/// Indices of the patterns of displacements that depend only on the distance from the contact.
 const BY_DISTANCE: Range<usize> = 0..5;
-/// Indices of the patterns that also depend on the direction from the contact.
+/// Indices of the patterns of displacements that also depend on the direction from the contact.
 const BY_DIRECTION: Range<usize> = 5..7;
 
 /// A pattern is tested only if the fitted parameters leave at least this share of it unexplained. A smaller rest is
@@ -80,8 +80,8 @@ pub(crate) enum Noise {
 }
 
 impl Noise {
-    /// Returns the stated noise. If the residuals are significantly larger than the stated noise, returns the noise of
-    /// the residuals instead, because every pattern would otherwise be significant.
+    /// Returns the stated noise or, if the residuals are significantly larger, the noise of the residuals. With a
+    /// stated noise that is too small, the tests would report every pattern as significant.
     pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
         match goodness.is_poor() {
             true => Self::Found {
@@ -92,7 +92,7 @@ impl Noise {
         }
     }
 
-    /// P-value of `explained`, the decrease of chi-squared by patterns in the residuals, if this is the noise.
+    /// P-value of `explained`, the decrease of chi-squared by patterns in the residuals, with this noise.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),

@@ -97,8 +97,8 @@ pub(crate) struct Stds {
 }
 
 impl Stds {
-    /// The standard errors, computed from the covariance of the fit parameters. The standard error of a parameter that
-    /// is not fitted is 0.
+    /// The standard errors of the estimated quantities, computed from the covariance of the fit parameters. A parameter
+    /// that is not fitted has the standard error 0.
     pub(crate) fn new<P: LeastSquares>(
         problem: &P,
         state: &State,
@@ -119,8 +119,8 @@ impl Stds {
             - 2.0 * indentation * variance(INDENTATION, CURVATURE)
             + indentation * indentation * variance(CURVATURE, CURVATURE);
         let share = 1.0 / (contact.relative_curvature * slope);
-        // If all markers lie on a circle, the place of a state has axes along and across the circle. Convert it to the
-        // axes of the skin.
+        // If all markers lie on a circle, the axes of the fitted place point along and across the circle. Convert it to
+        // the axes of the skin.
         let axes = skin.place_at(state.place.direction.as_ref());
         let along = |axis: &Vector3<f64>| {
             let (x, y) = (axis.dot(&state.place.x_axis), axis.dot(&state.place.y_axis));

@@ -30,7 +30,8 @@ pub enum ContactRegime {
     Edge,
 }
 
-/// Tolerance relative to the sensor's curvature. A relative curvature whose absolute value is smaller counts as 0.
+/// Tolerance for a relative curvature of 0. The relative curvature counts as 0 if its absolute value, divided by the
+/// sensor's curvature, is below this value.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
 impl ContactRegime {

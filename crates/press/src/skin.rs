@@ -4,7 +4,7 @@ use nalgebra::{UnitVector3, Vector2, Vector3};
 
 use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_object};
 
-/// Range of allowed lengths. Products of a few such lengths are within the range of doubles.
+/// Range of allowed radii of the skin. Products of a few such lengths are within the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// The skin of a sensor: a sphere, with coordinates relative to its apex. The skin of a flat pad is a sphere with an

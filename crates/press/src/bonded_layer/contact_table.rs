@@ -16,7 +16,7 @@ use crate::body::Field;
 
 /// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own tables.
 pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
-/// Number of contact radii in a table, and of distances in a panel. A panel is an interval of distances from the
+/// Number of contact radii in a table, and number of distances in a panel. A panel is an interval of distances from the
 /// contact.
 const NODES: usize = 16;
 /// Width of a panel within the contact and near it, relative to the layer's thickness. A panel is an interval of

@@ -28,8 +28,8 @@ use crate::PressError;
 /// Smallest number of wavenumbers at which an integrand is evaluated. It is enough for an integrand that decays
 /// smoothly and does not oscillate.
 const SMOOTH: f64 = 48.0;
-/// Threshold for rounding errors. Coefficients that are smaller than this value, relative to the largest coefficient,
-/// are discarded.
+/// Threshold for rounding errors. The last coefficients of a series are discarded if their ratio to the largest
+/// coefficient is below this value.
 const ROUNDING: f64 = 3e-14;
 
 /// Pressure of a contact on a bonded layer: the solution of the integral equation for one contact radius.
@@ -201,8 +201,8 @@ fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
     coefficients
 }
 
-/// Joins the series `curved` and `flat` to one list of terms. The coefficients with the index j are multiplied by the
-/// factor of their series and by (−1)ʲ.
+/// Joins two series to one list of terms: `curved` (for φ) and `flat` (for ∂φ/∂a). The coefficients with the index j
+/// are multiplied by the factor of their series and by (−1)ʲ.
 fn terms(curved: &[f64], curved_factor: f64, flat: &[f64], flat_factor: f64) -> Vec<Term> {
     let at = |series: &[f64], j: usize| series.get(j).copied().unwrap_or(0.0);
     let count = curved.len().max(flat.len());

@@ -18,8 +18,8 @@ use crate::half_space::{self, Spheroidal};
 /// Below this ratio of the contact's radius to the distance of a point from the contact, the contact is treated as a
 /// point force.
 const POINT: f64 = 1e-10;
-/// The radial functions are computed by an upward recurrence if it amplifies rounding errors by at most a factor of
-/// e^`UPWARD`, and otherwise by a downward recurrence.
+/// The radial functions are computed by an upward recurrence if this recurrence amplifies rounding errors by at most a
+/// factor of e^`UPWARD`, and otherwise by a downward recurrence.
 const UPWARD: f64 = 9.0;
 /// Terms of the series that are smaller than e^−`NEGLIGIBLE` are omitted.
 const NEGLIGIBLE: f64 = 32.0;

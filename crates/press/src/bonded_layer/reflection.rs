@@ -81,8 +81,8 @@ pub(super) struct Wave {
     pub(super) per_contact: [f64; 2],
 }
 
-/// Wavenumbers with their weights. Each wavenumber also has two Hankel transforms: of the contact's pressure, and of
-/// the pressure's derivative with respect to the contact's radius.
+/// Wavenumbers with their weights. For each wavenumber, also two Hankel transforms: of the contact's pressure, and of
+/// the derivative of this pressure with respect to the contact's radius.
 pub(super) struct Spectrum {
     nodes: Vec<[f64; 2]>,
     transforms: Vec<[f64; 2]>,

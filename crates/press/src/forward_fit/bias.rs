@@ -66,9 +66,9 @@ impl Problem<'_> {
     }
 }
 
-/// The curvature, corrected for its relative bias `bias` and limited to its interval. If `bias` is above 1, the radius
-/// may be 0, and the correction cannot be computed. The result is then the inverse of a radius that equals two of its
-/// standard errors, because the estimated radius is nearly normally distributed.
+/// The estimated curvature, corrected for its relative bias `bias` and limited to its interval. If `bias` is above 1,
+/// the radius may be 0, and the correction cannot be computed. The result is then the inverse of a radius that equals
+/// two of its standard errors, because the estimated radius is nearly normally distributed.
 fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())

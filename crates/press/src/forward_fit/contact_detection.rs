@@ -43,7 +43,8 @@ impl Problem<'_> {
     }
 }
 
-/// Returns an error if the contact with the fit parameters `state` does not improve chi-squared enough. If only one
+/// Returns an error if the contact with the fit parameters `state` does not decrease chi-squared enough to count as
+/// detected. If only one
 /// marker moved significantly, returns the number of this marker.
 ///
 /// # Errors
@@ -68,8 +69,8 @@ pub(super) fn detect(problem: &Problem<'_>, state: &State) -> Result<Option<usiz
 }
 
 /// For each marker, chi-squared of the hypothesis that the marker did not move. The second result is the number of
-/// readings per marker that are included. If the noise is stated, all readings are used. Otherwise only normal
-/// displacements are used, and their noise is estimated from the median over all markers.
+/// readings per marker from which chi-squared is computed. If the noise is stated, all readings are used. Otherwise
+/// only normal displacements are used, and their noise is estimated from the median over all markers.
 fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
     let baseline = resting(problem);
     let markers = 0..problem.kept.len();

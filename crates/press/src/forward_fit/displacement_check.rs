@@ -109,7 +109,8 @@ impl ForwardFit {
     /// Tests an estimate of this fit and returns the ways in which the readings contradict the model. A stated
     /// indentation is tested separately by [`Self::check_indentation`]. For an elliptic contact, the Gaussian
     /// approximation, an undetected contact, or a fit with hardly more equations than parameters, only the size of the
-    /// residuals is tested. If the residuals are too large for the stated noise, the tests for outliers and patterns
+    /// residuals is tested. If the residuals are too large for the stated noise, the tests for outliers and for
+    /// patterns in the residuals
     /// use the noise of the residuals instead.
     ///
     /// # Errors

@@ -20,9 +20,9 @@ const MIN_FREEDOM: usize = 8;
 const MIN_RESIDUAL_SHARE: f64 = 0.1;
 
 impl Problem<'_> {
-    /// The noise that the tests for outliers and patterns use. The result is `None` (no tests) in three cases: the
-    /// Gaussian approximation is fitted, there are hardly more equations than fit parameters, or the estimated noise
-    /// may be due to rounding.
+    /// The noise that is used by the tests for outliers and for patterns in the residuals. The result is `None` (no
+    /// tests) in three cases: the Gaussian approximation is fitted, there are hardly more equations than fit
+    /// parameters, or the estimated noise may be due to rounding.
     pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
         let freedom = self.freedom();
         let largest = self.reading.normal.iter();

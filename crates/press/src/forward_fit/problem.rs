@@ -8,9 +8,11 @@ use crate::markers::{PressSlopes, Sight};
 use crate::unknowns::{ACROSS, EXACT, Fitted, OTHERS, State, Sums, Unknowns};
 use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
 
-/// Index of the baseline, an offset of all normal displacements. Fits of images do not have this parameter.
+/// Index of the baseline among the fit parameters. The baseline is an offset of all normal displacements. Fits of
+/// images do not have this parameter.
 pub(super) const BASELINE: usize = OTHERS;
-/// Index of the gain, a factor on all normal displacements. Fits of images do not have this parameter.
+/// Index of the gain among the fit parameters. The gain is a factor on all normal displacements. Fits of images do not
+/// have this parameter.
 pub(super) const GAIN: usize = OTHERS + 1;
 
 /// Outlier threshold: a reading is an outlier if its residual exceeds this number of standard deviations. Noise alone
@@ -414,8 +416,8 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
     }
 }
 
-/// If the product of factors exceeds this limit, its logarithm is added to the sum, so that the product cannot
-/// overflow.
+/// Largest product of terms 1 + s/c² in a [`RobustSum`]. If the product exceeds it, the logarithm of the product is
+/// added to the sum, so that the product cannot overflow.
 const MAX_PRODUCT: f64 = 1e100;
 
 /// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers. Here s is the sum of squared

@@ -34,8 +34,8 @@ const ROUGHLY: f64 = 1e-2;
 /// that chi-squared changes by at most twice `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
-/// If there are more than twice this number of markers, the search starts with this number of those that moved most and
-/// about as many others.
+/// Number of most-displaced markers with which a search starts. About as many other markers are added to them. If there
+/// are fewer than twice this number of markers, the search starts with all markers.
 const MAX_START_MARKERS: usize = 10_000;
 
 #[derive(Clone)]
@@ -45,9 +45,9 @@ pub(super) struct Search<'a> {
     /// `find_tangential` states this for tangential displacements.
     find_normal: bool,
     find_tangential: bool,
-    /// The largest displacement in the reading, length.
+    /// The largest displacement (length) in the reading.
     largest: f64,
-    /// Fit parameters at all minima of chi-squared that fits from different start values found.
+    /// Fit parameters at all minima of chi-squared, which were found by fits from different start values.
     rivals: Vec<State>,
 }
 
@@ -259,8 +259,8 @@ impl<'a> Search<'a> {
             && self.problem.contact(one).is_ok_and(near)
     }
 
-    /// Fits some of the markers, and then all markers with the result as start value. Returns `None` if there are not
-    /// many markers, or if one of the two fits fails.
+    /// Fits some of the markers, and then all markers with the result as start value. Returns `None` if there are only
+    /// few markers, or if one of the two fits fails.
     fn begin_with_few(&mut self) -> Option<(State, Sums)> {
         let reading = self.problem.reading;
         let mut chosen: Vec<usize> = (0..reading.normal.len()).collect();
@@ -408,8 +408,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Repeats a least-squares fit, each time without the outliers of the previous fit, until nothing changes. The
-    /// noise is estimated if it is not stated.
+    /// Repeats a least-squares fit, each time without the outliers of the previous fit, until neither the noise nor the
+    /// selection of markers changes. The noise is estimated if it is not stated.
     fn settle(&mut self, state: &mut State) -> Result<Sums, PressError> {
         const ROUNDS: usize = 8;
         let (mut last, mut sums) = (None, None);

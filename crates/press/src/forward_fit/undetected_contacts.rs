@@ -142,8 +142,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
 }
 
 impl UndetectedContacts<'_, '_> {
-    /// How clearly a contact would show in the readings: the sum of its squared displacements, each divided by the
-    /// standard deviation of its noise.
+    /// Measure of how clearly a contact would show in the readings: the sum of its squared displacements, each divided
+    /// by the standard deviation of its noise.
     fn clarity(&self, state: &State) -> f64 {
         let problem = self.problem;
         let Ok(contact) = problem.contact(state) else {

@@ -23,7 +23,7 @@ const MAX_SHIFT: f64 = 1.0;
 
 impl<V: View + Clone> Problem<'_, V> {
     /// Posterior mean of the logarithm of the curvature, minus the most likely value of this logarithm. The result is 0
-    /// if the mean cannot be computed. `weighed` is the fit for which the weights were computed.
+    /// if the mean cannot be computed. `weighed` is the fit for which the weights of the readings were computed.
     pub(super) fn mean_beside(&self, weighed: &FitState, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();
@@ -60,7 +60,7 @@ impl<V: View + Clone> Problem<'_, V> {
     }
 
     /// Logarithm of the determinant of the Hessian with respect to all fit parameters, without an additive constant.
-    /// `fitted` must be the fit for which the weights were computed.
+    /// `fitted` must be the fit for which the weights of the readings were computed.
     fn log_determinant(&self, fitted: &FitState) -> Option<f64> {
         let of_press = inverse(&fitted.sums.hessian, 0.0)?.determinant();
         let mut sum = 2.0 * self.root.diagonal().map(libm::log).sum() - libm::log(of_press);

@@ -27,8 +27,8 @@ pub(super) struct FreePrior {
 
 impl DeparturePrior {
     /// Converts the prior to the form that the equations need. `stds` contains the standard deviations of all common
-    /// sensor deviations; 0 means that the sensor deviation is exact. The prior must not contain exact sensor
-    /// deviations.
+    /// sensor deviations; 0 means that the sensor deviation is exact. An exact sensor deviation in the prior is an
+    /// error.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,

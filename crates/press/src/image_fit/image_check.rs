@@ -35,7 +35,7 @@ impl<V: View + Clone> ImageFit<V> {
 
     /// Tests an estimate of this fit and returns the ways in which the images contradict the model. A stated
     /// indentation is tested separately by [`Self::check_indentation`]. If the residuals are too large for the stated
-    /// errors, the tests for outliers and patterns use the noise of the residuals instead.
+    /// errors, the tests for outliers and for patterns in the residuals use the noise of the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ImageFit::estimate`].

@@ -31,8 +31,8 @@ pub(super) type Jacobian = MatrixXx6<f64>;
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// The part of the derivatives that changes of the common sensor deviations can imitate, with one row per sensor
-    /// deviation.
+    /// The part of the derivatives that changes of the common sensor deviations can also explain, with one row per
+    /// sensor deviation.
     pub(super) shared: Jacobian,
     /// Matrix of the scalar products of the derivatives with respect to each pair of fit parameters, minus the scalar
     /// products of the parts in `shared`.
@@ -324,8 +324,8 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// The part of the whitened columns `columns` that changes of the common sensor deviations can imitate, with one
-    /// row per sensor deviation.
+    /// The part of the whitened columns `columns` that changes of the common sensor deviations can also explain, with
+    /// one row per sensor deviation.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
         columns: &Matrix<f64, Dyn, C, S>,
@@ -375,8 +375,8 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(sums)
     }
 
-    /// The derivatives `jacobian` with the scalar products of their columns. The part that changes of the common sensor
-    /// deviations can imitate is removed from the products.
+    /// The derivatives `jacobian` and the scalar products of their columns. The products do not contain the part of the
+    /// derivatives that changes of the common sensor deviations can also explain.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

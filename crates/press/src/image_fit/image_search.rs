@@ -27,7 +27,7 @@ const SENSOR_UPDATES: usize = 5;
 /// The updates of the sensor parameters end if the predicted decrease of chi-squared is less than this value, which is
 /// the square of 1/20 standard deviation.
 const SETTLED: f64 = 2.5e-3;
-/// A contact counts as detected if it improves chi-squared by at least this value, compared with no contact. A fit of
+/// A contact counts as detected if it decreases chi-squared by at least this value, compared with no contact. A fit of
 /// displacements with 240 markers has the same threshold. Fits of images usually have fewer markers, but each marker
 /// has four noisy readings.
 const MIN_IMPROVEMENT: f64 = 16.0;

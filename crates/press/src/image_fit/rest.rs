@@ -17,7 +17,7 @@ use crate::{MarkerDisplacement, PressError};
 pub struct Rest {
     /// The most likely deviations of the sensor from its nominal parameters, common to all markers.
     pub common: Vec<f64>,
-    /// The most likely misalignment of each marker's discs, as angles at the sensor's centre, rad.
+    /// The most likely misalignment (rad) of each marker's two discs, as angles at the sensor's centre.
     pub misalignments: Vec<[f64; 2]>,
     /// Whether each marker has a reading in the frame at rest.
     pub seen: Vec<bool>,
@@ -108,7 +108,7 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit `rest`, but with the model linearised at `sensor`; `None` if this sensor is impossible.
+    /// The fit `rest` with the model linearised at `sensor` instead; `None` if this sensor is impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();

@@ -113,7 +113,7 @@ impl Sensor {
 pub struct Steps<'a> {
     /// Indices of the sensor deviations for which derivatives are requested, each with its standard deviation, > 0.
     pub departures: &'a [(usize, f64)],
-    /// Radius of the sensor's skin, length.
+    /// Radius (length) of the sensor's skin.
     pub radius: f64,
 }
 

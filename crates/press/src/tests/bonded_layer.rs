@@ -189,8 +189,8 @@ fn a_thin_layer_flows_outward() {
 fn nothing_moves_at_the_base() {
     for a in [0.01, 1.0, 10.0] {
         assert_eq!(solve_contact(1.0, 1.0, a).field(0.5), Field::default());
-        // Near the base, the normal displacement is proportional to the square of the distance from the base, and the
-        // radial displacement to the distance.
+        // Near the rigid base, the normal displacement is proportional to the square of the distance from the base, and
+        // the radial displacement to the distance.
         let [near, nearer] =
             [0.998, 0.999].map(|depth| solve_contact(1.0, depth, a).field(0.5 * a));
         assert!(

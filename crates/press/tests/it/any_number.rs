@@ -8,7 +8,7 @@ use palpate_press::{
 };
 use proptest::prelude::*;
 
-/// Any double; half of them have an ordinary magnitude.
+/// Any double. Half of the generated numbers have an ordinary magnitude.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),

@@ -116,7 +116,7 @@ fn noiseless_pictures_determine_the_press() {
         let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
         for (found, true_one) in rest.misalignments.iter().zip(&truth.misalignments) {
             for axis in 0..2 {
-                // The prior pulls the estimates slightly towards 0, hence the tolerance.
+                // The prior of the misalignments pulls the estimates slightly towards 0, hence the tolerance.
                 assert!((found[axis] - true_one[axis]).abs() < 2e-4 * 0.06);
             }
         }

@@ -194,8 +194,8 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(of_press >= 13 && held >= 12, "{held} of {of_press}");
     let (of_slip, _) = from_marker_alone(&slipped, 7, 0.0);
     assert!(of_slip >= 13, "{of_slip}");
-    // With a stated indentation, the other markers exclude more curvatures. But the only marker that moved is still not
-    // an outlier.
+    // A stated indentation lets the markers that did not move exclude more curvatures. Even so, the only marker that
+    // moved is not rejected as an outlier.
     let indentation = exactly(0.6);
     let estimates = (0..15).filter_map(|trial| {
         let readings = pressed.noisy(std, trial);
