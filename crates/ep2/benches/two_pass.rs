@@ -1,5 +1,5 @@
-//! Measures the computing time of the estimator `two-pass` for 30 contacts of three fingers. With small errors, the
-//! spline has no interior knots; with large errors, it has some.
+//! Measures the computing time of the estimator `two-pass` for 30 contacts of three fingers. If the contacts have small
+//! errors, the spline has no interior knots; if they have large errors, it needs some.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};

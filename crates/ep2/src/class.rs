@@ -110,7 +110,7 @@ impl Curvature {
 /// The distribution of the Gaussian curvature K for a given mean curvature H.
 struct GivenMean<'a> {
     curvature: &'a Curvature,
-    /// Derivative of the mean of K with respect to H.
+    /// Derivative of the mean of the Gaussian curvature with respect to the mean curvature.
     slope: f64,
     std: f64,
     thresholds: &'a ShapeThresholds,

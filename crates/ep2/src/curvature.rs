@@ -102,8 +102,8 @@ impl Curvatures {
 /// The standard errors of Gaussian and mean curvature at a place, and their correlation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// Standard error of the Gaussian curvature, 1/length². It is of second order in the errors of the second
-    /// derivatives, so it is not 0 on a plane.
+    /// Standard error of the Gaussian curvature, 1/length². It also contains terms of second order in the errors of the
+    /// second derivatives, so it is not 0 on a plane.
     pub gaussian_std: f64,
     /// Standard error of the mean curvature, 1/length.
     pub mean_std: f64,

@@ -4,7 +4,8 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Largest allowed number. Its square does not overflow, and the square of its inverse does not underflow.
+/// Largest allowed magnitude of a number in the contacts or the settings. Its square does not overflow, and the square
+/// of its inverse does not underflow.
 pub(crate) const LARGEST: f64 = 1e150;
 
 /// Reasons for which a set of contacts does not determine a surface.
@@ -120,7 +121,7 @@ pub enum Ep2Error {
         turns = Number(*turns), tip_radius = Number(*tip_radius)
     )]
     TipTooLarge {
-        /// Stated radius of the tip, length.
+        /// Stated radius (length) of the tip.
         tip_radius: f64,
         /// Radius of curvature of the surface on which the tip's centre moves (length).
         turns: f64,
@@ -131,7 +132,7 @@ pub enum Ep2Error {
          unknowns are determined"
     )]
     Undetermined {
-        /// Number of contacts in the patch.
+        /// Radius of curvature (length) of the surface on which the tip's centre moves.
         contacts: usize,
         /// Number of independent combinations of the unknowns that the contacts determine.
         rank: usize,

@@ -10,15 +10,16 @@ use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
-/// A contact is a gross outlier if the ratio of its distance from the spatial median to the median of these distances
-/// exceeds this value. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
+/// A contact is a gross outlier if its distance from the spatial median of all contacts, divided by the median of all
+/// such distances, exceeds this value. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
-/// Largest ratio of a contact's distance from the spatial median to the median distance, if a gap separates the contact
-/// from the nearer contacts.
+/// A gap separates gross outliers from the other contacts only if the first distance beyond the gap, divided by the
+/// median distance, exceeds this value.
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
-/// Two consecutive distances in ascending order are separated by a gap if their ratio is at least this value.
+/// Two consecutive distances from the spatial median, in ascending order, are separated by a gap if their ratio is at
+/// least this value.
 const MIN_GAP_RATIO: f64 = 1.5;
-/// Smallest number of positions for which a gap between their distances is searched.
+/// Smallest number of positions for which a gap between their distances from the spatial median is searched.
 const MIN_PLACES_WITH_GAP: usize = 20;
 /// Contacts beyond a gap are outliers if they are in blocks of at most this mean number of consecutive rows. Longer
 /// blocks are strokes.

@@ -16,7 +16,7 @@ const MIN_CONTACTS: usize = 60;
 /// Number of contacts along a stroke in the first fit. Each of them is the mean of consecutive contacts, so correlated
 /// noise has little effect on the fit.
 const FIRST_MEANS: usize = 30;
-/// Smallest number of means of consecutive contacts along the longest stroke.
+/// Smallest number of means along the longest stroke, if consecutive contacts are replaced by their means.
 const MIN_MEANS: usize = 8;
 /// Largest accepted ratio of the root-mean-square distances of the contacts from two surfaces: a surface fitted to
 /// means of contacts, and a surface fitted to all contacts. At a larger ratio, the first surface is too smooth.
@@ -28,9 +28,9 @@ const MAX_GROWTH: f64 = 1.3;
 /// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means, because the
 /// fitted surface would otherwise follow the errors of single contacts across a stroke.
 const MAX_FITTED: usize = 10_000;
-/// Means of consecutive contacts are fitted only if the contacts of a finger are in the order of its path. They are if
-/// their root-mean-square distance from the means of consecutive contacts is small. This constant limits the ratio of
-/// this distance to the root-mean-square distance from the mean of all contacts.
+/// Largest ratio of two root-mean-square distances of contacts: from the means of consecutive contacts, and from the
+/// mean of all contacts. If the ratio is larger, the contacts of a finger are not in the order of its path, and means
+/// of consecutive contacts are not fitted.
 const MAX_BLOCK_RATIO: f64 = 0.05;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;

@@ -23,9 +23,10 @@ const MIN_CONTACTS: usize = 10;
 /// and tested.
 pub(crate) const MAX_CONTACTS: usize = 2000;
 /// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
-/// to rounding errors or to the approximation error of the series.
+/// to rounding errors or to the approximation error of the series that describes the surface.
 const MIN_POSITION_STD: f64 = 1e-4;
-/// Largest variance of the surface beside its contacts, relative to the variance of the most probable process.
+/// Assumed variance of the surface at a contact that is not part of the fit, relative to the variance that follows from
+/// the most probable process. The true variance is assumed to be at most as large.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.
@@ -76,7 +77,7 @@ struct Variances {
 struct Weighted {
     /// Deviations of the observed height and slopes from the quadric.
     values: DVector<f64>,
-    /// Derivatives of the observations with respect to the factors of the quadric and the process.
+    /// Derivatives of the height and the slopes with respect to the factors of the quadric and the process.
     slopes: DMatrix<f64>,
 }
 
@@ -234,15 +235,15 @@ struct Refit {
     covariance: DMatrix<f64>,
     factors: DVector<f64>,
     goodness: GoodnessOfFit,
-    /// Sum of squared residuals of all contacts from the fitted quadric and process. `freedom` is the number of degrees
-    /// of freedom of a fit without the process.
+    /// Sum of the squared residuals of all contacts after the fit of quadric and process. `freedom` is the number of
+    /// degrees of freedom of a fit without the process.
     chi_squared: f64,
     freedom: usize,
 }
 
 impl Refit {
-    /// Fits the factors. `None` if the contacts do not determine the quadric, or if numbers are beyond the range of
-    /// doubles.
+    /// Fits the factors of the quadric and the process to the contacts. `None` if the contacts do not determine the
+    /// quadric, or if numbers are beyond the range of doubles.
     fn new(contacts: &[Weighted]) -> Option<Self> {
         let size = contacts.first()?.slopes.ncols();
         let mut information = DMatrix::zeros(size, size);

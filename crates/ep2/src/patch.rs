@@ -20,7 +20,7 @@ const MAX_TILT_DEG: f64 = 85.0;
 pub struct Contact {
     /// Number of the finger. The contacts of one finger must be in the order in which the finger made them.
     pub finger: usize,
-    /// Position of the contact, length.
+    /// Position (length) of the contact.
     pub position: Point3<f64>,
     /// Measured normal, out of the object. Its length is arbitrary. Either all contacts have a normal, or none has one.
     pub normal: Option<Vector3<f64>>,

@@ -176,7 +176,7 @@ fn add<const N: usize>(sums: &mut [f64; N], coefficients: &[f64; N], factor: f64
     }
 }
 
-/// The posterior along a line of constant v, as series in u.
+/// The posterior distribution of the surface along a line of constant v, as series in u.
 pub(crate) struct PosteriorLine {
     means: Vec<[f64; DERIVATIVES]>,
     covariances: Vec<[f64; PAIRS]>,

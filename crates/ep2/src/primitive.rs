@@ -87,7 +87,7 @@ pub struct SizeEstimate {
     pub value: Option<f64>,
     /// Standard error of the value; `None` if the noise or the value is not determined.
     pub std: Option<f64>,
-    /// Lower and upper end of the 95 % interval of the value.
+    /// Lower and upper end of the 95 % interval.
     pub interval95: [Option<f64>; 2],
 }
 
@@ -125,10 +125,10 @@ pub struct ShapeFit {
     /// Probabilities of a plane, a sphere, a cylinder and none of these shapes, in this order; `None` if the shape was
     /// stated.
     pub probabilities: Option<[f64; 4]>,
-    /// Curvature, 1/length, > 0 if convex. For a sphere, it is the curvature in all directions; for a cylinder, it is
-    /// the curvature across the axis.
+    /// Curvature (1/length) of the object, > 0 if it is convex. For a sphere, it is the curvature in all directions;
+    /// for a cylinder, it is the curvature across the axis.
     pub curvature: SizeEstimate,
-    /// Radius of the object, length. Its interval has no upper bound if the curvature may be 0.
+    /// Radius (length) of the object. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
     /// Centre of a sphere, point of a cylinder's axis nearest to the contacts, or point of a plane nearest to the
     /// middle of the contacts. `None` if the contacts do not determine the size of the shape.
@@ -139,9 +139,9 @@ pub struct ShapeFit {
     pub foot: (Point3<f64>, Vector3<f64>),
     /// Axis of a cylinder or normal of a plane; `None` for a sphere.
     pub direction: Option<Vector3<f64>>,
-    /// Standard error of `direction`, rad. A direction has two angles; this is the larger of their standard errors.
+    /// Standard error (rad) of `direction`. A direction has two angles; this is the larger of their standard errors.
     pub direction_std_rad: Option<f64>,
-    /// Root mean square distance of the contacts (without outliers) from the shape, length.
+    /// Root mean square distance (length) of the contacts from the shape, without outliers.
     pub rms_misfit: f64,
     /// P-value of the fit: the probability that contacts on an object with exactly this shape would fit worse.
     pub p_value: f64,
@@ -337,7 +337,8 @@ impl ShapeSettings {
         Ok(fit)
     }
 
-    /// Chooses the shape from `selection`, a part of a large number of contacts, and fits this shape to all `contacts`.
+    /// Chooses the most probable shape for the contacts in `selection`, and fits this shape to all `contacts`. If there
+    /// are many contacts, `selection` is only a part of them.
     fn fit_chosen(
         &self,
         contacts: &[Contact],

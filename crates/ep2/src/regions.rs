@@ -5,7 +5,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// Smallest coherence of a region's directions at which the region has a mean direction.
+/// Smallest coherence of a region's directions of largest curvature at which the region has a mean direction.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map that is divided into regions of one shape class.
@@ -24,11 +24,11 @@ pub struct Region {
     pub class: ShapeClass,
     /// Number of points of the map in the region.
     pub points: usize,
-    /// Area of the surface that the points of the region represent, length².
+    /// Area (length²) of the surface that the points of the region represent.
     pub area: f64,
-    /// Average of the Gaussian curvature over the area of the region, 1/length².
+    /// Average (1/length²) of the Gaussian curvature over the area of the region.
     pub gaussian_curvature: f64,
-    /// Average of the mean curvature over the area of the region (1/length).
+    /// Average (1/length) of the mean curvature over the area of the region.
     pub mean_curvature: f64,
     /// Unit vector of the mean direction of largest curvature, with an arbitrary sign. `None` if the points have no
     /// common direction, as on a sphere.

@@ -250,8 +250,8 @@ impl SmoothingSpline {
         }
     }
 
-    /// The coefficients that solve the equations, and the rank of the equations. Of several solutions, the one with the
-    /// smallest norm is returned.
+    /// The coefficients that solve the equations, and the rank of the equations. If there are several solutions, the
+    /// function returns the solution with the smallest norm.
     fn solve(&self, triangle: &Triangle) -> (Vec<f64>, usize) {
         let largest = triangle.diagonal().fold(0.0, f64::max);
         let floor = RANK_TOLERANCE.sqrt() * largest;

@@ -413,9 +413,9 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
 }
 
-/// Coefficient with the index `index` of the spline that equals a quadric: the sum of the spline coefficients of the
-/// quadric's monomials. The spline coefficient of a monomial is its blossom, the mean of all products of different
-/// inner knots of the B-spline. The number of factors is the degree of the monomial.
+/// Coefficient number `index` of the spline that equals a quadric. It is the sum of the spline coefficients of the
+/// quadric's monomials. The spline coefficient of a monomial is the mean of products of different inner knots of the
+/// B-spline (the blossom of the monomial). Each product has as many factors as the degree of the monomial.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());

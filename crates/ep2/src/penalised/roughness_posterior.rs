@@ -39,8 +39,8 @@ const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// depends on place and direction, unlike the roughness of a surface that is drawn from the process. Therefore the
 /// contacts determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// A combination of length and amplitude is omitted from the average if the logarithm of the ratio between its
-/// probability and the largest probability is below this value.
+/// A combination of length and amplitude of the roughness is omitted from the average over the posteriors if the
+/// logarithm of the ratio between its probability and the largest probability is below this value.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest allowed ratio of the information from the contacts (the normal equations) to the information in the prior at
 /// the expected amplitude. At a larger ratio, rounding errors would dominate.

@@ -63,8 +63,8 @@ impl Cells {
         )
     }
 
-    /// Covariance of the fitted parameters if all residuals of a cell count as one residual, with its degrees of
-    /// freedom.
+    /// Covariance of the fitted parameters if all residuals of a cell count as one residual, and the degrees of freedom
+    /// of this covariance.
     pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
         let weights = solution.weights();
         let mut sums = vec![Row::zeros(); self.count];

@@ -11,13 +11,13 @@ const PROBABILITY: f64 = 0.95;
 /// The curvature counts as determined only if the half-width of its 95 % interval, relative to the curvature, is below
 /// this value. At larger half-widths, the computed interval is too narrow.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
-/// The interval is widened if the p-value of the test for lack of fit is below this value.
+/// The interval of the curvature is widened if the p-value of the test for lack of fit is below this value.
 const MISFIT_P_VALUE: f64 = 0.01;
 /// The curvature counts as determined only if the ratio of the noise to the spread of the contacts is at most this
 /// value. With larger noise, errors of positions along the surface make the fitted radius too small.
 const MAX_RELATIVE_NOISE: f64 = 0.1;
 
-/// Estimated error of the curvature and its 95 % interval, with the spread of the contacts as unit of length.
+/// Interval of the curvature of a fitted shape, with the spread of the contacts as unit of length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurvatureInterval {
     pub(super) std: f64,

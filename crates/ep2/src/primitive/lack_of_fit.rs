@@ -19,8 +19,8 @@ const MIN_GRAPH_COSINE: f64 = 0.3;
 /// A column of the equations is skipped if at most this share of its squared length is independent of the earlier
 /// columns.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// If the positions have noise, [`RANK_TOLERANCE`] is replaced by this factor times their variance, if that is larger.
-/// The replacement is at most [`MAX_RANK_TOLERANCE`].
+/// If the positions have noise, [`RANK_TOLERANCE`] is replaced by this factor times the variance of the positions, if
+/// this product is larger. The replacement is at most [`MAX_RANK_TOLERANCE`].
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.

@@ -124,8 +124,9 @@ impl Pose {
             Shape::Sphere | Shape::Plane => q,
         };
         let f = 0.5 * self.curvature * across.norm_squared() + q.z;
-        // `s` is the length of the vector n + k·`across`, where n is the normal of the pose and k the curvature. This
-        // length is 0 on the axis of a cylinder and in the centre of a sphere.
+        // `s` is the length of the vector n + k·`across`, where n is the normal of the pose, k the curvature, and
+        // `across` the position q without its component along the axis of a cylinder. This length is 0 on the axis of a
+        // cylinder and in the centre of a sphere.
         let s = (1.0 + 2.0 * self.curvature * f).max(1e-18).sqrt();
         (q, across, s, 2.0 * f / (1.0 + s))
     }
@@ -239,7 +240,7 @@ pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
-    /// Number of distances and number of components of normals in the sums.
+    /// Number of distances, and number of components of normals, that were added to the sums.
     pub(super) counts: [f64; 2],
 }
 

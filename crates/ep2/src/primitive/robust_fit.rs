@@ -379,7 +379,7 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     }
 }
 
-/// Of poses through subsets of the contacts, the one with the smallest median distance from all contacts. `None` if
+/// The pose with the smallest median distance from all contacts, among poses through subsets of the contacts. `None` if
 /// this distance is not much smaller than the median distance from the pose `plain`.
 fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
     let weights = Weights {

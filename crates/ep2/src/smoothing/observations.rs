@@ -47,7 +47,7 @@ impl LocalBasis {
 #[derive(Clone, Copy, Default)]
 pub(super) struct IntervalSums {
     pub(super) squares: f64,
-    /// Sum over these points of the squared residual times the point's coordinate along the axis.
+    /// Sum, over the points in the interval, of the squared residual times the point's coordinate along the axis.
     pub(super) moments: f64,
 }
 

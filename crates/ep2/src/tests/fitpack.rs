@@ -1,5 +1,5 @@
 //! Compares smoothing splines with those of FITPACK's `surfit` (from SciPy 1.17.1). No maximum number of knots is set,
-//! so the data determine the number.
+//! so the data determine the number of knots.
 
 use crate::Status;
 use crate::smoothing::{Smoothed, SmoothingSpline, WeightedPoint};

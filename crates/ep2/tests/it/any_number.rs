@@ -1,5 +1,6 @@
-//! If contacts determine a surface, the methods fit it. For contacts with arbitrary numbers, the result is finite or
-//! the expected error. Neither the unit of length nor the orientation changes the result.
+//! Tests the methods with random contacts. If the contacts determine a surface, the methods fit it. If the contacts
+//! contain arbitrary doubles, the result is finite or the expected error. Neither the unit of length nor the
+//! orientation changes the result.
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use palpate_ep2::{
@@ -23,7 +24,7 @@ fn vector() -> impl Strategy<Value = Vector3<f64>> {
 }
 
 /// Contacts of a rough patch, with or without normals. With a probability of 40 %, the numbers of one contact are
-/// arbitrary.
+/// arbitrary doubles.
 fn contacts() -> impl Strategy<Value = Vec<Contact>> {
     let part = || -2.0..2.0;
     let contact = (
