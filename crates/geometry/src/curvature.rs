@@ -37,15 +37,16 @@ pub struct CurvatureForm {
 /// deviations. If the true curvatures are equal, noise alone exceeds it with a probability of 5 %. The number is the
 /// square root of the 95 % quantile of χ² with 2 degrees of freedom.
 const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
-/// Standard deviation of an undetermined direction, which is uniform over half a turn: π/√12, rad.
+/// Standard deviation (rad) of an undetermined direction: π/√12, because the direction is uniformly distributed over
+/// half a turn.
 pub const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;
 
 /// The two principal curvatures at a point of a surface, ordered by signed value, and their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipalCurvatures {
-    /// Smallest normal curvature, 1/length.
+    /// Smallest normal curvature (1/length).
     pub k_min: f64,
-    /// Largest normal curvature, 1/length.
+    /// Largest normal curvature (1/length).
     pub k_max: f64,
     /// Direction of `k_max`: angle from `u` towards `v`, in (−π/2, π/2]. The direction of `k_min` is perpendicular to
     /// it. At an umbilic, where both curvatures are equal, every direction is principal; the angle is then 0.
@@ -89,12 +90,12 @@ impl CurvatureForm {
         }
     }
 
-    /// Gaussian curvature `k_min k_max`, 1/length².
+    /// Gaussian curvature `k_min k_max` (1/length²).
     pub fn gaussian_curvature(&self) -> f64 {
         self.k_uu * self.k_vv - self.k_uv * self.k_uv
     }
 
-    /// Mean curvature `(k_min + k_max)/2`, 1/length.
+    /// Mean curvature `(k_min + k_max)/2` (1/length).
     pub fn mean_curvature(&self) -> f64 {
         0.5 * self.k_uu + 0.5 * self.k_vv
     }
@@ -162,7 +163,7 @@ impl CurvatureForm {
         ]
     }
 
-    /// Normal curvature in the tangent direction at `angle_rad` from `u` towards `v`, 1/length.
+    /// Normal curvature (1/length) in the tangent direction at `angle_rad` from `u` towards `v`.
     pub fn normal_curvature(&self, angle_rad: f64) -> f64 {
         let (sin, cos) = libm::sincos(angle_rad);
         self.along(&Vector2::new(cos, sin))
@@ -261,9 +262,9 @@ pub enum InvalidThresholds {
         mean = Number(*mean)
     )]
     ImpossibleClass {
-        /// Threshold of the Gaussian curvature, 1/length².
+        /// Threshold (1/length²) of the Gaussian curvature.
         gaussian: f64,
-        /// Threshold of the mean curvature, 1/length.
+        /// Threshold (1/length) of the mean curvature.
         mean: f64,
     },
 }
@@ -297,12 +298,12 @@ impl ShapeThresholds {
         Ok(Self { gaussian, mean })
     }
 
-    /// Largest absolute Gaussian curvature that counts as zero, 1/length².
+    /// Largest absolute Gaussian curvature (1/length²) that counts as zero.
     pub const fn gaussian(&self) -> f64 {
         self.gaussian
     }
 
-    /// Largest absolute mean curvature that counts as zero, 1/length.
+    /// Largest absolute mean curvature (1/length) that counts as zero.
     pub const fn mean(&self) -> f64 {
         self.mean
     }

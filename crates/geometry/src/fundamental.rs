@@ -90,7 +90,7 @@ pub struct ChartGeometry {
     pub frame: GaussFrame,
     /// The metric `M`: maps changes of the parameters to tangent components in the Gauss frame. It is upper triangular.
     pub metric: Matrix2<f64>,
-    /// The curvature form `K` in the Gauss frame, 1/length. It is positive where the solid is convex.
+    /// The curvature form `K` (1/length) in the Gauss frame. It is positive where the solid is convex.
     pub curvature: CurvatureForm,
     /// The torsion form `T`: rotation of the Gauss frame about its normal per unit length along `x` and along `y`
     /// (1/length).

@@ -13,8 +13,8 @@ use crate::error::SQUARABLE;
 pub struct LevelSet {
     /// Unit normal `∇F/|∇F|`, out of the solid.
     pub normal: Vector3<f64>,
-    /// Hessian of the function F divided by the length of its gradient, `Hess F / |∇F|`; symmetric, 1/length. Only its
-    /// components along the tangent plane have a meaning.
+    /// Hessian of the function F divided by the length of its gradient, `Hess F / |∇F|` (1/length). It is symmetric.
+    /// Only its components along the tangent plane have a meaning.
     pub second_form: Matrix3<f64>,
 }
 

@@ -20,15 +20,15 @@ use std::f64::consts::TAU;
 pub enum Meridian {
     /// The curve `z = −c r²` of a paraboloid or of a section of a saddle; the parameter is `r`.
     Paraboloid {
-        /// Coefficient c of the curve, 1/length; negative for a bowl.
+        /// Coefficient c (1/length) of the curve; negative for a bowl.
         c: f64,
     },
     /// The curve `r = a sin φ`, `height = c cos φ` of a spheroid or of a section of an ellipsoid, from its pole. `a` is
     /// the equatorial radius and `c` the polar half-axis; the parameter is φ.
     Spheroid {
-        /// Equatorial radius of the spheroid, length.
+        /// Equatorial radius (length) of the spheroid.
         a: f64,
-        /// Polar half-axis of the spheroid, length.
+        /// Polar half-axis (length) of the spheroid.
         c: f64,
     },
 }
