@@ -68,11 +68,11 @@ pub enum Channel {
     LostMarkers = 16,
     /// Deviation of a sensor's parameters from their nominal values.
     Sensor = 17,
-    /// Position between two encoder steps at which a roll starts.
+    /// Position between two encoder steps at which a roll starts, drawn anew for each roll.
     EncoderPhase = 18,
-    /// Error of a measured rotation that is drawn once for each roll.
+    /// Error of a measured rotation, drawn once for each roll.
     Rotation = 19,
-    /// Error of a rotation that is drawn for each sample of a roll.
+    /// Error of a measured rotation, drawn once for each sample of a roll.
     RotationSample = 20,
 }
 

@@ -130,14 +130,14 @@ impl Pads {
         })
     }
 
-    /// Distance between neighbouring pads, length.
+    /// Distance (length) between neighbouring pads.
     pub const fn pitch(&self) -> f64 {
         self.pitch
     }
 
-    /// Size of the position error that pads cause at one end of a shift, relative to square pads of the same pitch. The
-    /// first number is the ratio of the standard deviations per axis. The second is the ratio of the largest errors
-    /// along an axis.
+    /// Position error that these pads cause where a shift starts or ends, divided by the position error of square pads
+    /// of the same pitch. The first number is the ratio of the standard deviations per axis. The second is the ratio of
+    /// the largest errors along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
             // The variance per axis is 5/72 pitch² for a hexagonal pad and 1/12 pitch² for a square one. The corners of
@@ -211,8 +211,9 @@ impl Pads {
     /// the first contact.
     ///
     /// On a square grid, the largest error is half a pitch along each axis if the first contact is centred, and
-    /// otherwise one pitch. On hexagons, it is 0.58 pitches for each end that is not centred. On a uniform lattice, it
-    /// is 1.05 pitches for each end that is not centred. For a contact at the angle θ, this last bound is multiplied by
+    /// otherwise one pitch. On hexagons, it is 0.58 pitches for each end of the displacement that is not centred. On a
+    /// uniform lattice, it is 1.05 pitches for each such end. For a contact at the angle θ, this last bound is
+    /// multiplied by
     /// θ/sin θ.
     ///
     /// # Errors

@@ -29,8 +29,8 @@ impl Wrist {
         Ok(Self { std, radius })
     }
 
-    /// Standard deviation of an inferred displacement along each tangent, length. It contains the independent errors of
-    /// the first and the last contact point.
+    /// Standard deviation (length) of an inferred displacement along each tangent. It contains the independent errors
+    /// of the first and the last contact point.
     pub fn shift_std(&self) -> f64 {
         std::f64::consts::SQRT_2 * self.std
     }
