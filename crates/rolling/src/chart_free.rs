@@ -24,10 +24,10 @@ use crate::{Contact, Motion};
 /// quaternion `w, i, j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and
 /// an unused component (an even number of components is faster).
 const STATE: usize = 12;
-/// Number of leading state components on which the derivative of the state depends, on a general surface.
+/// Number of leading state components on which the derivative of the state depends, if the object is a general surface.
 pub(crate) const OF_SPACE: usize = 10;
-/// Number of leading state components on which the derivative of the state depends, on a graph z = f(x, y). It does not
-/// depend on the height of the contact there.
+/// Number of leading state components on which the derivative of the state depends, if the object is a graph z = f(x,
+/// y). The derivative does not depend on the height of the contact there.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {

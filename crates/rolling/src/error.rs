@@ -25,7 +25,7 @@ pub enum RollFault {
     /// point of the overlap and not the last contact.
     #[error("the probe overlaps the object by {depth}", depth = Number::rounded(*depth))]
     Overlapping {
-        /// Depth of the overlap, length.
+        /// Depth (length) of the overlap.
         depth: f64,
     },
     /// The contact has left the region in which the object's surface is defined.
@@ -52,7 +52,7 @@ pub enum RollFault {
 pub struct RollError {
     /// Reason why the roll ended.
     pub fault: RollFault,
-    /// Time from the start of the first motion to the end of the roll, s.
+    /// Time (s) from the start of the first motion to the end of the roll.
     pub time_s: f64,
     /// The last contact point on the object, or the deepest point of an overlap, in the object's frame.
     pub on_object: Point3<f64>,

@@ -34,7 +34,7 @@ pub(crate) struct Integrated<const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stopped<const N: usize> {
     pub(crate) fault: RollFault,
-    /// Time from the start to the last valid state, s.
+    /// Time (s) from the start to the last valid state.
     pub(crate) time_s: f64,
     /// The last state that was valid.
     pub(crate) state: [f64; N],

@@ -11,7 +11,7 @@ use crate::meridian::MeridianRung;
 use crate::roller::Bodies;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
-/// Error bound of the closed form, relative to the contact's length scale.
+/// Error bound of the model "closed form", relative to the contact's length scale.
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
 /// Error bound of the meridian model, relative to the contact's length scale.
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;

@@ -5,12 +5,12 @@ use nalgebra::{Vector2, Vector3};
 /// A motion of the probe relative to the object. It is steady, that is, constant in the probe's contact frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Angular velocity `(ω_x, ω_y, ω_z)` in the probe's contact frame, rad/s. `ω_z` is the spin about the contact
+    /// Angular velocity `(ω_x, ω_y, ω_z)` (rad/s) in the probe's contact frame. `ω_z` is the spin about the contact
     /// normal.
     pub angular_velocity: Vector3<f64>,
-    /// Sliding velocity `(v_x, v_y)` of the probe in its contact frame, length/s.
+    /// Sliding velocity `(v_x, v_y)` (length/s) of the probe in its contact frame.
     pub sliding: Vector2<f64>,
-    /// Duration of the motion, s.
+    /// Duration (s) of the motion.
     pub duration_s: f64,
 }
 

@@ -265,9 +265,9 @@ impl<S: Surface> Search<'_, S> {
     }
 }
 
-/// A square grid of places of the object under the tip, with one height per place. It is the height of the centre of a
-/// tip that touches the object at this place, or −∞ if the object does not exist there. A tip that is lowered touches
-/// first at the place with the largest height.
+/// A square grid of places of the object under the tip, with one height per place: the height of the centre of a tip
+/// that touches the object at this place, or −∞ if the object does not exist there. A tip that is lowered touches first
+/// at the place with the largest height.
 struct Relief {
     centre: Vector2<f64>,
     spacing: f64,

@@ -93,7 +93,7 @@ fn is_sound_touch(touch: &Touch, tip: Fingertip, (x, y): (f64, f64)) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..Default::default() })]
 
-    /// Rolls by up to 1 rad on objects of any size that are blunter than the probe.
+    /// Tests glides, and rolls by up to 1 rad, on objects of any size that are blunter than the probe.
     #[test]
     fn blunt_objects_are_rolled_and_glided_on(
         probe in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
