@@ -41,9 +41,9 @@ pub struct Moments {
 /// sets of readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeRotation {
-    /// Drive `g = (−Δθ_y, Δθ_x)` of the probe, rad: its rotation vector, turned by 90° into the direction of rolling.
+    /// Drive `g = (−Δθ_y, Δθ_x)` (rad) of the probe: its rotation vector, turned by 90° into the direction of rolling.
     drive: [f64; 2],
-    /// Shift `R₁ g` of the contact if the object were a plane (length). R₁ is the radius of the probe and g its drive.
+    /// Shift `R₁ g` (length) of the contact if the object were a plane. R₁ is the radius of the probe and g its drive.
     flat: [f64; 2],
 }
 

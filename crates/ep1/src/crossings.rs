@@ -13,7 +13,7 @@ const MOST_REACH: f64 = 1e4;
 /// A crossing of a pad's edge is only known to lie between two samples. This constant is the smallest assumed width of
 /// the range of possible rotations across the edge, relative to the rotation between the two samples.
 const MIN_WIDTH: f64 = 0.05;
-/// Smallest standard deviation of a crossing, rad. A smaller value may be a rounding error.
+/// Smallest standard deviation (rad) of a crossing. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
 
 /// A run of samples on one pad is divided into this number of intervals. Only the samples at the ends of the intervals

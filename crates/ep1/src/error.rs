@@ -60,7 +60,7 @@ pub enum Ep1Error {
     NotRolling {
         /// Direction in which the contact moved backwards, as an angle from u towards v (rad).
         direction_rad: f64,
-        /// Distance that the contact moved per radian of rotation, length; negative.
+        /// Distance (length) that the contact moved per radian of rotation; negative.
         travel_per_radian: f64,
     },
     /// A number in a reading is not finite, or a result computed from this reading is not finite.

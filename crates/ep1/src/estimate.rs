@@ -30,15 +30,15 @@ pub struct Measured {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The object's curvature form, 1/length; positive where the object is convex.
+    /// The object's curvature form (1/length); positive where the object is convex.
     pub curvature: CurvatureForm,
-    /// Normal curvature of the object along u, 1/length.
+    /// Normal curvature (1/length) of the object along u.
     pub normal_curvature_u: Measured,
-    /// Normal curvature of the object along v, 1/length.
+    /// Normal curvature (1/length) of the object along v.
     pub normal_curvature_v: Measured,
-    /// Gaussian curvature of the object, 1/length².
+    /// Gaussian curvature (1/length²) of the object.
     pub gaussian_curvature: Measured,
-    /// Mean curvature of the object, 1/length.
+    /// Mean curvature (1/length) of the object.
     pub mean_curvature: Measured,
     /// Mean length of the shifts, in the length unit of the readings.
     pub arc_length: f64,

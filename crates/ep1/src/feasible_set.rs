@@ -1,9 +1,10 @@
 //! Linear bounds of the mobility, and the distribution of the mobility inside them.
 //!
-//! A mobility has three components. Each roll also has an unknown start, whose coordinates occur in all rows of the
-//! roll. A linear program over the start of one roll shows whether a mobility agrees with the roll. If it does not, the
-//! program's multipliers add rows of the roll to a sum without the start (Benders' decomposition). Such sums bound the
-//! mobility in three dimensions.
+//! A row is a linear inequality: in one sample, the contact is on the inner side of an edge of the active pad. A mobility
+//! has three components. Each roll also has an unknown start, whose coordinates occur in all rows of the roll. A linear
+//! program over the start of one roll shows whether a mobility agrees with the roll. If it does not, the program's
+//! multipliers add rows of the roll to a sum without the start (Benders' decomposition). Such sums bound the mobility in
+//! three dimensions.
 
 use std::sync::OnceLock;
 
@@ -11,9 +12,11 @@ use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::PadCell;
 
-/// Numbers of nodes of the integrals over the set. Each integral is the first guess of the next one.
+/// Numbers of nodes of successive integrals over the set of possible mobilities. The result of each integral is the
+/// first guess of the next one.
 const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
-/// Smallest effective number of nodes, relative to their number.
+/// The result of an integral is accepted if its effective number of nodes, divided by its number of nodes, exceeds this
+/// value.
 const MIN_EFFECTIVE: f64 = 0.15;
 /// Number of nodes that are integrated together.
 const BLOCK: usize = 32;
@@ -29,15 +32,17 @@ const TOLERANCE: f64 = 1e-12;
 const START_TOLERANCE: f64 = 1e-10;
 /// Largest number of steps of a linear program.
 const MAX_STEPS: usize = 300;
-/// Relative change of a direction.
+/// Relative change of a direction, which avoids cycles of the simplex method.
 const OBLIQUE: f64 = 1e-7;
-/// Unit of lengths in areas, which keeps products of many areas in the range of doubles.
+/// Unit of length of the areas in which the starts of rolls can be. It keeps the products of many areas in the range of
+/// doubles.
 const UNIT: f64 = 1e-3;
 
-/// A row `form · β ≤ slack`. β is the change of the mobility.
+/// A bound (row) `form · β ≤ slack` of the change β of the mobility.
 type Row = (Vector3<f64>, f64);
 
-/// A row `form · β + normal · start ≤ slack` of one roll, with the index of the pad's edge.
+/// A bound (row) `form · β + normal · start ≤ slack` of one roll, with the index of the pad's edge. β is the change of
+/// the mobility, and `start` is the change of the roll's start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeRow {
     pub(crate) edge: usize,
@@ -46,7 +51,7 @@ pub(crate) struct EdgeRow {
     pub(crate) slack: f64,
 }
 
-/// The rows of one roll.
+/// The bounds (rows) of one roll.
 #[derive(Clone, Debug)]
 pub(crate) struct RollRows {
     /// The rows, in the order of their edges.
@@ -57,7 +62,8 @@ pub(crate) struct RollRows {
 /// The corner of a polyhedron that is furthest in a direction.
 struct Corner {
     point: Vector3<f64>,
-    /// Rows through the corner, and their shares of the direction. The sides of the box have no number.
+    /// The rows through the corner: the index of each row (`None` for a side of the box), and its share of the
+    /// direction.
     shares: [(Option<usize>, f64); 3],
 }
 
@@ -102,8 +108,8 @@ fn furthest(rows: &[Row], direction: &Vector3<f64>) -> Option<Corner> {
     None
 }
 
-/// The changes of the mobility for which each of `rolls` has a start. The result is the furthest change in `direction`,
-/// and the starts there. `None` if no change agrees with all rolls.
+/// The change of the mobility that is furthest in `direction` and agrees with all rolls, and the changes of the rolls'
+/// starts there. `None` if no change agrees with all rolls.
 pub(crate) fn furthest_change(
     rolls: &[RollRows],
     direction: &Vector3<f64>,

@@ -11,34 +11,36 @@ use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::series_fit::largest_spread;
 use crate::{PadCell, Quantity, RollSample, RollSeries};
 
-/// Largest number of linearisations of an extreme.
+/// Largest number of times that the bounds are linearised to find one extreme of the set.
 const PASSES: usize = 8;
 /// An extreme has converged if it changes by less than this part of its distance from the mean.
 const CONVERGED: f64 = 1e-3;
 /// Largest standard deviation of the mobility, relative to the mobility, of a set that cannot be open.
 const MAX_SPREAD: f64 = 0.03;
-/// Largest deviation from the mean mobility, relative to the mobility, for which its distribution counts as normal.
+/// Largest deviation of the mobility from its mean over the set, relative to the mean, for which the distribution of
+/// the mobility counts as normal.
 const MAX_DEVIATION: f64 = 0.06;
-/// Standard deviation of the first guess of the distribution, relative to the half-width of the set.
+/// First guess of the standard deviation of the mobility, relative to the half-width of the set.
 const STD_OF_HALF_WIDTH: f64 = 0.4;
 /// Largest number of times that the set is linearised at its middle.
 const CENTRES: usize = 5;
-/// Largest number of times that a change is halved.
+/// Largest number of times that a change of the mobility is halved.
 const MAX_HALVINGS: usize = 60;
-/// Distances that are added to the linear bounds, in radii of the probe.
+/// Distances, in radii of the probe, by which the linear bounds are widened if no mobility fulfils them.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
 /// Largest error of a path that bends between two nodes, in radii of the probe.
 const PATH_ERROR: f64 = 3e-7;
 
-/// A roll whose pads bound the contact.
+/// A roll whose active pads bound the position of the contact.
 #[derive(Clone, Debug)]
 pub(crate) struct BoundedRoll {
     pub(crate) is_start_known: bool,
-    /// The start, or a first guess, in radii of the probe.
+    /// Contact point at the start of the roll, or a first guess of it, in radii of the probe.
     pub(crate) start: Vector2<f64>,
-    /// Change of the start with the mobility.
+    /// Derivatives of the start with respect to the entries uu, uv, vv of the mobility.
     pub(crate) response: Matrix2x3<f64>,
-    /// For each bound, the number of the edge, its offset in radii of the probe, and the number of the rotation.
+    /// For each bound, the number of the edge, its offset in radii of the probe, and the index of the rotation in
+    /// `rotations`.
     edges: Vec<(usize, f64, usize)>,
     rotations: RollRotations,
 }
@@ -56,7 +58,7 @@ impl BoundedRoll {
         let mobility = shape.relative().try_inverse()?;
         let mut edges = edge_samples(samples, runs, cell.pitch() / radius, cell, &mobility);
         let turned = samples.last()?.rotation;
-        // A path that bends needs more nodes than the bounds.
+        // If the path bends, it is computed at more rotations than the bounds need.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
         let bend = uneven * turned.norm() + sagitta(samples);
         let nodes = turned.norm() * (bend / (12.0 * PATH_ERROR)).sqrt();
@@ -83,7 +85,8 @@ impl BoundedRoll {
     }
 }
 
-/// Largest distance of a rotation vector from the straight line through the last one, out of a few samples.
+/// Largest distance between the rotation vectors of a few samples and the straight line from zero through the last
+/// rotation vector.
 fn sagitta(samples: &[RollSample]) -> f64 {
     let last = samples[samples.len() - 1].rotation;
     let middle = |part: usize| samples[part * samples.len() / 4].rotation;
@@ -91,7 +94,8 @@ fn sagitta(samples: &[RollSample]) -> f64 {
     (1..4).map(apart).fold(0.0, f64::max)
 }
 
-/// A set of mobilities, relative to a centre, with its distribution.
+/// The set of mobilities that agree with exact readings, relative to a centre, with the distribution of the mobility in
+/// this set.
 #[derive(Clone, Debug)]
 pub(crate) struct PadEdgeSet {
     cell: PadCell,
@@ -101,15 +105,15 @@ pub(crate) struct PadEdgeSet {
     centre: Matrix2<f64>,
     /// The bounds, linearised at the centre.
     rows: Vec<RollRows>,
-    /// Mean change of the mobility over the set: entries uu, uv, vv.
+    /// Mean of the mobility over the set, minus the mobility at the centre: entries uu, uv, vv.
     mean: Vector3<f64>,
     pub(crate) covariance: Matrix3<f64>,
     deviations: OnceLock<Option<[f64; 2]>>,
 }
 
 impl PadEdgeSet {
-    /// The set around `shape` and the starts of the rolls. `covariance` is a first guess of the covariance of the
-    /// mobility. `None` if the set is empty.
+    /// Computes the set from bounds that are linearised first at `shape` and at the starts of the rolls. `covariance`
+    /// is a first guess of the covariance of the mobility. `None` if the set is empty.
     pub(crate) fn new(
         cell: &PadCell,
         rolls: Vec<BoundedRoll>,
@@ -135,7 +139,8 @@ impl PadEdgeSet {
             }
             let found = middle(&set.rows);
             let is_found = found.is_some();
-            // The linear bounds can be empty far from the set. Wider bounds lead to it.
+            // If the linear bounds are computed far from the set, no mobility may fulfil them. Wider bounds lead to the
+            // set.
             let wider = |widening: &f64| {
                 let mut wider = set.rows.clone();
                 let rows = wider.iter_mut().flat_map(|roll| &mut roll.rows);
@@ -178,7 +183,8 @@ impl PadEdgeSet {
         rolling.next().unwrap_or_default()
     }
 
-    /// Mean and covariance of the linearised set.
+    /// Computes the mean and the covariance of the mobility over the set, with the linearised bounds. `centre` and
+    /// `guess` are first guesses of both.
     fn distribute(&mut self, centre: Vector3<f64>, guess: Matrix3<f64>) -> Option<()> {
         let responses: Vec<_> = self.rolls.iter().map(|roll| roll.response).collect();
         let is_possible = |change: &Vector3<f64>| is_rolling(&(self.centre + matrix(change)));
@@ -194,7 +200,7 @@ impl PadEdgeSet {
         Some(())
     }
 
-    /// Whether the mobility has no upper bound in some direction.
+    /// Whether the set is open, that is, the readings do not limit the mobility in some direction.
     pub(crate) fn is_open(&self) -> bool {
         let end = furthest_change(&self.rows, &Vector3::new(1.0, 0.0, 1.0));
         end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
@@ -217,7 +223,8 @@ impl PadEdgeSet {
         self.centre + matrix(&self.mean)
     }
 
-    /// The bounds near a shape and starts. `None` if the contact cannot follow the rotations.
+    /// The bounds of all rolls, linearised at the shape `shape` and at the starts `starts`. `None` if the contact
+    /// cannot follow the rotations.
     fn linearised(&self, shape: &LocalShape, starts: &[Vector2<f64>]) -> Option<Vec<RollRows>> {
         let normals: Vec<_> = self.cell.normals().collect();
         let mut path = Vec::new();
@@ -367,7 +374,8 @@ impl PadEdgeSet {
     }
 }
 
-/// Whether a mobility, or its inverse, is the one of a rolling contact.
+/// Whether a contact with this mobility rolls, that is, whether the matrix is positive definite. The inverse of a
+/// mobility has the same property.
 fn is_rolling(mobility: &Matrix2<f64>) -> bool {
     mobility.determinant() > 0.0 && mobility.trace() > 0.0
 }

@@ -36,7 +36,7 @@ pub struct ReadingNoise {
     pub relative_rotation_std: f64,
     /// Standard deviation of each component of a rotation, independent of its magnitude (rad).
     pub rotation_std_rad: f64,
-    /// Standard deviation of each component of a shift, length.
+    /// Standard deviation (length) of each component of a shift.
     pub shift_std: f64,
     /// Resolution of shifts (length): the sensor may report a shorter shift as zero. It is 0 if the sensor has no such
     /// limit.

@@ -10,16 +10,16 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector3, 
 use crate::crossings::{Crossing, Run};
 use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients};
 
-/// Largest number of steps.
+/// Largest number of steps of a fit.
 const MAX_STEPS: usize = 25;
 
-/// The steps end below this decrement.
+/// A fit ends if Newton's decrement is below this value.
 const DECREMENT: f64 = 1e-6;
-/// A fit with this tolerance or a larger one only finds a place to begin.
+/// A fit with this tolerance or a larger one only finds the start of a search.
 const ROUGH: f64 = 1e-4;
-/// Step of finite differences.
+/// Step of a fit's unknowns in finite differences.
 const STEP: f64 = 1e-6;
-/// Changes below this value that do not shrink any more end the steps.
+/// A fit ends if the changes of its unknowns are below this value and do not decrease to less than half in a step.
 const SETTLED: f64 = 1e-5;
 /// Smallest standard deviation of contact points relative to the noise that is common to a roll. It has no effect on
 /// the result, because contact points determine the path far better than this noise does.
@@ -43,9 +43,9 @@ pub(crate) struct RollData {
     /// Number of the roll among all rolls.
     pub(crate) roll: usize,
     pub(crate) is_start_known: bool,
-    /// The start, or a first guess.
+    /// Contact point at the start of the roll, or a first guess of it.
     pub(crate) start: Vector2<f64>,
-    /// Standard deviation of the first guess; infinite if it has no weight.
+    /// Standard deviation of the first guess `start`; infinite if the guess has no weight.
     pub(crate) start_std: f64,
     /// Rotations at the observations.
     pub(crate) rotations: RollRotations,
@@ -59,10 +59,12 @@ pub(crate) struct RollData {
 pub(crate) struct FitNoise {
     /// Standard deviation of contact points, in radii of the probe.
     pub(crate) contact_std: f64,
-    /// Standard deviation of the rotation of each sample, rad and relative.
+    /// Standard deviation (rad) of the part of a rotation's error that does not depend on the rotation; drawn for each
+    /// sample.
     pub(crate) rotation_std: f64,
+    /// Standard deviation of the rotation in each sample, divided by the rotation.
     pub(crate) relative_sample_std: f64,
-    /// Standard deviation of the relative error of all rotations of a roll.
+    /// Standard deviation of the relative error that all rotations of a roll have in common.
     pub(crate) relative_roll_std: f64,
 }
 
@@ -71,7 +73,7 @@ pub(crate) struct FitNoise {
 pub(crate) struct RollFit<const N: usize> {
     pub(crate) start: Vector2<f64>,
     error: Vector2<f64>,
-    /// Ratio of the true to the measured rotation.
+    /// Estimated ratio of the true to the measured rotation.
     ratio: f64,
     pub(crate) information: SMatrix<f64, N, N>,
     pub(crate) gradient: SVector<f64, N>,
@@ -79,18 +81,18 @@ pub(crate) struct RollFit<const N: usize> {
     /// Number of scalar readings minus the number of unknowns of the roll.
     pub(crate) freedom: usize,
     step: Vector4<f64>,
-    /// Change of the unknowns of the roll with the coefficients.
+    /// Derivatives of the roll's own unknowns with respect to the coefficients of the shape.
     response: SMatrix<f64, 4, N>,
     /// Length of the path.
     pub(crate) length: f64,
 }
 
-/// The result of a fit.
+/// The result of a fit to all rolls.
 #[derive(Clone, Debug)]
 pub(crate) struct SeriesFit<const N: usize> {
     pub(crate) shape: LocalShape,
-    /// Sum of the normal equations of the rolls. For one term, the unknowns are the entries uu, uv, vv of the mobility;
-    /// otherwise they are the coefficients of the shape.
+    /// Sum of the normal equations of the rolls. For a shape with one term, the unknowns are the entries uu, uv, vv of
+    /// the mobility; otherwise they are the coefficients of the shape.
     pub(crate) information: SMatrix<f64, N, N>,
     pub(crate) covariance: SMatrix<f64, N, N>,
     pub(crate) rolls: Vec<RollFit<N>>,
@@ -114,12 +116,13 @@ impl<const N: usize> RollFit<N> {
         }
     }
 
-    /// Change of the start with the mobility.
+    /// Derivatives of the roll's start with respect to the mobility.
     pub(crate) fn start_response(&self) -> Matrix2x3<f64> {
         self.response.fixed_view::<2, 3>(0, 0).into_owned()
     }
 
-    /// Paths after a small change of each entry of the form or mobility, and of each component of the roll's error.
+    /// Paths of the contact after a small change of each entry of the form or mobility, and of each component of the
+    /// roll's error.
     ///
     /// A roll's error and the mobility change the path in nearly the same way. Therefore the small difference between
     /// both must be exact, and not only first-order in the curvature of the probe as the other derivatives.

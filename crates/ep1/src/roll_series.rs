@@ -7,13 +7,13 @@ use crate::SeriesError;
 /// One sample of a roll: time, rotation of the probe, and place of the contact or pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollSample {
-    /// Time since the start of the roll, s.
+    /// Time (s) since the start of the roll.
     pub time_s: f64,
     /// Rotation vector of the probe since the start of the roll (rad). Its direction is the axis, and its length is the
     /// angle, of the finite rotation. The axes are those of the pads, carried from the pads' origin to the start of the
     /// roll along the great circle between them.
     pub rotation: Vector3<f64>,
-    /// Centre of the active pad, or the contact point, length. The coordinates are those of the exponential map of the
+    /// Centre (length) of the active pad, or the contact point. The coordinates are those of the exponential map of the
     /// probe at the pads' origin.
     pub place: Vector2<f64>,
 }
@@ -94,7 +94,7 @@ pub enum Places {
     Pads(PadCell),
     /// The places are contact points.
     Contacts {
-        /// Standard deviation of each coordinate of a contact point, length. If this and all other stated noise is 0,
+        /// Standard deviation (length) of each coordinate of a contact point. If this and all other stated noise is 0,
         /// the method estimates the standard deviation from the residuals.
         std: f64,
     },

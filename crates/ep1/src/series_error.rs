@@ -31,9 +31,9 @@ pub enum SeriesError {
         roll: usize,
         /// Index of the sample in the roll, counted from 0.
         sample: usize,
-        /// Time of the sample, s.
+        /// Time (s) of the sample.
         time_s: f64,
-        /// Time of the previous sample, s.
+        /// Time (s) of the previous sample.
         last_s: f64,
     },
     /// The contact point or pad of a sample is more than half a turn from the pads' origin.

@@ -17,7 +17,7 @@ const DIRECTIONS: usize = 16;
 pub enum Quantity {
     /// Normal curvature in a direction.
     Normal {
-        /// Angle of the direction from u towards v, rad.
+        /// Angle (rad) of the direction, measured from u towards v.
         angle_rad: f64,
     },
     /// Gaussian curvature.
@@ -43,18 +43,19 @@ pub enum Exclusion {
     Inconsistent,
 }
 
-/// The part of one roll in a fit.
+/// Whether and how a fit used one roll.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RollReport {
     /// Number of crossings of pad edges.
     pub crossings: usize,
-    /// Probability of a larger contradiction to the other rolls by chance. `None` if it cannot be tested.
+    /// P-value: probability that by chance alone the roll would contradict the other rolls at least as much. `None` if
+    /// the roll cannot be tested.
     pub p_value: Option<f64>,
-    /// Why the fit does not use the roll; `None` if it uses it.
+    /// Why the fit does not use the roll; `None` if the fit uses the roll.
     pub left_out: Option<Exclusion>,
 }
 
-/// The distribution of the errors.
+/// The distribution of an estimate's errors.
 #[derive(Clone, Debug)]
 pub(crate) enum Uncertainty {
     /// The errors of the mobility are normally distributed.
@@ -63,19 +64,20 @@ pub(crate) enum Uncertainty {
     NormalForm,
     /// The noise was estimated from residuals with these degrees of freedom.
     Student(usize),
-    /// The readings are exact, so that a set contains the true mobility.
+    /// The readings are exact, so the true mobility lies in this set.
     Set(Box<PadEdgeSet>),
 }
 
 /// An estimate from series of rolls.
 #[derive(Clone, Debug)]
 pub struct SeriesEstimate {
-    /// The object's curvature form at the common start of the rolls, in the axes of the pads, 1/length.
+    /// The object's curvature form (1/length) at the common start of the rolls, in the axes of the pads.
     pub curvature: CurvatureForm,
-    /// Covariance of the curvatures along u, along v and mixed, to first order, 1/length². With noise it is the inverse
-    /// of the Fisher information, so that the roots of its diagonal are the Cramér–Rao bounds.
+    /// Covariance (1/length²) of the curvatures along u, along v and mixed, to first order. With noise it is the
+    /// inverse of the Fisher information, so that the roots of its diagonal are the Cramér–Rao bounds.
     pub covariance: [[f64; 3]; 3],
-    /// Number of terms of the curvature along a path that the fit uses. It is 1 if the curvature is constant.
+    /// Number of terms of the fitted polynomial that describes the curvature along a path. It is 1 if the curvature is
+    /// constant.
     pub terms: usize,
     /// One report for each roll.
     pub rolls: Vec<RollReport>,
@@ -87,8 +89,8 @@ pub struct SeriesEstimate {
 }
 
 impl SeriesEstimate {
-    /// The estimate with the form `relative / radius − 1 / radius`. `covariance` is the one of the entries uu, uv, vv of
-    /// `relative`.
+    /// The estimate with the curvature form `relative / radius − 1 / radius`. `covariance` is the covariance of the
+    /// entries uu, uv, vv of `relative`.
     pub(crate) fn new(
         radius: f64,
         relative: &Matrix2<f64>,
@@ -323,8 +325,8 @@ impl SeriesEstimate {
         [Some(relative / (1.0 + share) - flat), upper]
     }
 
-    /// Draws of the relative curvature form in units of the probe's curvature. `None` for a draw that is beyond all
-    /// curvatures.
+    /// Draws relative curvature forms from the distribution of the estimate, in units of the probe's curvature. `None`
+    /// if a contact with the drawn mobility would not roll, so that no curvature corresponds to the draw.
     fn draws(&self) -> impl Iterator<Item = Option<Matrix2<f64>>> {
         const ORDER: [usize; 3] = [0, 2, 1];
         let scale = self.radius * self.radius;

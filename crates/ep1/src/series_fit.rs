@@ -14,15 +14,15 @@ use crate::{
     SeriesMethod, SeriesNoise,
 };
 
-/// Significance level at which a roll is left out, divided by the number of rolls.
+/// A roll is left out if its p-value is below this value divided by the number of rolls.
 const OUTLIER_LEVEL: f64 = 1e-3;
 /// Smallest residual that can contradict the other rolls if no noise is stated, relative to the longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
-/// Smallest number of rolls for each roll that is left out.
+/// At most one of this number of rolls is left out.
 const ROLLS_PER_OUTLIER: usize = 4;
 /// Number of contact points of a roll that a fit uses. More contact points are averaged in groups.
 const GROUPS: usize = 12;
-/// Changes of the coefficients below this value end the steps of a fit.
+/// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
 /// Changes below this value end the fit that only locates the set of exact readings.
 const ROUGH_TOLERANCE: f64 = 1e-3;
@@ -40,7 +40,8 @@ const ISOTROPY: f64 = 0.02;
 /// The curvature from series of rolls of a probe of `radius`.
 ///
 /// # Errors
-/// [`SeriesError`] if a number is out of range, if a roll contradicts the others, or if the rolls do not determine the
+/// [`SeriesError`] if a number is out of range, if a roll contradicts the other rolls, or if the rolls do not determine
+/// the
 /// curvature.
 pub fn estimate_series(
     method: SeriesMethod,
@@ -70,11 +71,11 @@ struct Problem<'r> {
     reports: Vec<RollReport>,
 }
 
-/// A fit with a number of terms.
+/// A fit of a shape with a given number of terms.
 struct Candidate {
     criterion: f64,
     estimate: SeriesEstimate,
-    /// The roll that contradicts the others significantly.
+    /// The roll that contradicts the other rolls significantly.
     worst: Option<usize>,
 }
 
@@ -134,7 +135,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The result for exact rotations and pads. `fit` is the fit of the crossings.
+    /// The estimate from exact rotations and pads. `fit` is the fit of the crossings.
     fn of_sets(
         &mut self,
         cell: &PadCell,
@@ -150,7 +151,7 @@ impl Problem<'_> {
         }
         let fit = fit.ok_or(self.undetermined())?;
         // No mobility agrees with all rolls. Leave out one roll, beginning with the roll whose crossings contradict the
-        // others most.
+        // other rolls most.
         self.p_values(data, fit);
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
@@ -198,7 +199,7 @@ impl Problem<'_> {
         PadEdgeSet::new(cell, rolls, shape, fit.map(|fit| fit.covariance))
     }
 
-    /// The result for a set.
+    /// The estimate that follows from a set of possible mobilities.
     fn of_set(&self, set: PadEdgeSet) -> Result<SeriesEstimate, SeriesError> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
@@ -230,7 +231,7 @@ impl Problem<'_> {
         true
     }
 
-    /// The rolls that a fit uses.
+    /// Prepares the rolls that a fit uses. `mobility` is a first guess, with which crossings are located.
     fn prepare(&mut self, mobility: &Matrix2<f64>) -> Vec<RollData> {
         let scale = 1.0 / self.radius;
         let mut data = Vec::with_capacity(self.rolls.len());
@@ -304,12 +305,12 @@ impl Problem<'_> {
         }
     }
 
-    /// Whether the errors of all readings have a stated size. If not, the residuals determine it.
+    /// Whether the noise of the readings is stated. If not, it is estimated from the residuals.
     fn is_noise_stated(&self) -> bool {
         !self.noise.is_exact() || !matches!(self.places, Places::Contacts { std: 0.0 })
     }
 
-    /// Stores the p-value of each roll. Returns the roll that contradicts the others significantly.
+    /// Stores the p-value of each roll. Returns the roll that contradicts the other rolls significantly.
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
         let longest = fit.rolls.iter().map(|roll| roll.length).fold(0.0, f64::max);
         let residual = (fit.chi_squared / fit.freedom.max(1) as f64).sqrt();
@@ -341,8 +342,8 @@ impl Problem<'_> {
         worst.1
     }
 
-    /// The mean of fits with different numbers of terms, and the roll that contradicts the others most. Each fit is
-    /// weighted by the information criterion of Akaike. The number of terms is the one of the best fit.
+    /// The mean of fits with different numbers of terms, and the roll that contradicts the other rolls most. Each fit
+    /// is weighted by the information criterion of Akaike. The reported number of terms is that of the best fit.
     fn trajectory(
         &mut self,
         data: &[RollData],
@@ -432,7 +433,7 @@ impl Problem<'_> {
         )
     }
 
-    /// The result for a shape with the covariance of the mobility (uu, uv, vv), or of the curvatures.
+    /// The estimate for a shape. `covariance` is the covariance of the mobility (uu, uv, vv), or of the curvatures.
     fn result(
         &self,
         shape: &LocalShape,
