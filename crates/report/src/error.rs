@@ -57,7 +57,7 @@ pub enum ReportError {
     /// A plot cannot be drawn from the tables.
     #[error("{}: plot {plot:?}: {problem}", path.display())]
     BadPlot {
-        /// The `run.toml` that contains the plot.
+        /// Path of the `run.toml` that contains the plot.
         path: PathBuf,
         /// Name of the plot.
         plot: String,

@@ -54,8 +54,8 @@ impl Files {
         }
     }
 
-    /// Adds `others` to files in memory, unless a file with the same name exists. Does nothing if the files are in a
-    /// folder.
+    /// Adds the files `others` (pairs of name and text) to files in memory, except those whose name exists already.
+    /// Does nothing if the files are in a folder.
     pub(crate) fn or<const N: usize>(mut self, others: [(&str, &str); N]) -> Self {
         for (name, text) in others {
             if let Some(texts) = &mut self.texts {

@@ -17,7 +17,8 @@ pub(crate) const STATED: [(Statistic, f64); 3] = [
 pub(crate) struct Estimator {
     /// Text that names the kinds of the scene, the estimator and the sensor.
     pub(crate) name: String,
-    /// Index of each study with intervals of this estimator, and the coverage in each row of this study's table.
+    /// For each study with intervals of this estimator: the index of the study, and the coverage in each row of its
+    /// table.
     pub(crate) studies: Vec<(usize, Vec<Coverage>)>,
 }
 

@@ -153,8 +153,8 @@ fn answer(answer: &Answer) -> Value {
 
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
-/// The table `peers.csv`, with the column of verdicts moved to the second place. If all rows were measured on the same
-/// machine, its name is returned separately.
+/// The table `peers.csv` of the programs that palpate is compared with. The column of verdicts is moved to the second
+/// place. If all rows were measured on the same machine, the machine's name is returned separately.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
     let machine = take_constant(&mut parts, "machine");
@@ -237,13 +237,13 @@ fn entry(name: &str, meaning: &str) -> Value {
     context! { name, meaning }
 }
 
-/// Anchor of a term, for links on the page; `None` if the word is not a term.
+/// Anchor on the page of the glossary term `word`; `None` if the glossary has no such term.
 pub(crate) fn address(word: &str) -> Option<String> {
     let term = meaning(word)?;
     (term.name == word).then(|| place(word))
 }
 
-/// Anchor of a term: its letters and digits, with dashes instead of other characters.
+/// Anchor of a glossary term: the letters and digits of the term, with dashes instead of other characters.
 fn place(word: &str) -> String {
     let parts = word.split(|letter: char| !letter.is_ascii_alphanumeric());
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();

@@ -19,8 +19,8 @@ pub(crate) struct Records {
 }
 
 impl Records {
-    /// Reads a file that must contain the columns `names`; in the file, a name may also end with a unit. The file may
-    /// have no rows.
+    /// Reads a CSV file that must contain the columns `names`. In the header of the file, a unit may follow each name.
+    /// The file may have no rows.
     pub(crate) fn read(files: &Files, file: &str, names: &[&str]) -> Result<Self, ReportError> {
         let path = files.path(file);
         let text = files.read(file)?;
@@ -101,7 +101,8 @@ impl Records {
         &self.header
     }
 
-    /// Index in the header of a requested column. `column` is its index among the requested columns.
+    /// Index in the header of a column that was requested on reading. `column` is its index among the requested
+    /// columns.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }

@@ -5,7 +5,7 @@ use crate::{Files, ReportError, Table};
 use palpate_study::config::{self, PlotConfig};
 use std::path::{Path, PathBuf};
 
-/// Failed trials of one kind in one cell: a row of `failures.csv`.
+/// A row of `failures.csv`: the failed trials of one cell that failed in the same way.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Failure {
     pub(crate) cell: u64,
@@ -188,7 +188,7 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// The table with the label `label` among the tables that a sweep sets at `path`. If a table has no label, its
+    /// The table with the label `label` among the tables that the study sweeps at `path`. If a table has no label, its
     /// `kind` counts as its label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
@@ -213,7 +213,7 @@ impl Study {
     }
 }
 
-/// Values that a sweep gives to the field at `path`, alone or together with other fields.
+/// Values that a sweep of the study sets at `path`, either of this field alone or of several fields together.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();

@@ -21,7 +21,7 @@ pub(crate) struct Axis {
     stem: String,
     cells: Vec<String>,
     numbers: Vec<Option<f64>>,
-    /// The different values, in the order of the study's sweep.
+    /// The values of the field without repetitions, in the order of the study's sweep.
     values: Vec<String>,
 }
 
@@ -119,13 +119,13 @@ impl Table {
         self.axes.iter().find(|axis| axis.is(path))
     }
 
-    /// The column `quantity`, as if it were a swept field.
+    /// The column `quantity` as an [`Axis`], so that plots can treat quantities like the values of a swept field.
     pub(crate) fn quantities(&self) -> &Axis {
         &self.quantity
     }
 
-    /// The column `trials`, as if it were a swept field. If the study sweeps the number of trials, the result is the
-    /// swept column.
+    /// The column `trials` as an [`Axis`], so that plots can treat numbers of trials like the values of a swept field.
+    /// If the study sweeps the number of trials, the result is the swept column.
     pub(crate) fn trials(&self) -> &Axis {
         &self.trials
     }

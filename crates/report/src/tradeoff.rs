@@ -52,7 +52,7 @@ pub(crate) struct Rung {
     pub(crate) on_front: bool,
 }
 
-/// The rung that is recommended for a target error.
+/// The rung (model, sensor or setting) that is recommended for a target error.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) target: String,
@@ -186,8 +186,9 @@ fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
     Ok((0..table.rows()).map(answer).collect())
 }
 
-/// Test results of the model `auto` on random scenes of one kind. A test succeeds if the chosen model's error is within
-/// the tolerance and its cost is not much higher than the cost of the cheapest such model.
+/// Test results of the model `auto`, which chooses one of several models, on random scenes of one kind. A test succeeds
+/// if the error of the chosen model is within the tolerance, and its cost is not much higher than that of the cheapest
+/// model within the tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AutoModel {
     pub(crate) kind: String,

@@ -1,4 +1,4 @@
-//! Bounds that the numbers of a claim must meet, and helpers that format such numbers or compute their range or mean.
+//! Bounds that the numbers of a claim must meet, and helpers that format these numbers and compute their range or mean.
 
 use super::row::Row;
 use palpate_study::number;
@@ -22,7 +22,7 @@ pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
 }
 
-/// Returns a function that tests whether `number(row)` is within `bound`.
+/// Returns a function that tests whether the number that `number` computes from a row meets the bound `bound`.
 pub(super) fn within(
     number: impl Fn(&Row<'_>) -> Option<f64>,
     bound: Bound,

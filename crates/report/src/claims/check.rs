@@ -31,7 +31,8 @@ pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 /// A check of a claim: values from the study's table, and the bound that they must meet.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
-    /// Computes the checked values from the rows of the table. Each value is returned with one row to which it belongs.
+    /// Computes the checked values from the rows of the table. Each value is returned with one row: the row from which
+    /// it was computed, or one row of a group.
     pub(super) values: Values,
     /// Returns a name for the checked value of a row. All values with the same name are compared and printed as one
     /// range.
@@ -55,9 +56,10 @@ pub(super) struct Outcome {
     pub(super) measured: String,
     /// Sentence that states the bound for the values.
     pub(super) rule: String,
-    /// Main value for the scorecard; may be empty.
+    /// The measured value that the scorecard shows for this check; may be empty.
     pub(super) headline: String,
-    /// Names of the values that are within 1 % of the bound's limit, so that they almost change the verdict.
+    /// Names of the checked values that are within 1 % of a limit of the bound. A small change of such a value would
+    /// change the verdict.
     pub(super) close: Vec<String>,
 }
 
@@ -150,7 +152,7 @@ impl Check {
     }
 }
 
-/// Text that replaces the placeholder `{key}` in a sentence of a check; `None` if `key` is unknown.
+/// Text that replaces the placeholder `{key}` in a check's sentence; `None` if no placeholder has the name `key`.
 fn shown(
     key: &str,
     items: &[Item],

@@ -5,8 +5,8 @@ use super::check::{Check, Keep, Outcome, Portion, Role};
 use super::row::{Row, groups, sorted};
 use crate::{Study, phrases};
 
-/// A claim of a paper and its checks. A method that restricts or describes a check changes the check that was added
-/// last.
+/// A claim of a paper and its checks. A method that restricts or describes a check changes only the check that was
+/// added last.
 pub(super) struct Claim {
     pub(super) number: u32,
     /// The claim in at most six words.
@@ -52,7 +52,7 @@ impl Claim {
         }
     }
 
-    /// Sets the paths of config fields whose values must be numbers for every row of the claim.
+    /// Sets the paths of the config fields that must have a numeric value in every row of the claim.
     pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
         Self { numbers, ..self }
     }
@@ -93,7 +93,7 @@ impl Claim {
         self
     }
 
-    /// Adds a check of `value(row)` for each row.
+    /// Adds a check with one value per row: `value(row)`.
     pub(super) fn rows(self, value: impl Fn(&Row<'_>) -> Option<f64> + 'static) -> Self {
         self.values(move |rows| {
             let values = rows.iter().filter_map(|row| Some((*row, value(row)?)));
@@ -166,17 +166,17 @@ impl Claim {
         self
     }
 
-    /// Restricts the check that was added last to rows that `keep` accepts.
+    /// Restricts the check that was added last to the rows for which `keep` returns true.
     pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
         self.last(|check| check.keep.push(Box::new(keep)))
     }
 
-    /// Restricts the check that was added last to rows of this quantity.
+    /// Restricts the check that was added last to the rows of the quantity `quantity`.
     pub(super) fn of(self, quantity: &'static str) -> Self {
         self.when(move |row| row.quantity() == quantity)
     }
 
-    /// Restricts the check that was added last to rows whose `number` is within a bound.
+    /// Restricts the check that was added last to the rows for which `number(row)` meets a bound.
     pub(super) fn only(
         self,
         number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
@@ -185,7 +185,7 @@ impl Claim {
         self.when(within(number, bound))
     }
 
-    /// The check that was added last ignores values that equal `value`.
+    /// In the check that was added last, ignores all values that equal `value`.
     pub(super) fn without(self, value: f64) -> Self {
         self.last(|check| check.without = Some(value))
     }
@@ -200,8 +200,8 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// The check that was added last compares only the values of rows that `compared` accepts with the bound. It only
-    /// prints all other values.
+    /// In the check that was added last, compares only the values of rows that `compared` accepts with the bound. All
+    /// other values are only printed.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }
@@ -242,7 +242,8 @@ impl Claim {
         self.says(says).last(|check| check.role = Role::Reports)
     }
 
-    /// Sets the main value for the scorecard. It may contain the same placeholders as [`Self::says`].
+    /// Sets the measured value that the scorecard shows for the check that was added last. It may contain the same
+    /// placeholders as [`Self::says`].
     pub(super) fn headline(self, headline: &'static str) -> Self {
         self.last(|check| check.headline = headline)
     }
@@ -293,7 +294,7 @@ impl Claim {
     }
 }
 
-/// Joins `text(outcome)` of all outcomes by semicolons. Empty texts are left out.
+/// Computes `text(outcome)` for each outcome, and joins the texts by semicolons. Empty texts are left out.
 fn joined<'a>(
     outcomes: impl IntoIterator<Item = &'a Outcome>,
     text: fn(&Outcome) -> &String,

@@ -22,7 +22,7 @@ pub(super) fn claims() -> [Claim; 6] {
     ]
 }
 
-/// A claim about rolls on convex objects.
+/// Creates a claim about rolls on convex objects.
 pub(super) fn of_convex(number: u32, texts: [&'static str; 3]) -> Claim {
     Claim::new(
         number,
@@ -80,8 +80,8 @@ fn relative_curvature() -> Claim {
         .only(size, AtMost(5.0))
         .bound(AtMost(2.0))
         .says("it is {range} × the noise for R₂ ≤ 5 R₁")
-        // Uniform noise within ±noise has the standard deviation noise/√3. Four probes per direction are averaged,
-        // which halves it. So the predicted error contains the factor 1/√12.
+        // Uniform noise within ±noise has the standard deviation noise/√3. The mean over four probes per direction has
+        // half of this standard deviation, which is noise/√12. So the error is divided by noise/√12.
         .rows(|row| Some(rms_error(row)? * 12f64.sqrt() / (noise(row)? * (1.0 + size(row)?))))
         .when(has_eight_uniform_probes)
         .only(noise, AtMost(0.01))
@@ -233,7 +233,7 @@ fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
 
-/// Largest slope at which `is_below` is true, by bisection.
+/// Largest slope for which `is_below` returns true, found by bisection.
 fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..200 {
@@ -247,14 +247,14 @@ fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// Relative error, without noise, of the curvature at the apex of z = −c r² that is estimated from a roll. The estimate
-/// is the mean curvature along the roll: the slope angle atan(2 c r), divided by the arc length. `share` is c times the
-/// arc length.
+/// is the mean curvature along the roll: the slope angle atan(2 c r), divided by the arc length. `share` is the product
+/// of c and the arc length.
 fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// Arc length at which the relative error of the apex curvature without noise is 15 %, multiplied by the coefficient c of
-/// the paraboloid.
+/// Arc length, multiplied by the coefficient c of the paraboloid, at which the estimated curvature of the apex has a
+/// relative error of 15 % without noise.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
@@ -299,7 +299,8 @@ fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
 }
 
 impl Claim {
-    /// Adds a check with one value per radius of the object.
+    /// Adds a check with one value per radius of the object: `number(trials)` of all trials on objects with this
+    /// radius.
     fn sizes(self, number: impl Fn(&Trials<'_>) -> f64 + 'static) -> Self {
         self.values(move |rows| {
             let sizes = by_size(rows).into_iter();

@@ -64,7 +64,7 @@ impl<'a> Row<'a> {
         Some(counts.map(|failure| failure.count as f64).sum::<f64>() / trials)
     }
 
-    /// Number of millimetres per length unit of the study; `None` if this unit is not metric.
+    /// Factor from the study's unit of length to millimetres; `None` if this unit is not metric.
     pub(super) fn millimetres(&self) -> Option<f64> {
         match self.study.setting("length_unit")?.as_str()? {
             "m" => Some(1000.0),
@@ -94,7 +94,7 @@ pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// The pairs (`x`, `y`) of all rows, sorted by x.
+/// The pairs (`x(row)`, `y(row)`) of all rows, sorted by x. Rows without x or y are left out.
 pub(super) fn sorted(
     rows: &[Row<'_>],
     x: impl Fn(&Row<'_>) -> Option<f64>,

@@ -82,8 +82,8 @@ fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     )
 }
 
-/// Fits one straight line to each group of rows. The rows of a group differ only in the paths `free`. `along` returns
-/// x of a row, and `read` returns the mean and the standard deviation of y.
+/// Fits one straight line to each group of rows. The rows of a group differ only in the paths `free`. For each row,
+/// `along` returns x, and `read` returns the mean and the standard deviation of the measured y.
 fn through<'a>(
     rows: Vec<Row<'a>>,
     free: &[&str],
@@ -189,8 +189,8 @@ fn is_rigid(row: &Row<'_>) -> bool {
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// For each line through hues, the larger of two relative deviations from the published slopes: the deviation of this
-/// line, and the smallest deviation among the lines through centroids for the same sensor.
+/// Relative deviations of slopes from the published slopes, one number per line through hues: the larger of the
+/// deviation of this line, and the smallest deviation of the lines through centroids for the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -337,7 +337,7 @@ struct Reading {
 #[derive(Debug, Clone, Copy)]
 struct StraightLine {
     slope: f64,
-    /// Share of the variance of single readings that the line explains (R²); 0 if the readings have no variance.
+    /// Share of the variance of the single measured y that the line explains (R²); 0 if the readings have no variance.
     r_squared: f64,
 }
 

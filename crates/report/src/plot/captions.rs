@@ -13,8 +13,7 @@ pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// Text of a swept value with the name and the unit of its field. If the value is a label, the text may be the label
-/// alone.
+/// Text of a swept value with the name and the unit of its field. For some labels, the text is the label alone.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {
@@ -75,14 +74,15 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     ))
 }
 
-/// Text about values that the key `where` of a plot names, but that the table does not contain; `None` if there are
-/// none.
+/// Text with the values `absent`, which the key `where` of a plot names but the table does not contain; `None` if there
+/// are none.
 pub(crate) fn absent(absent: &[String]) -> Option<String> {
     let none = absent.is_empty();
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// End of an error message about values that the key `where` of a plot names, but that the table does not contain.
+/// End of an error message that lists the values `absent`, which the key `where` of a plot names but the table does not
+/// contain.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

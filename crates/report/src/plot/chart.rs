@@ -25,7 +25,7 @@ const LARGEST_WIDTH: i32 = 4500;
 const BESIDE: i32 = 36;
 /// Length of the symbol beside each text of the legend, in drawing units.
 const SAMPLE: i32 = 120;
-/// Length of the symbol beside each text of the key above the panels, in drawing units.
+/// Length of the symbol beside each text in the line of explanations (the key) above the panels, in drawing units.
 const KEY_SAMPLE: i32 = 78;
 /// Largest width of a line of text in the legend, in drawing units.
 const LIMIT: i32 = 750;
@@ -239,7 +239,7 @@ impl Place {
     }
 }
 
-/// Draws the grid, the outline, the ticks and the labels of the ticks of a panel.
+/// Draws a panel's grid and outline, and the ticks of both axes with their labels.
 pub(crate) fn mesh(panel: &mut Panel<'_>) -> Drawn {
     let frame = FRAME.stroke_width(HAIR);
     panel
@@ -260,8 +260,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws a vertical error bar at `x`, between the two `ends`. The marker of the data point is `hidden` drawing units
-/// high; a bar that the marker would cover is left out. An end that is outside the panel has no cap.
+/// Draws a vertical error bar at `x`, between the two `ends`. A bar that is completely behind the point's marker, which
+/// is `hidden` drawing units high, is left out. The bar has no cap at an end that is outside the panel.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

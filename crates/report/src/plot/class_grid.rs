@@ -1,4 +1,5 @@
-//! Shape classes in the maps of all cells: reads them from `map.csv`, and converts them to rectangles and lines.
+//! Reads the shape class of each point from `map.csv`, and converts the classes of a cell's map to rectangles and
+//! lines.
 
 use super::selection::Request;
 use super::style::CLASSES;

@@ -90,8 +90,8 @@ struct MapPanel<'a> {
     is_truth: bool,
 }
 
-/// The panels of a row. The map of the true classes is in the first column. If the row has no such map, this column is
-/// empty.
+/// The panels of a row of the figure. The map of the true classes is in the first column. If the row has no such map,
+/// this column is empty.
 fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     let truth = row.truth.map(|map| MapPanel {
         column: 0,
@@ -156,7 +156,8 @@ struct MapLayout {
 }
 
 impl MapLayout {
-    /// Computes the layout for all rows of panels; `lines` is not empty. `unit` is the unit of x and y.
+    /// Computes the layout of the figure from all its rows of panels; `lines` is not empty. `unit` is the unit of x and
+    /// y.
     fn of(lines: &[PanelRow<'_>], unit: &str) -> Self {
         let panels = || lines.iter().flat_map(|line| &line.panels);
         let x = range(panels().map(|panel| &panel.map.x));
@@ -220,7 +221,7 @@ impl MapLayout {
         Ok(())
     }
 
-    /// Writes the title above a panel, with the share of correctly classified points.
+    /// Writes the title above the panel of a map, with the share of correctly classified points.
     fn label(&self, sheet: &Sheet, place: &Place, map: &MapPanel<'_>, title: &[String]) -> Drawn {
         let (left, top) = place.corner;
         let mut y = top - TEXT / 2 - 18;
@@ -268,7 +269,8 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// Edges of the squares whose centres are on these grid lines. Each edge is halfway between two neighbouring lines.
+/// Edges of the grid squares whose centres are the numbers `lines`. Each inner edge is halfway between two neighbouring
+/// centres.
 fn ends(lines: &[f64]) -> Vec<f64> {
     let [first, .., last] = lines else {
         let only = lines.first().copied().unwrap_or(0.0);

@@ -18,8 +18,8 @@ use plotters::style::Color;
 const MAX_SURFACES: usize = 6;
 /// Side length of the coloured squares in the key, in drawing units.
 const SAMPLE: i32 = 54;
-/// The colour of the lines between the squares of a surface contains this share of the ink colour. The rest is the
-/// colour of the square.
+/// Share of the ink colour in the colour of the lines between the squares of a surface. The rest is the colour of the
+/// square.
 const LINE_INK: f64 = 0.25;
 
 /// A fitted surface: the positions of the points in the map of one cell.

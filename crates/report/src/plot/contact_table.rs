@@ -10,7 +10,7 @@ const TRACE: [&str; 10] = [
 ];
 const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
 
-/// A reading and a true contact count as equal if their distance is below this share of the size of the box around all
+/// A reading counts as equal to a true contact if their distance is below this share of the size of the box around all
 /// contacts.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
@@ -43,7 +43,8 @@ pub(crate) struct Contacts {
 }
 
 impl Touch {
-    /// End of a line of this length that starts at the contact and is parallel to the normal.
+    /// End of a line of the length `length` that starts at the contact and is parallel to its normal. `None` if the
+    /// contact has no normal.
     pub(crate) fn along_normal(&self, length: f64) -> Option<Vector> {
         let normal = self.normal?;
         Some([0, 1, 2].map(|k| self.place[k] + length * normal[k]))

@@ -1,4 +1,5 @@
-//! Figure of the measured coverage of intervals over the stated coverage, with one panel per estimator.
+//! Figure with one panel per estimator. It shows how often the estimator's intervals contain the true value, over the
+//! probability that the intervals state.
 
 use super::drawing::Figure;
 use super::scale::Scale;

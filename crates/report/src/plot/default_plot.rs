@@ -6,7 +6,7 @@ use palpate_study::config::{self, PlotConfig, Scale};
 use palpate_study::{Quantity, QuantityKind, Statistic};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Quantities that the default plot shows if the study has them, in order of preference.
+/// The default plot shows the first of these quantities that the study has.
 const PREFERRED: [Quantity; 2] = [Quantity::OBJECT_CURVATURE, Quantity::MEAN_CURVATURE];
 /// An axis is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
@@ -81,7 +81,7 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     }))
 }
 
-/// Whether the values of `axis` differ in rows that agree in all `others`.
+/// Whether rows that have the same values on all axes `others` have different values on the axis `axis`.
 fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     let mut known: BTreeMap<Vec<&str>, BTreeSet<&str>> = BTreeMap::new();
     for &row in rows {
@@ -91,8 +91,8 @@ fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     known.values().any(|values| values.len() > 1)
 }
 
-/// The statistic that the default plot shows: the first one, in order of preference, that has a value in one of these
-/// rows.
+/// The statistic that the default plot shows. It is the first statistic, in the order of preference, that has a value
+/// in one of `rows`.
 fn statistic(table: &Table, quantity: &str, rows: &[usize]) -> Option<&'static str> {
     let is_estimated =
         Quantity::named(quantity).is_none_or(|known| known.kind == QuantityKind::Estimated);

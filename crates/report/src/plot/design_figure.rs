@@ -125,8 +125,8 @@ pub struct Stretch {
 }
 
 const MEETS: Colour = Colour(190, 220, 242);
-/// Background colour where it is undecided whether values meet the target. This grey has another lightness than the
-/// other backgrounds, so it differs from them in a grey print too.
+/// Background colour where it is undecided whether values meet the target. This grey is darker or lighter than the
+/// other backgrounds, so it differs from them also if the figure is printed in grey.
 const OPEN: Colour = Colour(226, 226, 226);
 const MISSES: Colour = WHITE;
 /// Width of the line that shows the target's limit, in drawing units (1/3 px).
@@ -141,10 +141,10 @@ const BEST: Style = Style {
     marker: Marker::Diamond,
 };
 const BEST_SIZE: f64 = 36.0;
-/// Half the width of the thin area that shows a single value, relative to the panel. Without a width, the area would
+/// Half the width of the background area of a single tested value, relative to the panel. An area without width would
 /// not be visible.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of the area that is drawn if the other field has only one value, relative to the panel's width.
+/// Half the width of the area that is drawn if the other field has only one value, relative to the width of the panel.
 const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
@@ -363,7 +363,7 @@ impl FieldAxis {
         Scale::around(self.spacing(), ends)
     }
 
-    /// Factor by which values of the field are multiplied to get the displayed numbers.
+    /// Factor from the field's values in the tables to the numbers on the axis.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,

@@ -162,7 +162,8 @@ impl Drawing {
         Ok(self.named(&text, label))
     }
 
-    /// Adds to the SVG of the backend: the size in pixels, the label, and the tooltips of the shapes.
+    /// Completes the SVG `svg` that the backend made: adds the size in pixels, the label of the figure, and the
+    /// tooltips of the shapes.
     fn named(&self, svg: &str, label: &str) -> String {
         let (width, height) = (self.size.0 / DETAIL, self.size.1 / DETAIL);
         let label = escaped(label);

@@ -1,4 +1,5 @@
-//! Heat maps. A heat map shows a share, such as a probability, for every pair of items.
+//! Heat maps. A heat map shows a number from 0 to 1, such as a probability, for every pair of items. This number is
+//! called the share of the pair.
 
 use super::chart::{Place, mesh};
 use super::drawing::Figure;
@@ -30,7 +31,7 @@ pub struct Heat {
     pub notes: Vec<String>,
 }
 
-/// One panel of a heat map: some items, and a share for every pair of them.
+/// One panel of a heat map: its items, and the share of every pair of items.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
     /// Text with the settings that all items of the panel share; may be empty.
@@ -57,16 +58,16 @@ const GAP: i32 = 102;
 const BESIDE: i32 = 12;
 /// Width of the symbol beside each text of the key, in drawing units.
 const SAMPLE: i32 = 78;
-/// Share above which a square is so dark that its number is written in white.
+/// If the share of a pair is above this value, its square is so dark that the number in it is written in white.
 const MIN_DARK: f64 = 0.6;
-/// Fill colour of squares without a share.
+/// Fill colour of the squares of pairs without a share.
 const NONE: Colour = Colour(236, 236, 236);
-/// Fill colour of squares with a share of 1. Colour-blind readers can distinguish this blue from the light squares,
-/// also in a grey print.
+/// Fill colour of the squares of pairs with the share 1. Colour-blind readers can distinguish this blue from the light
+/// squares, also if the figure is printed in grey.
 const ALL: Colour = Colour(8, 48, 107);
 
-/// Draws each share as a square. A larger share is darker. If there are few items, each square also contains its share
-/// in percent.
+/// Draws a heat map. Each pair of items is a square, which is darker the larger the share of the pair is. If there are
+/// few items, each square also contains the share in percent.
 ///
 /// ```
 /// use palpate_report::{Heat, HeatPanel, heat_figure};
@@ -135,7 +136,8 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws a panel whose squares begin at the upper left `corner`. Returns the y of the lower edge of the panel's labels.
+/// Draws a panel whose squares begin at the upper left `corner`. Returns the vertical position of the lower edge of the
+/// panel's labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
     // If the squares are smaller than the text, only some of the names fit beside them.

@@ -17,8 +17,8 @@ const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover, in drawing units.
 const POINT: i32 = 18;
 
-/// Penalty for each other label and each leader that a label covers. A leader is the line from a point to its label.
-/// Penalties are in the same unit as the distance of a label from its point.
+/// Penalty for each other label, and each line from a point to its label (leader), that a label covers. Penalties are
+/// in the same unit as the distance of a label from its point.
 const HIDES_NAME: i32 = 3_000_000;
 /// Penalty for each other label that the leader of a label crosses.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;

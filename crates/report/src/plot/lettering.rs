@@ -23,8 +23,8 @@ pub(crate) fn width(text: &str, em: i32) -> i32 {
     (ROOM * f64::from(em) * set(text, |_, _, _| ())).ceil() as i32
 }
 
-/// Computes the position of each letter of a text. Calls `place` for each letter, with the letter's font, the letter,
-/// and its distance from the start of the text in ems. Returns the width of the text in ems.
+/// Computes the position of each letter of a text. For each letter, calls `place` with the font, the letter, and the
+/// distance from the start of the text in ems. Returns the width of the text in ems.
 fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     let mut end = 0.0;
     let mut before = None;

@@ -22,7 +22,8 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
 /// trials.
 const MAX_FAILED: f64 = 0.05;
 
-/// Points that cannot be drawn. For each reason: the number of points, and the series to which they belong.
+/// Points that cannot be drawn. For each reason why points cannot be drawn: the number of these points, and their
+/// series.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
 struct Lines<'a> {
@@ -211,7 +212,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The x and the 95 % interval of each point of `rows` that can be drawn. The intervals are computed from the Monte
-    /// Carlo error of the statistic.
+    /// Carlo error of the plotted statistic.
     fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
         let [across, up] = self.spacing;
         let bar = |&row: &usize| {

@@ -25,8 +25,8 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
-/// Upper end of the error axis (relative error). Models with a larger error are useless; they are drawn as arrows at
-/// the edge.
+/// Upper end of the axis of relative errors. Models with a larger error are drawn as arrows at this end, because they
+/// are useless.
 const MAX_ERROR: f64 = 10.0;
 
 /// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
@@ -206,7 +206,8 @@ fn arrow((x, y): Point) -> [Point; 3] {
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of a model without the numbers in it. Models with the same result belong to one family.
+/// Name of a model without its settings: the numbers in the name, the words that follow them, and parts with `=`.
+/// Models whose names differ only in settings form a family.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {
@@ -216,8 +217,8 @@ fn family(name: &str) -> String {
     });
     let mut kept = kept.zip(name.split(", "));
     let first = kept.next().map_or(String::new(), |(words, _)| words);
-    // Keep the first part of the name. Of the other parts, drop those that are settings, that is, parts that begin with
-    // a number or contain `=`.
+    // Keep the first part of the name. Of the other parts, drop those that begin with a number or contain `=`, because
+    // they are settings.
     let others = kept.filter(|(words, part)| !words.is_empty() && !part.contains('='));
     let others = others.map(|(words, _)| words);
     std::iter::once(first)

@@ -62,8 +62,8 @@ fn profile(trace: &Trace) -> Result<Figure, ReportError> {
     series::figure(words, plots)
 }
 
-/// True values and readings of one component of the displacement, over the distance from the contact, as one set of
-/// points each.
+/// Points of one component of the displacement over the distance from the contact: one set of points with the true
+/// values, and one with the readings.
 fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>) -> Vec<PointSet> {
     let markers = || trace.markers.iter().enumerate();
     let truth =

@@ -194,8 +194,8 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// Style of the series with this label. If the series differ in only one field, `name` may be the value of this field
-/// instead of the label.
+/// Style of the series whose label is `name`. If the series differ in only one field, `name` may also be the value of
+/// this field.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
     let found = series.iter().find(is_it);
@@ -205,7 +205,7 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     })
 }
 
-/// One component of the displacement in every cell, in the order of `map.csv`.
+/// One component of the skin's displacement in every cell, in the order of `map.csv`.
 struct Profiles {
     /// Units of the distance from the contact and of the displacement, as the headers state them; may be empty.
     units: [String; 2],

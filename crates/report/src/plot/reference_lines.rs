@@ -13,13 +13,13 @@ use plotters::style::Color;
 pub(crate) struct AxisScale {
     pub(crate) name: char,
     pub(crate) spacing: Spacing,
-    /// Displayed number divided by the number in the config.
+    /// Factor from a number in the config to the number that the axis displays.
     pub(crate) factor: f64,
 }
 
 impl AxisScale {
-    /// The displayed number for `value`. If it cannot be drawn on the axis, the error states the reason and calls the
-    /// number `what`.
+    /// The number that the axis displays for `value`. If this number cannot be drawn on the axis, the error states the
+    /// reason. `what` names the value in this error.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         let refused = |why| {

@@ -43,7 +43,8 @@ impl Spacing {
         if is_log { Self::Log } else { Self::Linear }
     }
 
-    /// Reason why `value` cannot be drawn on an axis with this spacing; `None` if it can be drawn.
+    /// Reason why `value` cannot be drawn on an axis with this spacing (linear or logarithmic); `None` if it can be
+    /// drawn.
     pub(crate) fn refusal(self, value: f64) -> Option<&'static str> {
         match self {
             _ if !value.is_finite() || value.abs() > LARGEST => Some("beyond 1 × 10³⁰⁰"),
@@ -137,8 +138,9 @@ impl Scale {
         !self.names.is_empty()
     }
 
-    /// The same axis with as many ticks as possible whose labels fit below a panel of the width `panel`. An axis of
-    /// names keeps all its names, but wraps long names. `gap` is the smallest distance between neighbouring names.
+    /// The same axis with ticks and labels for a panel of the width `panel`. There are as many ticks as possible, but
+    /// their labels must not overlap. An axis of names keeps all its names, but wraps long names. `gap` is the smallest
+    /// distance between neighbouring names.
     pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
         if !self.names.is_empty() {
             let slot = panel / self.names.len() as i32 - gap;
@@ -255,7 +257,7 @@ impl Scale {
             let shown = exponents.iter().filter(|e| e.rem_euclid(step) == 0);
             return shown.map(tick).collect();
         }
-        // For an axis of less than three decades, use the finest division for which the labels have space.
+        // On an axis of less than three decades, use the finest of these divisions whose labels do not overlap.
         let choices: [&[i32]; 3] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5], &[1, 3]];
         let mut choices = choices.map(|digits| self.digits(digits)).into_iter();
         let found = choices.find(|values| (2..=about.max(3)).contains(&values.len()));

@@ -66,7 +66,7 @@ pub(crate) fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) ->
     names.into_iter().map(str::to_owned).collect()
 }
 
-/// A column of `cells.csv`: a swept field (or the quantity), or a statistic.
+/// A column of `cells.csv` that a plot uses: a swept field (or the column `quantity`), or a statistic.
 #[derive(Clone, Copy)]
 pub(crate) enum Column<'a> {
     Axis(&'a Axis),
@@ -191,8 +191,8 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // At most one row may belong to each point. Rows without a value of the statistic on x are not drawn, so they
-        // are not checked.
+        // Return an error if two rows belong to the same point. Rows without a value of the statistic on the x axis are
+        // not drawn, so they are not checked.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {
@@ -217,7 +217,7 @@ impl<'a> Selection<'a> {
     }
 }
 
-/// Text with the different values of `axis` in `rows`; `None` if there is only one value.
+/// Text that lists the different values of the field `axis` in `rows`; `None` if all rows have the same value.
 fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
     match axis.among(rows).as_slice() {
         [] | [_] => None,
@@ -276,8 +276,8 @@ fn place(study: &Study, row: usize) -> String {
     }
 }
 
-/// Texts of the settings that are the same in all these rows: the object, unless it is swept, and all swept fields
-/// with only one value.
+/// Texts of the settings that are the same in all `rows`: the object, unless it is swept, and each swept field that has
+/// the same value in all these rows.
 pub(crate) fn in_common(study: &Study, rows: &[usize]) -> Vec<String> {
     let axes = study.cells().axes();
     let of_object = |header: &str| header.starts_with("scene.object");

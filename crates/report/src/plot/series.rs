@@ -70,8 +70,8 @@ pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) style: Style,
-    /// Whether the line is dashed and has no markers. A dashed line shows a second statistic of the series, for
-    /// comparison with the solid line.
+    /// Whether the line is dashed and has no markers. A dashed line shows a second statistic, which is compared with
+    /// the statistic of the solid line.
     pub(crate) dashed: bool,
     pub(crate) runs: Runs,
     /// Points with a circle around their marker.
@@ -343,8 +343,8 @@ impl Mark {
 }
 
 impl Content {
-    /// How much a label in this box would cover: 3 for each point in the box, and 1 for each of the 21 samples of a
-    /// line segment.
+    /// How much of the drawn data a label in this box would cover. Each point in the box counts 3. Each line segment is
+    /// sampled at 21 places, and each place in the box counts 1.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

@@ -56,7 +56,7 @@ pub(crate) struct Words {
     pub(crate) name: String,
     pub(crate) title: String,
     pub(crate) subtitle: String,
-    /// Lines of text below the content, for example about points that are not drawn.
+    /// Lines of text below the content of the figure, for example about points that are not drawn.
     pub(crate) notes: Vec<String>,
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Lower edge of everything that is already drawn, in drawing units from the top.
+    /// Lower edge of everything that is already drawn: its distance from the top of the sheet in drawing units.
     pub(crate) top: i32,
 }
 
@@ -169,7 +169,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws the entries of a key side by side, in as many rows as necessary. Each sample is `sample` wide.
+    /// Draws the entries of a key side by side, in as many rows as necessary. Each symbol is `sample` wide.
     pub(crate) fn key(&mut self, sample: i32, entries: &Key) -> Drawn {
         self.top += 36;
         let mut x = EDGE;
@@ -187,7 +187,8 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws an entry of a key: a sample of the width `wide` whose left end is at (x, y), and then its text.
+    /// Draws an entry of a key: the symbol `sample`, which has the width `wide` and its left end at (x, y), and then
+    /// the text.
     pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
         if let Some(ground) = sample.ground {
             let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];

@@ -24,15 +24,15 @@ const BESIDE: i32 = 198;
 pub(super) const BELOW: i32 = 48;
 /// Largest height of the box of the three-dimensional chart, in drawing units.
 const TALLEST: i32 = 1860;
-/// Distance between ticks, in drawing units. An axis has as many ticks as its length contains this distance, but at
-/// least 2 and at most 6.
+/// Distance between ticks, in drawing units. The length of an axis divided by this distance is its number of ticks, but
+/// there are at least 2 and at most 6 ticks.
 const APART: f64 = 192.0;
 
 /// A three-dimensional chart of the plotters library. Its x axis points to the right, its y axis up, and its z axis
-/// away from the viewer. Therefore, y and z of the contacts must be swapped.
+/// away from the viewer. In the tables, z points up. Therefore, y and z of the contacts must be swapped.
 pub(super) type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
-/// A scale that covers one coordinate of all positions. `axis` is the index of the coordinate (0, 1 or 2).
+/// A scale that covers one coordinate of all positions `places`. `axis` is the index of the coordinate (0, 1 or 2).
 pub(super) fn around(places: &[Vector], axis: usize) -> Scale {
     Scale::around(Spacing::Linear, places.iter().map(|place| place[axis]))
 }
@@ -89,8 +89,8 @@ impl View {
             [0.0, 0.0, 0.0, 1.0],
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
-        // Plotters draws the labels of an axis on the side that faces away from the middle of the drawing area. So this
-        // area determines the side.
+        // Plotters draws the labels of an axis on the side that faces away from the middle of the drawing area. So
+        // this drawing area determines on which side the labels are.
         let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
             ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;

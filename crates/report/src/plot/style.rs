@@ -16,8 +16,8 @@ pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
 
 pub(crate) const DARK: Colour = Colour(27, 29, 31);
 
-/// Colours that are replaced on a dark page, each with the colour that replaces it. All other colours are visible on
-/// white and on dark pages.
+/// Colours that are replaced when the reader's screen shows a dark page: pairs of a colour and its replacement. All
+/// other colours are visible on white and on dark pages.
 pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
     let light = Colour(232, 232, 230);
     let neutral = [
@@ -70,9 +70,9 @@ pub(crate) enum Marker {
     Ring,
     Plus,
     Cross,
-    /// Small disc for dense points, where larger markers would cover each other. It is never drawn open.
+    /// Small disc for dense points, where larger markers would cover each other. It is always filled.
     Dot,
-    /// Horizontal bar, which is visible on both sides of a dot. It is never drawn open.
+    /// Horizontal bar. It is longer than a dot, so it is visible even behind a dot. It is always filled.
     Dash,
 }
 

@@ -20,8 +20,8 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
         cells.study(&config("sphere", "claims = [1]"))
     };
     differs(&table(|_| 0.1), &["0 of 2 steps"]);
-    // The error grows in both steps to a lower relative curvature, but one error is 1.1 times as large as predicted. So
-    // the claim differs.
+    // The error grows in both steps to a lower relative curvature, but one of the errors is 1.1 times as large as
+    // predicted. So the claim differs.
     differs(
         &table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()),
         &["1.1 × the predicted"],
@@ -146,7 +146,7 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     cells.study(&config("sphere", claims))
 }
 
-/// Relative error of a roll whose shift of the contact is rounded to whole pads.
+/// Relative error of the curvature that is estimated from a roll if the shift of the contact is rounded to whole pads.
 fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
     0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
 }

@@ -14,7 +14,7 @@ pub(crate) fn config(a: f64, rest: &str) -> String {
     )
 }
 
-/// Invented errors of one method, on one surface and at one noise level.
+/// Invented errors of one estimator, on one surface and at one noise level.
 #[derive(Clone, Copy)]
 pub(crate) struct Made {
     pub(crate) gaussian: f64,

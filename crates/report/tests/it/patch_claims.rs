@@ -84,7 +84,8 @@ fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
             }
         })
     };
-    // The largest curvature κ is 0.2 on all surfaces. For the saddle, it is 2 × 0.1, computed from the config.
+    // The largest curvature κ is 0.2 on all surfaces. For the saddle, it is computed from the coefficient a = 0.1 in
+    // the config: κ = 2a.
     holds(&table(0.95, 0.3, 0.02, 0.02), &["95 % of the sphere"]);
     differs(&table(0.8, 0.3, 0.02, 0.02), &["80 % of the sphere"]);
     differs(&table(0.95, 0.95, 0.02, 0.02), &["95 % (saddle)"]);

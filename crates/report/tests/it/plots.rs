@@ -8,7 +8,7 @@ const BASIC: &str = "[[plot]]\nx = \"scene.noise.angular_velocity.fraction\"\ny 
 
 #[test]
 fn a_study_without_plots_gets_the_default_plot() {
-    // The plot below is equal to the default plot. The first axis, the radius, is drawn along x.
+    // The plot below is equal to the default plot, which draws the first swept field, the radius, along x.
     let asked = "[[plot]]\nx = \"scene.object.radius\"\ny = \"relative_rms_error\"\n\
         series = \"scene.noise.angular_velocity.fraction\"\nscale = \"log-log\"\n";
     assert_eq!(

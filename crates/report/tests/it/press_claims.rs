@@ -6,7 +6,8 @@ use palpate_report::{Study, score};
 
 // ---- Claim 15: R² of the Gaussian
 
-/// Table with an R² for each layout of the profile's samples. All rows have this number of trials and this estimator.
+/// Table with an R² for each layout of the profile's samples. All rows have the number of trials `trials` and the
+/// estimator `estimator`.
 fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
     let mut cells = Cells::new("scene.probe.layout,scene.estimator");
     for (layout, found) in by_layout {
@@ -41,7 +42,7 @@ fn claim_15_holds_if_some_weighting_gives_the_published_value() {
         &study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
         &["0.977 (equal steps, calibrated gaussian), 0.972"],
     );
-    // If one of two table rows with the same layout of samples contradicts the published value, the claim fails.
+    // If one of two table rows with the same layout of samples contradicts the published R², the claim fails.
     differs(
         &study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
         &["0.961 to 0.98 (equal steps, calibrated gaussian)"],

@@ -55,7 +55,7 @@ fn missing_readings_are_not_drawn() {
     ));
     assert!(!profile.contains("along the skin"));
     assert!(says(&profile, "distance from the contact (mm)"));
-    // In this case, the readings contain no marker.
+    // These readings consist of the header only, so no marker has a reading.
     let [quiver, profile] = drawn(TRACE, READINGS.lines().next().unwrap());
     assert!(says(&quiver, "5 markers, 5 without a reading."));
     assert_eq!(heights(&profile, VERMILION).len(), 1);

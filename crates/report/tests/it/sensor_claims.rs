@@ -14,9 +14,9 @@ fn mean(mean: f64) -> Numbers {
 
 // ---- Claim 14: straight lines
 
-/// Table with the changes of hue and the shift of the centroid, for all objects, three indentations and three
-/// displacements along the skin. `hue` computes the changes of hue from the number of the object and the indentation.
-/// `centroid` computes the shift from the number of the object and the displacement.
+/// Table with the changes of a marker's hue and the shift of its centroid in the image, for all objects, three
+/// indentations and three displacements along the skin. `hue` computes the changes of hue from the number of the object
+/// and the indentation. `centroid` computes the shift from the number of the object and the displacement.
 fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f64) -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {
@@ -99,7 +99,7 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
         &few("hue_change", "indentation"),
         &["the hue of the summed light at three or more indentations"],
     );
-    // The table contains hues, but no shift.
+    // The table contains hues of the marker, but no shifts of its centroid.
     let mut cells = Cells::new("scene.motion.indentation_mm");
     for depth in ["0.4", "0.8", "1.2"] {
         for hue in ["hue_change,1/mm", "mean_hue_change,1/mm"] {
@@ -112,13 +112,13 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
 
 // ---- Claim 22: slopes of the straight lines
 
-/// A study of two sensors. `hue` are the slopes of the mean hue and `centroid` those of the centroid, per millimetre.
-/// The hue of the summed light does not change.
+/// A study of two sensors. For each sensor, `hue` is the slope of the mean hue and `centroid` the slope of the
+/// centroid, per millimetre. The hue of the summed light is the same at all indentations.
 fn slopes(hue: [f64; 2], centroid: [f64; 2]) -> Study {
     slopes_with("", hue, centroid)
 }
 
-/// The same study as [`slopes`], with the additional keys `probe` in the config of the probe.
+/// The same study as [`slopes`], with the text `probe` added to the config of the probe.
 fn slopes_with(probe: &str, hue: [f64; 2], centroid: [f64; 2]) -> Study {
     let mut cells = Cells::new("scene.sensor,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, sensor) in ["as designed", "nearer camera"].into_iter().enumerate() {
@@ -219,7 +219,7 @@ fn claim_18_needs_each_number_of_gores() {
     untestable(&gores(&all, &[]), missing);
 }
 
-// ---- Claim 19: the fisheye
+// ---- Claim 19: the fisheye lens
 
 /// A study with the image area of a marker at 0°, 30° and 60°, for each lens.
 fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> Study {
@@ -256,7 +256,7 @@ fn claim_19_needs_both_lenses_at_several_angles() {
     untestable(&areas(&[even]), &["under the pinhole"]);
     let lone = ("pinhole", [Some(100.0), None, None]);
     untestable(&areas(&[even, lone]), &["under the pinhole"]);
-    // Areas that are not positive have no ratio.
+    // Areas in the image that are not positive have no ratio.
     let none = ("fisheye", [Some(0.0), Some(0.0), Some(-1.0)]);
     untestable(&areas(&[none, ("pinhole", even.1)]), &["under the fisheye"]);
 }

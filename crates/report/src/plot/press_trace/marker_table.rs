@@ -84,7 +84,7 @@ pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
     })
 }
 
-/// Returns an error if one of the first `columns` columns of a table has another unit than `unit`.
+/// Returns an error if the unit of one of the first `columns` columns of a table is not `unit`.
 fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
     match (0..columns).find(|column| table.unit(*column) != unit) {
         None => Ok(()),
@@ -132,8 +132,8 @@ impl Trace {
         self.markers.iter().filter(lost).count()
     }
 
-    /// Root-mean-square errors of the readings: first of the normal displacement, then of the displacement along the
-    /// skin.
+    /// Root-mean-square errors of the readings: the error of the normal displacement, and the error of the displacement
+    /// along the skin.
     pub(super) fn off(&self) -> (Option<f64>, Option<f64>) {
         let read = || {
             let markers = self.markers.iter();

@@ -1,13 +1,13 @@
 //! Computes, for each marker, the direction along the skin away from the contact. The tables state only the distance
 //! of each marker from the contact, so the position of the contact is fitted to these distances.
 
-/// Number of equal steps in the first part of the search for the curvature of the skin.
+/// Number of equal steps of the skin's curvature in the coarse search, which comes first.
 const STEPS: u32 = 60;
-/// Number of golden-section steps in the second part of the search. They narrow the range around the best curvature of
-/// the skin.
+/// Number of golden-section steps in the fine search for the skin's curvature. The fine search starts from the
+/// curvature that fits best in the coarse search.
 const REFINEMENTS: u32 = 60;
-/// Largest curvature of the skin that is tried, multiplied by the largest distance from the contact. With π, this
-/// distance would be half a great circle.
+/// Largest curvature of the skin that the search tries, multiplied by the largest distance of a marker from the contact
+/// or the apex. The product must be less than π, because with π this distance would be half a great circle.
 const ROUNDEST: f64 = 3.1;
 /// Regularisation of the least-squares fit: the trace of the matrix of the normal equations, multiplied by this number,
 /// is added to the diagonal of this matrix. The solution is then unique, even if the positions do not determine all
@@ -57,7 +57,7 @@ pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64
     places.iter().map(|place| best.away_at(*place)).collect()
 }
 
-/// Position of the contact on a sphere with this curvature. The origin is at the apex, above the centre of the sphere.
+/// Fitted position of the contact on a sphere with the curvature `curvature`. The origin is at the apex of the sphere.
 struct Contact {
     curvature: f64,
     place: [f64; 3],
@@ -68,8 +68,8 @@ struct Contact {
 
 impl Contact {
     /// Fits the position C of the contact on a sphere with this curvature, so that the chords from C to the markers p
-    /// agree best with the distances. With the origin at the apex and the radius R, |p − C|² = |p|² − 2 p·C − 2 R C_z.
-    /// This is linear in the unknowns C_x, C_y and R C_z.
+    /// agree best with the given distances. With the origin at the apex and the radius R, |p − C|² = |p|² − 2 p·C − 2 R
+    /// C_z. This is linear in the unknowns C_x, C_y and R C_z.
     fn fitted(curvature: f64, places: &[[f64; 2]], distances: &[f64]) -> Self {
         let chord = |length: f64| length * over(0.5 * length * curvature);
         let rows: Vec<([f64; 3], f64)> = places
@@ -94,8 +94,8 @@ impl Contact {
         }
     }
 
-    /// Unit vector along the skin away from the contact, at a marker, in the parallel-transported axes; `None` at the
-    /// contact.
+    /// Unit vector along the skin away from the contact, at the marker at `place`. Its components are along the axes
+    /// that are parallel-transported from the apex to the marker. `None` at the contact.
     fn away_at(&self, place: [f64; 2]) -> Option<[f64; 2]> {
         let length = libm::hypot(place[0], place[1]);
         let [x, y, z] = on_sphere(place, self.curvature);

@@ -31,9 +31,9 @@ const SAMPLE: i32 = 120;
 /// Width and height of the strip in the key that shows the shades of grey, in drawing units.
 const STRIP: Point = (78, 570);
 const SHADES: i32 = 95;
-/// Grey of the smallest normal displacement. Arrows are visible on this grey.
+/// Grey of the markers with the smallest normal displacement. It is light enough for arrows to be visible on it.
 const LIGHT: Colour = Colour(252, 252, 252);
-/// Grey of the largest normal displacement. Arrows are visible on this grey.
+/// Grey of the markers with the largest normal displacement. It is light enough for arrows to be visible on it.
 const DARK: Colour = Colour(130, 130, 130);
 
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
@@ -102,7 +102,7 @@ struct Quiver<'a> {
     trace: &'a Trace,
     shade: Scale,
     radius: f64,
-    /// Largest displacement of a marker along the skin, in the unit of the tables.
+    /// Largest displacement of a marker along the skin, in the length unit of the tables.
     longest: f64,
     /// Length of an arrow in drawing units, divided by the displacement that the arrow shows. `None` if no marker moves
     /// along the skin.
