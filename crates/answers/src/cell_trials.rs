@@ -28,8 +28,8 @@ pub(crate) struct CellTrials<'a> {
     /// Function that receives the progress: the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
     scenes: BTreeMap<Place, Setup>,
-    /// Trials of each cell at each tested value of the searched field. The flag is `false` for the trials of the
-    /// search, and `true` for the fresh trials that verify the answer.
+    /// Trials of each cell at each tested value of the searched field. The second part of the key is `false` for the
+    /// trials of the search, and `true` for the fresh trials that verify the answer.
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
@@ -73,8 +73,8 @@ impl<'a> CellTrials<'a> {
         }
     }
 
-    /// Results of all cells at the value `value` of the searched field, from the fresh trials if `is_fresh` is true,
-    /// otherwise from the trials of the search.
+    /// Results of all cells at the value `value` of the searched field, either from the fresh trials (`is_fresh`) or
+    /// from the trials of the search.
     pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self

@@ -200,7 +200,8 @@ impl Searches<'_> {
     }
 }
 
-/// Side of the target of that range in `runs` which contains `value`; `None` if no range contains it.
+/// Side of the target on which `value` lies: the side of the range in `runs` that contains `value`. `None` if no range
+/// contains it.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

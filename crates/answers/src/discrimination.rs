@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::cell_trials::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// The sentences state the share of failed trials if it is larger than this value.
+/// The sentences mention failed trials only if the share of failed trials is larger than this value.
 const STATED_FAILURES: f64 = 0.05;
 
 /// How reliably the objects of a study are distinguished, both by one trial of each object and by the means of several
@@ -55,8 +55,8 @@ pub struct Object {
     pub label: Vec<String>,
     /// True value of the compared quantity, or its mean if it differs between trials; `None` if every trial failed.
     pub truth: Option<f64>,
-    /// The true class of more than half of the places on the observed patch; `None` if there is no such class, or if
-    /// the compared quantity is not `class`.
+    /// For the quantity `class`: the true class of more than half of the places on the observed patch of the object.
+    /// `None` for other quantities, or if no class has so many places.
     pub class: Option<&'static str>,
     /// Number of trials of this object, and number of failed trials.
     pub counts: TrialCounts,
@@ -80,7 +80,7 @@ pub struct Pair {
 }
 
 impl Object {
-    /// The object of a cell. `means` contains, for each trial, the mean estimate and the mean true value; `None` for
+    /// The object of a cell. `means` contains the mean estimate and the mean true value of each trial; `None` for
     /// failed trials.
     pub(crate) fn new(
         cell: usize,
@@ -94,8 +94,8 @@ impl Object {
             let mean: f64 = found().map(|one| of(one) / count).sum();
             (count > 0.0 && mean.is_finite()).then_some(mean)
         };
-        // Use the true value of the first trial. The true values of all trials are equal, apart from rounding errors
-        // and from the effect of a press's indentation.
+        // Use the true value of the first successful trial: the true values of all trials are equal, apart from
+        // rounding errors and, in a press, an effect of the indentation.
         let first = found().next().map(|(_, truth)| *truth);
         let is_same = found().all(|(_, truth)| Some(*truth) == first);
         Self {

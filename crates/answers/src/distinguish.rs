@@ -66,7 +66,7 @@ pub fn distinguish(
     if cells > MAX_CELLS {
         return Err(AnswerError::TooManyCells(cells));
     }
-    // Check the quantity first, so that the error about the quantity is reported if the objects are wrong too.
+    // Check the quantity before the objects: if both are wrong, the error about the quantity is reported.
     let first = study.cell(0)?.config.scene;
     let (_, compared) = place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
@@ -168,7 +168,7 @@ struct Layout {
     groups: Vec<(Vec<String>, Members)>,
 }
 
-/// Index of each cell in a group, with the values that define the cell's object.
+/// The cells of a group: index of each cell, and the values that define the object of this cell.
 type Members = Vec<(usize, Vec<String>)>;
 
 fn grouped(study: &Study) -> Result<Layout, AnswerError> {

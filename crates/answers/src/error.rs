@@ -11,7 +11,7 @@ pub(crate) const MAX_CELLS: usize = 1000;
 /// Reason why a question has no answer.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AnswerError {
-    /// The config is invalid, either by itself or with some values of a varied field.
+    /// The config is invalid, either as given, or with some values of a varied field.
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// A setting of the question is out of its range.
@@ -78,7 +78,7 @@ pub enum AnswerError {
         /// Reason why the statistic is undefined, and what would be right, as text.
         why: &'static str,
     },
-    /// There is no error that a field could change, because every trial fails or every estimate is exact.
+    /// No field can change the error of the estimates, because every trial fails or every estimate is exact.
     #[error("the scene has no error that could change: {0}")]
     NoError(&'static str),
     /// The varied fields have too many combinations of values.

@@ -13,7 +13,7 @@ pub struct Field {
     pub path: String,
     /// Name of the field's column in tables: the path, with the unit appended if there is one.
     pub column: String,
-    /// Name of the field in words, and its unit.
+    /// Name of the field in words, and the field's unit.
     pub label: Label,
     /// Values that the question lists for the field; empty if it gives a range of numbers.
     pub listed: Vec<toml::Value>,
@@ -100,7 +100,8 @@ impl Field {
         (self.path.clone(), vec![value])
     }
 
-    /// The number for `value`; `None` if `value` is the index of a listed value that is not a number.
+    /// The value as a number. If the field has listed values, `value` is an index in the list, and the result is the
+    /// listed number. `None` if the listed value is not a number.
     pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),

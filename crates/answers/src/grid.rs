@@ -5,12 +5,12 @@ use crate::field::Field;
 use crate::search::SearchRange;
 
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values of a field with a range in the grid of the fields that are not searched: in a grid of one field, of
-/// two fields, and of three or more fields.
+/// Number of values of a grid field that is given as a range, if the grid has one field, two fields, or three or more
+/// fields. The grid consists of the varied fields that are not searched.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
-/// All combinations of the grid fields' values. The value of the last field changes fastest. Without fields, there is
-/// one empty combination. Values within a range are rounded to steps that are small compared with `gap`.
+/// All combinations of the grid fields' values. The value of the last field changes fastest. If `fields` is empty,
+/// there is one empty combination. Values within a range are rounded to steps that are small compared with `gap`.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];

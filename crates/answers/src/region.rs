@@ -62,7 +62,7 @@ pub struct RegionColumn {
 pub struct DesignPoint {
     /// The tested value of the searched field. For a listed value, its index in the list.
     pub value: f64,
-    /// Side of the target on which the value lies; `None` if it is undecided.
+    /// Side of the target on which the tested value lies; `None` if the trials have not decided this.
     pub side: Option<Side>,
     /// Index of the decisive cell: the cell that meets the target least clearly, or misses it most clearly.
     pub worst: usize,
@@ -154,8 +154,8 @@ impl Region {
         })
     }
 
-    /// Fields with one fixed value: those that the question sets, and the fields that are not searched at their
-    /// combination `place` of values.
+    /// Fields with one fixed value: the fields that the question sets, and the fields of the grid at the combination
+    /// `place` of their values.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));
@@ -171,8 +171,8 @@ impl Region {
         }
     }
 
-    /// Whether the answer is the largest or the smallest value of the searched field; `None` if another field or no
-    /// field is optimised.
+    /// Whether the answer is the largest or the smallest value of the searched field; `None` if the searched field is
+    /// not optimised.
     pub(crate) fn searched_extreme(&self) -> Option<Extreme> {
         let sought = self.question.sought.as_ref()?;
         (sought.path == self.searched.path).then_some(sought.extreme)
@@ -236,8 +236,8 @@ impl Region {
         sample.counts.failure_rate() > self.question.max_failures
     }
 
-    /// The result of the decisive cell at a tested value. If too many trials fail in a cell, the cell with the largest
-    /// share of failures is decisive. Otherwise, the cell with the worst statistic is decisive.
+    /// The result of the decisive cell at a tested value. If too many trials fail in any cell, the decisive cell is
+    /// that with the largest share of failures. Otherwise, it is the cell with the worst statistic.
     pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
@@ -257,9 +257,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Orders two results; the worse result is the greater one. Results with too many failures or without a statistic
-    /// are worse than all others, and are ordered by their shares of failures. The other results are ordered by their
-    /// statistics.
+    /// Compares the results of two cells; the worse result is the greater one. Results with too many failures or
+    /// without a statistic are worse than all others, and are ordered by their shares of failures. The other results
+    /// are ordered by their statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),

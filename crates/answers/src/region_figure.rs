@@ -1,4 +1,4 @@
-//! The figure of a region.
+//! Makes the figure of a [`Region`], the answer of `palpate design`.
 
 use palpate_report::{
     CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
@@ -44,8 +44,8 @@ impl Region {
             one.at[..further.len()] == other.at[..further.len()]
         };
         let mut panels: Vec<&[RegionColumn]> = self.columns.chunk_by(is_beside).collect();
-        // Draw no panels for combinations that were tested only to refine the best value: a panel needs a whole row of
-        // neighbouring combinations.
+        // Draw no panels for combinations that were added to the grid only to refine the best value. A panel needs
+        // several neighbouring combinations, and such combinations have no neighbours.
         if panels.iter().any(|columns| columns.len() > 1) {
             panels.retain(|columns| columns.len() > 1);
         }

@@ -137,7 +137,7 @@ impl Region {
         pairs.map(|(field, value)| (field.path.clone(), json_of(field, *value)))
     }
 
-    /// The results at one combination of the other varied fields' values, as fields of a JSON object.
+    /// The results at one combination of the grid's values, as entries of a JSON object.
     fn column_json(&self, column: &RegionColumn) -> Map<String, Value> {
         let value = |value: f64| json_of(&self.searched, value);
         let runs = |side: Side| -> Value {

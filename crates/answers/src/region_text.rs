@@ -203,8 +203,8 @@ impl Region {
         }
     }
 
-    /// The first end of a range of values that misses the target at which too many trials fail, with the result of its
-    /// decisive cell. The ends of the whole searched range are ignored.
+    /// Among the ends of ranges that miss the target: the first end at which too many trials fail, with the result of
+    /// its decisive cell. The ends of the whole searched range are ignored.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,
@@ -282,8 +282,8 @@ impl Region {
         }
     }
 
-    /// The result at a tested value, in words: the target's statistic or, if too many trials fail, the share of failed
-    /// trials.
+    /// The result at a tested value in words. If too many trials fail, this is the share of failed trials; otherwise,
+    /// it is the target's statistic.
     fn result_at(&self, point: &DesignPoint, sample: &Sample) -> String {
         let (value, label) = (self.searched.value(point.value), self.label());
         if self.is_failing(sample) || sample.counts.failed == sample.counts.trials {

@@ -5,8 +5,8 @@
 //! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly
 //! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. Each
 //! attempt to verify an end may be wrong with half the probability of the previous attempt. These bounds are valid for
-//! any curve of the scores. However, the search does not detect a curve that crosses the limit of the target twice
-//! between two tested values.
+//! any curve of the scores. However, if a curve crosses the limit of the target twice between two tested values, the
+//! search does not detect this.
 
 mod explore;
 mod limits;
@@ -43,7 +43,7 @@ pub(crate) struct ScoreRequest {
     pub(crate) fresh: bool,
 }
 
-/// Returns the scores of cells as functions (curves) of the searched field's value.
+/// Computes the scores of the cells. The scores of a cell are a function (a curve) of the searched field's value.
 ///
 /// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
 pub(crate) trait Curves {

@@ -28,7 +28,7 @@ pub struct Sensitivity {
     pub unit: &'static str,
     /// Number of trials for each value of a field.
     pub trials: u64,
-    /// Rms error of the quantity if all fields have their values from the config.
+    /// Rms error of the quantity with the values that the config states for all fields.
     pub rms_error: f64,
     /// Fields with their effects on the rms error. The field with the largest effect is first.
     pub effects: Vec<FieldEffect>,
@@ -179,8 +179,8 @@ struct ErrorRuns<'a> {
 }
 
 impl ErrorRuns<'_> {
-    /// Runs the trials with these values of the fields. Returns the root mean square of the true values, and the
-    /// squared error of the quantity in each trial.
+    /// Runs the trials after setting `fields` to their given values. Returns the root mean square of the true values,
+    /// and the squared error of the quantity in each trial.
     fn at(
         &self,
         fields: &[(String, Vec<toml::Value>)],
@@ -265,7 +265,7 @@ impl ErrorRuns<'_> {
             return Err("no trial succeeds at both values, or one value has no error".to_owned());
         }
         // Compute the standard error of the effect from pairs of trials with the same random numbers, because the
-        // errors of both means are correlated.
+        // errors of the two mean squared errors are correlated.
         let influences = pairs
             .iter()
             .map(|pair| 0.5 * (pair[1] / means[1] - pair[0] / means[0]));

@@ -9,8 +9,8 @@ use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_a
 /// If no trial of a cell succeeds, the target's statistic does not exist. The cell then counts as missing the target if
 /// its share of failed trials is significantly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
-/// Resolution of an estimated quantile, relative to the distance between quantile and true value. It is limited,
-/// because quantiles are computed from a histogram.
+/// Resolution of an estimated quantile, relative to the distance between the quantile and the true value. It is
+/// limited, because quantiles are computed from a histogram.
 const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
 /// The target of a question, for one scene: a limit on a statistic of one of the scene's quantities.
@@ -48,7 +48,7 @@ impl SceneTarget {
         self.quantities[self.place]
     }
 
-    /// Batches without trials, for only those quantities that the target needs.
+    /// Empty batches of trials, which collect only the quantities that the target needs.
     pub(crate) fn batches(&self, first: u64) -> Batches {
         let of = self.quantity().inverse_of(self.quantities);
         let stored = [self.place].into_iter().chain(of).collect();
@@ -144,8 +144,8 @@ impl SceneTarget {
         }
     }
 
-    /// Distance of an estimated statistic from the limit in standard errors (its score), after `successes` successful
-    /// trials.
+    /// Score of an estimated statistic: its distance from the limit of the target, in standard errors. `successes` is
+    /// the number of successful trials.
     fn score(&self, estimate: &Estimate, successes: u64) -> f64 {
         let Target {
             statistic,

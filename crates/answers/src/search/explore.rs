@@ -33,8 +33,8 @@ const GROWTH: f64 = 4.0;
 /// Largest factor by which the number of trials is increased in one round at the undecided values within a crossing (a
 /// change between meeting and missing the target).
 const MOST_GROWTH: f64 = 16.0;
-/// Smallest factor by which the number of trials is increased. If the time budget is too short for a larger factor, the
-/// factor is halved repeatedly. Below this smallest factor, the exploration ends.
+/// Smallest factor by which the number of trials is increased in a round. If the time budget is too short for a larger
+/// factor, the factor is halved repeatedly. The exploration ends when the factor would be smaller than this.
 const LEAST_GROWTH: f64 = 1.5;
 /// Largest distance between neighbouring tested values within a crossing (a change between meeting and missing the
 /// target), as a share of the crossing's width. If two neighbours are farther apart, a value between them is tested.
@@ -57,8 +57,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
         SearchRange::Span(span) => span.spread(SCANNED, rules.gap),
         SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
     };
-    // Measure the time of a trial. The first round also includes the time to set up the scenes, so only the second
-    // round counts.
+    // Measure the time of a trial in the second round. The first round also includes the time to set up the scenes.
     for trials in [FIRST / 2, FIRST] {
         let mut asks: Vec<ScoreRequest> = Vec::new();
         for &value in &values {
@@ -104,7 +103,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
     }
 }
 
-/// Requests the scores for `asks`, and stores them in `points`.
+/// Requests the scores `asks` from the curves, and stores the scores in `points`.
 fn request<C: Curves + ?Sized>(
     curves: &mut C,
     points: &mut Points,

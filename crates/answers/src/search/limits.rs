@@ -89,7 +89,7 @@ impl<'a> Effort<'a> {
         done
     }
 
-    /// Whether `trials` trials are expected to end within the share `share` of the budget.
+    /// Whether `trials` more trials are expected to end before the share `share` of the time budget is used.
     pub(super) fn allows(&self, trials: u64, share: f64) -> bool {
         self.budget.is_none_or(|budget| {
             let after = (self.clock)().as_secs_f64() + self.seconds(trials);
@@ -97,7 +97,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of `trials` (at most 1) that can be run in the remaining time.
+    /// Share (at most 1) of `trials` more trials that can be run in the remaining time.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

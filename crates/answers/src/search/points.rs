@@ -66,7 +66,8 @@ impl Point {
         trials.max().unwrap_or(0)
     }
 
-    /// Adds requests for `factor` times as many trials, for the cells that are undecided at this value.
+    /// Requests `factor` times as many trials of each cell that is undecided at this value. The requests are added to
+    /// `asks`.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {

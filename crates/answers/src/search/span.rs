@@ -1,4 +1,4 @@
-//! The range of values that a search explores.
+//! Range of values that a search explores, and positions of values in this range.
 
 /// A range of a field's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +109,7 @@ impl Span {
     }
 }
 
-/// The number `value`, rounded to the first significant decimal place of `step`.
+/// The number `value`, rounded to a multiple of the power of ten in the first significant digit of `step`.
 fn rounded(value: f64, step: f64) -> f64 {
     let place = |number: f64| {
         let text = format!("{:e}", number.abs());

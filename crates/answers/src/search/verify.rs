@@ -39,8 +39,8 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// A range without ends to verify: it covers the whole explored range, or is a single listed value. The value with
-    /// the smallest score is verified instead.
+    /// A range without ends to verify: it covers the whole explored range, or is a single listed value. Instead of an
+    /// end, the value with the smallest score is verified.
     Weakest,
 }
 
@@ -110,7 +110,7 @@ fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests for the trials that verify an end of a range. If the range meets the target, trials of all cells are
+/// Requests for the fresh trials that verify an end of a range. If the range meets the target, trials of all cells are
 /// requested. If it misses the target, only trials of the cell with the smallest score are requested.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);

@@ -25,7 +25,7 @@ fn runner(threads: usize) -> Runner {
     Runner::new(&options).unwrap()
 }
 
-/// Pseudo-random number in (0, 1) for an index (SplitMix64). Numbers of different indices are independent.
+/// Pseudo-random number in (0, 1) for an index (SplitMix64). Different indices give independent numbers.
 fn uniform(index: u64) -> f64 {
     let mut bits = index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -34,7 +34,7 @@ fn uniform(index: u64) -> f64 {
     ((bits >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
-/// Standard normal number for an index (Box and Muller). Numbers of different indices are independent.
+/// Standard normal number for an index (Box and Muller). Different indices give independent numbers.
 fn normal(index: u64) -> f64 {
     let (radius, angle) = (uniform(2 * index + 1), uniform(2 * index + 2));
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)
@@ -73,7 +73,8 @@ impl Trial for Noisy {
 /// Scale of the errors and share of failed trials, as a function of the searched value.
 type Curve = fn(f64) -> (f64, f64);
 
-/// Curve of the rms error of [`Noisy`] trials. The target is an rms error of at most 1 with at most 5 % failures.
+/// Rms error of [`Noisy`] trials as a function of the searched value. The target is an rms error of at most 1 with at
+/// most 5 % failures.
 struct Noise<'a> {
     runner: &'a Runner,
     seed: u64,
