@@ -123,8 +123,8 @@ fn ep2_errors() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Errors of the markers that the tracker finds in two frames. One frame is a drawing on a dark background. The other
-/// is rendered as the sensor's camera would record it.
+/// Errors of the markers that the tracker finds in two frames. One frame is drawn with discs on a dark background. The
+/// other is rendered as the sensor's camera would record it.
 fn frame_errors() -> Result<Figures> {
     let (frame, discs) = camera_frames::frame(640);
     let dark = camera_frames::errors(&camera_frames::finder(640).find(&frame)?.markers, &discs);
@@ -175,8 +175,8 @@ fn press_errors() -> Result<Figures> {
     Ok(figures.map(name).to_vec())
 }
 
-/// Largest error of the displacements of `body`, divided by the largest displacement. The reference is a quadrature
-/// over wavenumbers.
+/// Largest error of the displacements that the model `body` computes, divided by the largest displacement. The
+/// reference is a quadrature over wavenumbers.
 fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Result<f64> {
     let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
     let truth = ParaboloidPress::new(reference, 1.0 / SKIN, INDENTATION)?;

@@ -14,8 +14,8 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// Gap between a value that meets the target and a value that misses it in the reference answer, relative to the same
-/// gap in the checked answer. A gap that is ten times smaller needs 100 times the trials.
+/// Width of the undecided gap (between a value that meets and a value that misses the target) in the reference answer,
+/// divided by its width in the checked answer. A gap that is ten times smaller needs 100 times the trials.
 const REFERENCE_GAP: f64 = 0.1;
 const REFERENCE_SEED: u64 = 1_000_003;
 /// Number of the first fresh trial. Fresh trials test the probabilities that `distinguish` estimated from trials with
@@ -61,7 +61,7 @@ impl Score {
     }
 }
 
-/// Scores of all scenes. `report` is called with each score as soon as it is computed.
+/// Computes the scores of all scenes. Calls `report` with each score as soon as it is computed.
 ///
 /// # Errors
 /// An error if a scene cannot be set up.
@@ -207,9 +207,9 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
     Ok(score)
 }
 
-/// Whether an estimated probability agrees with the share of fresh pairs in the right order. The allowed difference
-/// combines the half-width of the probability's interval with the standard error of the share, because every seed is
-/// compared with the same share.
+/// Whether an estimated probability agrees with the share of pairs of fresh trials in the right order. The allowed
+/// difference combines two uncertainties: the half-width of the probability's interval, and the standard error of the
+/// share, because every seed is compared with the same share.
 fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
     let side = match share < order.probability {
         true => order.probability - order.low,

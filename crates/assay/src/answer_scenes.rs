@@ -1,8 +1,8 @@
 //! Scenes on which the answers of `design` and `distinguish` are checked.
 
 /// A question for `design`: a target, the varied field, and the largest allowed gap between a value that meets the
-/// target and a value that misses it. A larger gap would make the check meaningless, and a smaller gap would need too
-/// many trials.
+/// target and a value that misses it. If this gap were larger, the check would be meaningless; if it were smaller, the
+/// check would need too many trials.
 #[derive(Debug)]
 pub(crate) struct Design {
     pub(crate) name: &'static str,

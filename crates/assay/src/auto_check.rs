@@ -26,7 +26,7 @@ pub use auto_choice::{AutoChoice, SCENES};
 pub use auto_scenes::{Kind, config_text};
 pub use competing_models::CompetingModel;
 
-/// The choices of `auto` on all random scenes, first all rolls, then all glides, then all presses.
+/// The models that `auto` chooses on all random scenes: first all rolls, then all glides, then all presses.
 ///
 /// # Errors
 /// Errors of [`AutoChoice::new`].
@@ -78,8 +78,8 @@ struct Verdict<'a> {
 }
 
 impl<'a> Verdict<'a> {
-    /// Finds the cheapest model within the tolerance. `counts` yields the number of instructions of each model in
-    /// [`AutoChoice::counted`].
+    /// Finds the cheapest model within the tolerance for the scene of `choice`. `counts` yields the number of
+    /// instructions of each model in [`AutoChoice::counted`].
     fn new(choice: &'a AutoChoice, counts: &mut impl Iterator<Item = u64>) -> Self {
         let counted: Vec<(usize, u64)> = choice.counted().zip(counts).collect();
         let taken = counted.iter().find(|(place, _)| *place == choice.taken);
@@ -139,7 +139,8 @@ fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
 }
 
 /// Summary for each kind of scene: how many scenes pass the check, how many have competing models or an independent
-/// reference, and the largest ratio of costs. Returns an error if a scene fails the check.
+/// reference, and the largest ratio of the chosen model's cost to the cheapest model's cost. Returns an error if a
+/// scene fails the check.
 fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {
         let of = || verdicts.iter().filter(move |one| one.choice.kind == kind);

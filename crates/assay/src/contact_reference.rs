@@ -41,7 +41,7 @@ impl RollEnd {
     }
 
     /// The end of a roll within a plane that contains the object's axis of symmetry. `path` is the length of the
-    /// contact's path. The last contact point on the object has the given `distance` from the axis and the given
+    /// contact's path. The roll ends at a contact point with the distance `distance` from this axis and the height
     /// `height`.
     fn new(direction: f64, path: f64, [distance, height]: [f64; 2]) -> Self {
         let ahead = Vector3::new(libm::cos(direction), libm::sin(direction), 0.0);
@@ -66,9 +66,9 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)). If the object is concave, the contact is
-    // farthest from the axis for s = 1. If it is convex, the contact is never farther from the axis than the centre of
-    // the tip.
+    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)). On a concave object, s = 1 gives the point
+    // that is farthest from the axis. On a convex object, no contact is farther from the axis than the centre of the
+    // tip.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
@@ -83,8 +83,8 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
         let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
         let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
         let height = 1.0 - x * x / squares[0] - y * y / squares[1];
-        // A larger g moves the contact away from the axis. If g is too large, the contact would be outside of the
-        // ellipsoid, and the result is `None`.
+        // The larger the unknown g, the farther is the contact from the axis. If g is too large, the contact would be
+        // outside of the ellipsoid, and the result is `None`.
         (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
     };
     let is_less = |g: f64| {
@@ -114,8 +114,8 @@ pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     [x, y, a * libm::sin(x / l) * libm::cos(y / l)]
 }
 
-/// The largest number for which `holds` is true, by bisection to the last bit. `holds` must be true for all smaller
-/// numbers and false for all larger ones.
+/// The largest number for which `holds` returns true, found by bisection to the last bit. `holds` must return true for
+/// all smaller numbers and false for all larger ones.
 fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     while let middle = 0.5 * (low + high)
         && low < middle

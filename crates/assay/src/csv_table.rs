@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-/// Name of a column, and the text of a row in this column.
+/// A cell of a table: the name of the column, and the text in this column.
 pub type Column = (&'static str, String);
 
 /// Writes a table. The header consists of the column names of the first row.

@@ -105,7 +105,8 @@ fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Re
     Ok(Score::new(&scenes.collect::<Result<Vec<_>>>()?))
 }
 
-/// Text about the limit on the share of warnings that a family violates; `None` if it violates no limit.
+/// Text about the limit on the share of warnings that a family of scenes violates; `None` if it violates no limit.
+/// `score` is the result of the family.
 fn miss(flaw: &str, score: &Score) -> Option<String> {
     match flaw {
         "" => (score.warned > MAX_FALSE_ALARMS && score.coverage[2] >= CORRECT_COVERAGE)

@@ -119,7 +119,8 @@ impl ParaboloidPress {
     }
 }
 
-/// Largest error of the displacements `found`, relative to the largest displacement in `truth`.
+/// Largest difference between the displacements `found` and the true displacements `truth`, divided by the largest true
+/// displacement.
 pub fn largest_error(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
     let pairs = truth.iter().flatten().zip(found.iter().flatten());
     let off = pairs.fold(0.0, |most: f64, (truth, one)| most.max((one - truth).abs()));

@@ -20,7 +20,7 @@ use crate::workloads::{camera_frames, ep2_contacts};
 
 /// Number of patches in the tasks that have few contacts per patch.
 const PATCHES: u64 = 200;
-/// Number of contacts of the large patch.
+/// Number of contacts in the task with one large patch.
 const MANY: usize = 100_000;
 /// Side lengths of the frames, px.
 const FRAMES: [usize; 2] = [640, 1024];
@@ -45,7 +45,7 @@ struct Figure {
 }
 
 impl Figure {
-    /// Measures the time per task of `run`. Each call of `run` performs the task `times` times.
+    /// Measures the time of `run`, divided by `times`. Each call of `run` performs a task `times` times.
     fn measured<T>(
         task: impl Into<String>,
         rung: impl Into<String>,
@@ -135,7 +135,7 @@ pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>
 }
 
 /// Measures the detection of markers in frames with a dark background. If the number of detected markers is wrong, the
-/// error is infinite.
+/// reported error is infinite.
 fn frames() -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for size in FRAMES {
@@ -196,7 +196,7 @@ fn contacts() -> Result<Vec<Figure>> {
 
 type Contact = (Option<f64>, Option<f64>, Vec<f64>);
 
-/// Computes the contact, and the displacements at the points of a grid.
+/// Computes the contact of the ball with `body`, and the displacements at the points of `grid`.
 fn solve(body: &Body, grid: &[f64]) -> Result<Contact, PressError> {
     let contact = body.press(1.0 / RADIUS, black_box(DEPTH))?;
     let moved = grid.iter().map(|&r| contact.displacement(r).normal);

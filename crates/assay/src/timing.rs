@@ -26,7 +26,8 @@ const MIN_BATCH_TIME: Duration = Duration::from_millis(5);
 /// Number of runs of each evaluation under callgrind. Only the last run is counted.
 const RUNS: usize = 2;
 const MIN_BATCHES: usize = 3;
-/// Pattern for the name of [`evaluate_once`] in the compiled program, whether or not the compiler has mangled it.
+/// Pattern for the name of the function [`evaluate_once`] in the compiled program. It matches whether or not the
+/// compiler has mangled the name.
 const EVALUATE_ONCE: &str = "*timing*evaluate_once*";
 
 /// A computation whose cost is measured. Each run does the same work.
@@ -118,7 +119,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 /// Runs each evaluation twice; the first run fills caches and tables. A test program that was started with the flag
-/// [`COUNTED`] calls only this function. Callgrind writes its count at the end of each run and starts again from 0.
+/// [`COUNTED`] calls only this function. Callgrind writes its instruction count at the end of each run and starts again
+/// from 0.
 pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
     for mut evaluation in evaluations {
         for _ in 0..RUNS {
@@ -188,7 +190,7 @@ pub fn instructions_by(
     Ok(Some(counted.collect()))
 }
 
-/// Numbers of instructions in the files `dump.1`, `dump.2` and so on, in this order.
+/// Numbers of instructions in the dump files of callgrind, in the order of their names: `dump.1`, `dump.2` and so on.
 fn dumps(stem: &Path) -> Result<Vec<u64>> {
     let mut counts = Vec::new();
     loop {

@@ -106,7 +106,7 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     stages::write(&stages, stage_counts, patience, options.out)
 }
 
-/// Number of evaluations per run of each rung (model or setting), in the order of the ladders.
+/// For each rung (model or setting): the number of its evaluations per run. The order is that of the ladders.
 fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
     let stages = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
     stages.flat_map(|stage: &SceneRungs| stage.rungs.iter().map(|rung| rung.evaluation.scale()))
@@ -118,8 +118,7 @@ fn measure(
     patience: Duration,
 ) -> Result<Vec<MeasuredRung>> {
     let measure = |rung: ladder::Rung| {
-        // Compute the error before measuring the time, because computing the error checks that the rung can be
-        // evaluated.
+        // Compute the error before measuring the time, because this computation fails if the rung cannot be evaluated.
         let error = (rung.error)().with_context(|| rung.name.clone())?;
         let mut evaluation: Evaluation = rung.evaluation;
         let ns = evaluation.time(patience);

@@ -14,8 +14,8 @@ use crate::timing::Evaluation;
 pub const SCENES: u64 = 50;
 /// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
-/// A roll model certainly costs more than another one if it evaluates the contact equations more than this many times
-/// as often.
+/// A roll model is considered more expensive than another one if it evaluates the contact equations more than this many
+/// times as often.
 const MAX_EVALUATION_RATIO: usize = 3;
 
 /// A random scene with the model that `auto` chose, and the models that it could have chosen.
@@ -86,8 +86,8 @@ impl AutoChoice {
     }
 
     /// Whether the chosen model is cheap enough, judged without counting instructions. A roll must evaluate the contact
-    /// equations at most twice as often as with any other model within the tolerance. For glides and presses, all
-    /// cheaper models must have errors above the tolerance.
+    /// equations at most twice as often as with any other model within the tolerance. For glides and presses, the error
+    /// of every cheaper model must be above the tolerance.
     pub fn seems_cheap(&self) -> bool {
         let evaluations = |place: usize| self.models[place].evaluations.unwrap_or(0) as f64;
         let taken = evaluations(self.taken);

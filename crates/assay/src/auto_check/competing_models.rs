@@ -22,11 +22,11 @@ const STEPS: [u32; 19] = [
 ];
 /// Tolerances with which DOP853 and Newton's method compete, as negative decimal exponents: 1 means a tolerance of 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Two distances of markers from the contact count as equal if they differ by less than this share of the sensor's
+/// The distances of two markers from the contact count as equal if they differ by less than this share of the sensor's
 /// radius.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
-/// A model that `auto` could have chosen.
+/// A model that `auto` could have chosen for a scene.
 #[derive(Debug)]
 pub struct CompetingModel {
     /// Name of the model, and its error.
@@ -116,8 +116,8 @@ fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f6
     Ok(ends)
 }
 
-/// Distance that the contact moves per radian of rolling at the start of a roll, in the direction in which this
-/// distance is smallest.
+/// Distance that the contact moves on the object per radian of rolling at the start of a roll. Of all directions, it is
+/// the direction with the smallest distance.
 fn length_scale(roller: &Roller) -> Result<f64> {
     let first = roller.first_contact();
     let (_, curvature) = roller

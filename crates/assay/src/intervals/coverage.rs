@@ -11,7 +11,7 @@ use super::random_scene::RandomScene;
 /// as a warning.
 const REJECTED: &str = "other-body";
 
-/// Number of trials of a scene for each name of a warning or error.
+/// For each name of a warning or error: the number of trials of a scene with this warning or error.
 type NameCounts = BTreeMap<&'static str, f64>;
 
 /// Counts over the trials of a scene: warnings, errors, and intervals that contain the true value.
@@ -74,8 +74,8 @@ impl SceneCoverage {
         }
     }
 
-    /// Coverage of the 50, 80 and 95 % intervals of one quantity. A trial without an estimate counts as if its
-    /// intervals missed the true value.
+    /// Shares of the trials whose 50, 80 and 95 % intervals of one quantity contain the true value. A trial without an
+    /// estimate counts as if its intervals missed the true value.
     fn shares(&self, quantity: usize) -> [f64; 3] {
         match self.quantities.get(quantity) {
             Some((count, sums)) if *count > 0.0 => {

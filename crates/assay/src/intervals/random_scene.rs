@@ -1,4 +1,4 @@
-//! A random scene of a family of scenes.
+//! Draws a random scene of a family, and simulates and estimates its trials.
 
 use std::f64::consts::TAU;
 
@@ -81,8 +81,8 @@ impl RandomScene {
     }
 }
 
-/// The flaw of a press that the text `flaw` describes, for example `outlier of 8 standard deviations`. Flaws of other
-/// kinds are already part of the scene.
+/// The flaw of a press that the text `flaw` describes, for example `outlier of 8 standard deviations`. Other flaws are
+/// already part of the scene's config.
 fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     let SceneConfig::Press(press) = scene else {
         return PressFlaw::default();

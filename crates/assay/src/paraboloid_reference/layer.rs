@@ -38,8 +38,8 @@ struct Node {
 }
 
 impl Layer {
-    /// The contact with this ratio of indentation to relative curvature. `thickness` must be in the same unit of
-    /// length.
+    /// The contact for which the indentation divided by the relative curvature is `indentation_over_curvature`.
+    /// `thickness` must be in the same unit of length.
     pub(super) fn at_indentation(thickness: f64, indentation_over_curvature: f64) -> Result<Self> {
         let wanted = indentation_over_curvature / (thickness * thickness);
         let solve = |contact: f64| Self::with_radius(thickness, contact);
@@ -175,8 +175,8 @@ fn panel(distance: f64) -> f64 {
     (PHASE / distance).min(1.0)
 }
 
-/// The function g(k): the surface displacement of a half-space minus that of the layer, divided by the displacement of
-/// the half-space. Both displacements are caused by the same pressure.
+/// The kernel g(k) of the integral equation: the surface displacement of a half-space minus that of the layer, divided
+/// by the displacement of the half-space. Both displacements are caused by the same pressure.
 fn reflected(k: f64) -> f64 {
     let q = libm::exp(-2.0 * k);
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)

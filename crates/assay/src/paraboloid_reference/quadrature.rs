@@ -62,7 +62,7 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
         .flat_map(|[from, to]| over(from, to, INTERVALS))
 }
 
-/// Factors e⁻ᵖ are negligible if p exceeds this number.
+/// If p exceeds this number, a factor e⁻ᵖ of an integrand is negligible.
 pub(super) const NEGLIGIBLE: f64 = 30.0;
 /// Largest change (rad) of the integrand's phase over one panel.
 pub(super) const PHASE: f64 = 12.0;

@@ -15,7 +15,8 @@ const SIDE: usize = 30;
 /// Number of knot intervals along each side of the peer program's spline, which has six inner knots.
 const INTERVALS: usize = 7;
 
-/// Name of a method, the method, and a function that removes the parts of a fit that the peer program does not compute.
+/// A fit method that is measured: its name, the method, and a function that removes the parts of its fit that the peer
+/// program does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
 /// Measures surface fits on all patches with few contacts. Every method is measured without standard errors, as in the
@@ -24,7 +25,7 @@ type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,
-        // Fit in the length unit of the readings, because the peer program's weights are per this unit.
+        // Fit in the length unit of the readings, because the weights of the peer program refer to this unit of length.
         unit_length: Some(1.0),
         ..TwoPass::default()
     };
@@ -80,7 +81,7 @@ pub(super) fn few() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The penalised spline as a method that computes no standard errors.
+/// The penalised spline, restricted to a method that computes no standard errors.
 struct Estimate(Penalised);
 
 impl Method for Estimate {
@@ -124,7 +125,8 @@ fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedErro
     Ok(curvatures)
 }
 
-/// Relative errors of the mean curvatures at the points of the map for a patch with few contacts.
+/// Relative errors of the mean curvatures at the points of the map, for a patch of the tasks with few contacts per
+/// patch.
 fn map_errors(map: &[Curvature]) -> impl Iterator<Item = f64> {
     map.iter()
         .map(|curvature| curvature.mean * ep2_contacts::RADIUS - 1.0)

@@ -21,8 +21,8 @@ const DEFAULT_ERROR: f64 = 1e-12;
 /// Number of trials whose time is measured.
 const TRIALS: u64 = 1 << 17;
 
-/// Measures rolls by 6 rad with two models: an integrator, and the cheapest model. `error_at_most` contains the
-/// integrator's largest allowed error for each task.
+/// Measures rolls by an angle of 6 rad with two models: an integrator, and the cheapest model. `error_at_most` contains
+/// the integrator's largest allowed error for each task.
 pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
@@ -45,8 +45,8 @@ pub(super) fn short() -> Result<Vec<Figure>> {
     objects.into_iter().map(roll).collect()
 }
 
-/// A roller with the cheapest model for this object: the model with a closed form or, if the object has none, the model
-/// for surfaces of revolution (`meridian`).
+/// Creates a roller with the cheapest model for this object: the model with a closed form or, if the object has none,
+/// the model for surfaces of revolution (`meridian`).
 fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     let model = Model::Auto {
         tolerance: 1e-13,
@@ -55,7 +55,8 @@ fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     roller(object.clone(), model, angle_rad)
 }
 
-/// A roller with the integrator DOP853, with the largest tolerance for which the error is at most `error_at_most`.
+/// Creates a roller with the integrator DOP853. Its tolerance is the largest one for which the error is at most
+/// `error_at_most`.
 fn integrator(object: &Shape, error_at_most: f64) -> Result<Roller> {
     for tolerance in TOLERANCES {
         let model = Model::Dop853 {

@@ -115,7 +115,7 @@ pub(super) fn probes() -> Ladder {
     }
 }
 
-/// Roll directions at equal angles, one for each probe. The directions of two probes are at a right angle.
+/// Roll directions at equal angles, one for each probe. For two probes, the directions are at a right angle.
 fn directions_deg(probes: u32) -> Vec<f64> {
     let turn = if probes == 2 { 180.0 } else { 360.0 };
     (0..probes)

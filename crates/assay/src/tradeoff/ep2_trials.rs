@@ -11,10 +11,10 @@ const CONTACTS: [u32; 4] = [5, 10, 30, 100];
 /// Largest number of contacts per finger for the two-pass method, which takes several seconds with more contacts.
 const MAX_OF_TWO_PASS: u32 = 30;
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
-/// With these numbers of contacts per finger, all numbers of knot intervals are compared.
+/// The ladder compares all numbers of knot intervals only with these numbers of contacts per finger.
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
-/// Compared smoothing factors of the two-pass method, used in both passes. The method adds knots until the residuals
-/// are below a limit that is proportional to this factor. The default is 1000.
+/// Smoothing factors of the two-pass method that are compared. Both passes use the same factor. The method adds knots
+/// until the residuals are below a limit that is proportional to this factor. The default is 1000.
 const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
 const GAUSSIAN: usize = 0;
 const MEAN: usize = 1;
@@ -109,7 +109,7 @@ pub(super) fn fits() -> Ladder {
     }
 }
 
-/// Sums of squared errors and of squared true values, over all points of the map in one trial.
+/// Sums over all points of one trial's curvature map: of the squared errors, and of the squared true values.
 #[derive(Default)]
 struct Squares {
     gaussian: f64,
@@ -129,8 +129,8 @@ impl Squares {
         self.curvedness[1] += square * square;
     }
 
-    /// Squares of two relative errors. The first is the rms error of the mean curvature, divided by the rms of the true
-    /// curvedness C. The second is the rms error of the Gaussian curvature, divided by the rms of C².
+    /// Squares of two relative errors of one trial. The first is the rms error of the mean curvature, divided by the
+    /// rms of the true curvedness C. The second is the rms error of the Gaussian curvature, divided by the rms of C².
     fn shares(&self) -> [f64; 2] {
         [
             self.mean / self.curvedness[0],
@@ -141,7 +141,7 @@ impl Squares {
 
 /// The larger of two relative errors. The first is the rms error of the mean curvature, divided by the rms of the true
 /// curvedness C. The second is the rms error of the Gaussian curvature, divided by the rms of C². All trials must have
-/// the same true values.
+/// the same true curvatures.
 fn larger(trials: &[Squares]) -> Result<RungError> {
     let [mean, gaussian] = [0, 1].map(|which| {
         let shares = trials.iter().map(|squares| squares.shares()[which]);

@@ -28,8 +28,8 @@ struct Path {
     tip_radius: f64,
     /// Positions of the fingertip's centre at both ends of the path, in the xy plane.
     ends: [[f64; 2]; 2],
-    /// Computes the true contact point (x, y, z) of a spherical tip of this radius whose centre is at this position in
-    /// the xy plane.
+    /// Computes the true contact point (x, y, z) of a spherical tip. The tip has the radius `tip_radius`, and its
+    /// centre is at the position `centre` in the xy plane.
     truth: fn(tip_radius: f64, centre: [f64; 2]) -> [f64; 3],
 }
 

@@ -23,10 +23,11 @@ impl Ease {
     }
 }
 
-/// A ladder: models or settings (rungs) for the same question, among which a user can choose, on three scenes.
+/// A ladder: several models or settings (rungs) that answer the same question, measured on three scenes. A user can
+/// choose among them.
 pub(super) struct Ladder {
     pub(super) name: &'static str,
-    /// The question that all rungs answer, in one line.
+    /// The question that all rungs of this ladder answer, in one line.
     pub(super) title: &'static str,
     /// Definition of a rung's error: the quantity that has the error, and the scale to which the error is relative.
     pub(super) error: &'static str,
@@ -37,7 +38,7 @@ pub(super) struct Ladder {
 
 /// A scene, and the rungs (models or settings) of its ladder.
 pub(super) struct SceneRungs {
-    /// How easy it is for the rungs to be accurate on the scene.
+    /// How easy it is for the ladder's rungs to be accurate on this scene.
     pub(super) ease: Ease,
     pub(super) scene: String,
     pub(super) rungs: Vec<Rung>,
@@ -74,7 +75,7 @@ pub(super) struct Rung {
     /// Computes the error of the rung. The function is called at most once, and never in the process in which
     /// instructions are counted.
     pub(super) error: Box<dyn FnOnce() -> Result<RungError>>,
-    /// The computation whose cost is measured. Its first run includes the set-up of the scene.
+    /// The computation whose cost is measured for this rung. Its first run includes the set-up of the scene.
     pub(super) evaluation: Evaluation,
 }
 

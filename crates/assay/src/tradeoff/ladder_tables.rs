@@ -9,8 +9,8 @@ use super::{CostError, answer, pareto};
 use crate::csv_table::{self, Column, or_empty};
 use crate::timing::Spread;
 
-/// Target errors, as text and as number. For each of them, a table states the cheapest rung whose error is small
-/// enough.
+/// Target errors, as text and as number. For each target, the table `answers.csv` states the cheapest rung (model or
+/// setting) whose error is at most the target.
 const TARGETS: [(&str, f64); 4] = [
     ("10 %", 0.1),
     ("1 %", 0.01),

@@ -17,8 +17,8 @@ const PLACES: usize = 77;
 /// Largest distance (mm) from the contact at which displacements are computed.
 const REACH: f64 = 20.0;
 
-/// Factors of the number of quadrature nodes, each with the text that it adds to the name of a model with this number
-/// of nodes. The factors apply only to contacts that are solved directly instead of interpolated.
+/// Each entry: the text that is added to the name of a model, and the factor of its number of quadrature nodes. The
+/// factors apply only to contacts that are solved directly instead of interpolated.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
     (" × 3/8", 0.375),
@@ -151,7 +151,7 @@ impl Press {
             .collect())
     }
 
-    /// The true displacements at all distances, by quadrature over wavenumbers.
+    /// The true displacements at all distances from the contact, computed by quadrature over wavenumbers.
     fn truth(&self) -> Result<Profile> {
         let layer = paraboloid_reference::Body::Layer {
             thickness: self.thickness,

@@ -5,7 +5,7 @@ use super::scene_trials::{Choice, Measure, Template, relative_rms, scenes};
 
 /// Index of the effective radius, whose error is measured, among the quantities of a press.
 const EFFECTIVE_RADIUS: usize = 1;
-/// Sizes of the square rendered frames: the number of pixels along each side.
+/// Sizes of the square rendered frames: the number of pixels along one side.
 const SIZES_PX: [u32; 3] = [265, 640, 1024];
 
 const SENSOR_COMMON: &str = r#"
@@ -156,7 +156,7 @@ pub(super) fn estimators() -> Ladder {
 }
 
 fn estimator_choices(ease: Ease) -> Vec<Choice> {
-    // In the easy scene, the layer is as thick as the sensor's radius, so it is nearly a half-space.
+    // In the easy scene, the layer is as thick as the sensor's radius. So the model of a half-space is nearly right.
     let thickness = match ease {
         Ease::Easy => "20.0",
         Ease::Typical => "10.0",

@@ -22,7 +22,7 @@ const PARABOLOID: f64 = 0.2;
 /// Largest allowed difference between two independent references for the same roll, relative to the length of the
 /// contact's path.
 const MAX_DIFFERENCE: f64 = 1e-12;
-/// Initial direction of the contact, rad.
+/// Direction in which the contact moves at the start of the roll, rad.
 const DIRECTION: f64 = FRAC_PI_6;
 
 struct Roll {
@@ -160,7 +160,8 @@ fn models() -> Vec<(String, Option<f64>, Model)> {
 
 /// Reference for rolls on objects without a closed-form solution: RK4 on Montana's equations in the charts of both
 /// surfaces, with Richardson extrapolation from two numbers of steps. The reference is independent, because the
-/// compared models use no charts and other equations. As a check, DOP853 on Montana's equations must agree with it.
+/// compared models use no charts and other equations. As a check, the integrator DOP853 on Montana's equations must
+/// agree with the reference.
 fn in_charts(roll: &Roll) -> Result<RollEnd> {
     const STEPS: usize = 3000;
     let chart = Chart::Montana(HeldAxis::Transported);

@@ -22,8 +22,8 @@ pub(super) struct Template {
 }
 
 impl Template {
-    /// Three scenes: an easy, a typical and a hard one. The text of each consists of the `common` lines and of its own
-    /// lines. `own` contains the description and the own lines of each scene.
+    /// Creates the config texts of three scenes: an easy, a typical and a hard one. All three contain the lines
+    /// `common`. `own` contains the description and the additional lines of each scene.
     pub(super) fn all(common: &str, own: [(&'static str, &str); 3]) -> Vec<Self> {
         let eases = [Ease::Easy, Ease::Typical, Ease::Hard];
         let scenes = eases.into_iter().zip(own);
@@ -37,7 +37,8 @@ impl Template {
     }
 }
 
-/// Three scenes (easy, typical and hard) with the same rungs. For `common` and `own` see [`Template::all`].
+/// Three scenes (easy, typical and hard) with the same rungs. The arguments `common` and `own` are those of
+/// [`Template::all`].
 pub(super) fn scenes(
     common: &str,
     own: [(&'static str, &str); 3],
@@ -80,11 +81,11 @@ impl Choice {
 /// How the error and the cost of a rung (model or setting) are measured.
 #[derive(Clone, Copy)]
 pub(super) struct Measure {
-    /// Computes the error of the scene's estimates from this number of trials.
+    /// Computes the error of the scene's estimates from `trials` trials.
     pub(super) error: fn(&Scene, trials: u64) -> Result<RungError>,
-    /// Number of trials from which the error is computed.
+    /// Number of trials from which the error of a rung is computed.
     pub(super) trials: u64,
-    /// Number of trials over which the cost is averaged.
+    /// Number of trials over which the cost of a rung is averaged.
     pub(super) timed: u32,
 }
 
@@ -112,15 +113,15 @@ impl Template {
     }
 }
 
-/// The scene with this config text, which must not sweep any field.
+/// The scene with the config text `text`, which must not sweep any field.
 pub(super) fn scene_of(text: &str) -> Result<Scene> {
     let study = format!("name = \"rung\"\nseed = 1996\ntrials = 1\n[scene]\n{text}");
     let study = config::parse("rung", &study).with_context(|| text.to_owned())?;
     study.estimable_scene(0).with_context(|| text.to_owned())
 }
 
-/// A function that runs trials of the scene with this config text, and sets up the scene in its first call. If the text
-/// is invalid, the function does nothing, so check the text with [`scene_of`] first.
+/// Returns a function that runs `trials` trials of the scene with the config text `text`, and sets up the scene in its
+/// first call. If the text is invalid, the function does nothing, so check the text with [`scene_of`] first.
 pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64> + 'static {
     let scene = OnceCell::new();
     move || {
@@ -200,7 +201,7 @@ pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Obs
         .collect())
 }
 
-/// The larger of `error` and the rounding error of a double, because smaller errors are not significant.
+/// The error, but at least the rounding error of a double (`f64`), because smaller errors are not significant.
 pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
     if error.is_finite() {
         Ok(error.max(f64::EPSILON))

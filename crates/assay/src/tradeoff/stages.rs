@@ -1,5 +1,5 @@
-//! Measures how the cost of a trial grows when stages (such as noise or a sensor) are added to a scene. So the table
-//! shows that a stage costs nothing in scenes without this stage.
+//! Measures how the cost of a trial grows when features (stages), such as noise or a sensor, are added to a scene. The
+//! table shows that a feature costs nothing in scenes that do not use it.
 
 use std::path::Path;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use super::scene_trials::evaluated;
 use crate::csv_table::{self, Column};
 use crate::timing::Evaluation;
 
-/// Number of trials over which the cost is averaged.
+/// Number of trials over which the cost of a stage is averaged.
 const TRIALS: u32 = 4;
 
 /// A base scene, and the stages that are added to it one by one.
@@ -150,7 +150,7 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 impl Stage {
-    /// The computation that runs trials of the scene with all stages up to this one.
+    /// The computation whose cost is measured: it runs trials of the scene with this stage and all stages before it.
     pub(super) fn evaluation(&self) -> Evaluation {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).evaluations_per_run(TRIALS)
     }

@@ -41,7 +41,7 @@ pub fn optics(size_px: u32) -> Result<Optics> {
     )?)
 }
 
-/// Different motions for the 77 markers. The first marker moves most, the last marker least.
+/// Displacements of the 77 markers, all different. The first marker moves most, the last marker least.
 pub fn motions() -> Vec<Option<MarkerMotion>> {
     let disc = |normal, along| DiscMotion {
         normal,
@@ -73,7 +73,7 @@ pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
     (frame, discs.collect())
 }
 
-/// A finder that uses the image circle of the frames from [`frame`].
+/// A marker finder for the frames from [`frame`]. It searches within the image circle of these frames.
 ///
 pub fn finder(size_px: usize) -> Finder {
     let mask = Mask {
@@ -83,8 +83,8 @@ pub fn finder(size_px: usize) -> Finder {
     Finder::new(Some(mask), None)
 }
 
-/// Root-mean-square errors of the centroids (px) and of the hues (turns). Each disc is compared with the nearest marker
-/// in `found`. If `found` is empty, the errors are infinite.
+/// Root-mean-square errors of the centroids (px) and of the hues (turns). Each disc of the frame is compared with the
+/// nearest of the detected markers `found`. If `found` is empty, the errors are infinite.
 pub fn errors(found: &[Marker], discs: &[Disc]) -> [f64; 2] {
     let off = |disc: &Disc| {
         let off_px = |marker: &Marker| {

@@ -134,8 +134,7 @@ impl CameraPress {
     }
 }
 
-/// For the two discs of the markers: the soft bodies at their depths, and the bodies at depths that are larger by
-/// [`DEPTH_STEP`].
+/// Soft bodies at the depths of a marker's two discs, and soft bodies at depths that are larger by [`DEPTH_STEP`].
 fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     let [magenta, yellow] = DEPTHS;
     let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;

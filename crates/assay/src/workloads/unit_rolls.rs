@@ -84,7 +84,7 @@ impl Ep1 {
     /// Config of the sensor: an array of pads that measures the contact's position.
     pub const PADS: &str = "sensor = { kind = \"pads\", pitch = 0.01, offset = \"random\" }";
 
-    /// The trial. `setting` is TOML text with the noise or the sensor of the scene.
+    /// Sets up the trial. `setting` is TOML text with the noise or the sensor of the scene.
     ///
     /// # Errors
     /// An error if `setting` is invalid.
@@ -99,8 +99,8 @@ impl Ep1 {
         )))
     }
 
-    /// Root mean square of the relative error of the normal curvature. Several trials are computed together, as in the
-    /// sweep runner. `None` if some trials cannot be computed together.
+    /// Root mean square of the relative error of the normal curvature over `trials` trials. As in the sweep runner,
+    /// several trials are computed together. `None` if some trials cannot be computed together.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let computed =
@@ -139,7 +139,7 @@ impl Ep1 {
         }
     }
 
-    /// Statistics of `trials` trials on one thread.
+    /// Statistics of the estimates in `trials` trials, which run on one thread.
     ///
     /// # Errors
     /// An error if no thread can be started.
@@ -158,15 +158,15 @@ fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     statistics.into_iter().next().context("no cell")
 }
 
-/// A trial that simulates nothing, for measuring the cost of statistics. It returns five quantities, all with the same
-/// almost uniformly distributed errors.
+/// A trial that simulates nothing, for measuring the cost of statistics. It returns five quantities, whose errors are
+/// distributed almost uniformly.
 pub struct Statistics;
 
 impl Statistics {
     const QUANTITIES: usize = 5;
     const TRUTH: f64 = 5.0;
 
-    /// Statistics of `trials` trials on one thread.
+    /// Statistics of `trials` such trials, which run on one thread.
     ///
     /// # Errors
     /// An error if no thread can be started.

@@ -30,7 +30,8 @@ fn check(kind: Kind) -> Vec<AutoChoice> {
     // `auto` must not choose the same model in all scenes.
     let first = &choices[0].taken().name;
     assert!(choices.iter().any(|choice| choice.taken().name != *first));
-    // In most scenes, several models meet the tolerance. All scenes have an independent reference.
+    // In most scenes, several models meet the tolerance. In all scenes, the true values come from an independent
+    // reference.
     let most = |holds: fn(&AutoChoice) -> bool| {
         let count = choices.iter().filter(|choice| holds(choice)).count();
         2 * count > choices.len()

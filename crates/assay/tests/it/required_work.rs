@@ -52,7 +52,7 @@ fn work(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
     run(template, parts, 1)
 }
 
-/// Work for setting up a scene, and work of its first `trials` trials together.
+/// Work for setting up a scene, and total work of its first `trials` trials.
 fn run(template: &str, parts: &[(&str, &str)], trials: u64) -> [Tally; 2] {
     let text = parts
         .iter()
