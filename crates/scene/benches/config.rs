@@ -1,4 +1,4 @@
-//! Measures the time from parsing the text of a config to building its scenes.
+//! Measures the time in which the text of a config is parsed and its scenes are built.
 
 use palpate_scene::Scenes;
 use std::hint::black_box;

@@ -7,7 +7,7 @@ use palpate_tracking::Marker;
 
 use crate::press::{CalibrationFrames, ImageChanges, PressFailure, RestFrames, RestMarkers};
 
-/// Maximum number of cached layers, each with tables of at most 2 MB.
+/// Maximum number of cached layers of the soft body. Each layer has tables of at most 2 MB.
 const LAYERS: usize = 16;
 /// Maximum number of cached marker images, each of at most 300 bytes.
 const IMAGES: usize = 1 << 17;
@@ -36,8 +36,8 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
         }
     }
 
-    /// Returns the value for `key`, which `make` computes from the key alone if the cache does not contain it. `size`
-    /// is the size of the value in the unit of `room`.
+    /// Returns the value for `key`, which `make` computes if the cache does not contain it. The value must depend on
+    /// the key only. `size` is the size of the value in the unit of `room`.
     fn get(&self, key: K, size: usize, make: impl FnOnce() -> V) -> V {
         let value = {
             let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
@@ -93,7 +93,7 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
 /// ```
 #[derive(Debug)]
 pub struct SharedModels {
-    /// Cached layers of the soft body. The key consists of the bits of the thickness and of the depths.
+    /// Cached layers of the soft body. The key consists of the bits of the layer's thickness and of the marker depths.
     layers: Cache<Vec<u64>, Result<Vec<Body>, PressError>>,
     at_rest: Cache<RestFrames, Result<RestMarkers, PressFailure>>,
     changes: Cache<CalibrationFrames, Result<ImageChanges, PressFailure>>,
@@ -110,8 +110,8 @@ impl Default for SharedModels {
 }
 
 impl SharedModels {
-    /// Returns a layer with tables, as from [`Body::bonded_layer`]. Computes the tables only if the cache does not
-    /// contain them.
+    /// Returns a layer of the soft body with its tables, as from [`Body::bonded_layer`]. The tables are computed only
+    /// if the cache does not contain them.
     pub(crate) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
         let mut layers = self.layers(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
@@ -129,7 +129,7 @@ impl SharedModels {
         self.at_rest.get(frames.clone(), frames.size(), markers)
     }
 
-    /// Changes of the markers' images from the images at rest (`rest`) to each calibration press.
+    /// For each calibration press, the changes of the markers' images from their images at rest (`rest`).
     pub(crate) fn changes(
         &self,
         frames: &CalibrationFrames,

@@ -1,5 +1,5 @@
-//! Converts those parts of a config that rolls and glides have in common: objects and pads, and errors in their
-//! settings.
+//! Converts the parts of a config that rolls and glides have in common (objects, pads) to models. Errors in their
+//! settings are converted to errors with a path in the config.
 
 use std::fmt::Display;
 

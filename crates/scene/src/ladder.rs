@@ -2,8 +2,8 @@
 
 use palpate_study::config::ModelConfig;
 
-/// The models that can compute the true values of a scene, each with its error. They are sorted from the fastest to the
-/// slowest. Each model is a rung of the ladder.
+/// The models that can compute the true values of a scene, each with its error. The models are sorted from the fastest
+/// to the slowest; each model is called a rung of the ladder.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -32,7 +32,7 @@ pub struct Ladder {
     pub reference: Option<usize>,
     /// Reason why the model `taken` is used.
     pub reason: String,
-    /// Largest error that `auto` allows; `None` if the config names the model.
+    /// Largest relative error that `auto` allows when it chooses a model; `None` if the config names the model.
     pub tolerance: Option<f64>,
 }
 
@@ -92,7 +92,7 @@ impl Ladder {
         }
     }
 
-    /// The model with the index `taken`, which is used.
+    /// The model that is used, which has the index [`Ladder::taken`].
     pub fn taken(&self) -> &Rung {
         &self.rungs[self.taken]
     }

@@ -102,8 +102,8 @@ impl Trials for MeasuredSensor {
     }
 }
 
-/// Image area (px²) of the larger disc of a marker at the place in the config; `None` if the disc is not entirely in
-/// the camera's field of view.
+/// Image area (px²) of the larger disc of the marker whose place the config states; `None` if the disc is not entirely
+/// in the camera's field of view.
 fn area(
     sphere: &MarkerSphere<'_>,
     config: &BareFingertipConfig,

@@ -6,7 +6,7 @@ use palpate_study::Quantity;
 use palpate_sweep::{Observation, Summary};
 
 /// Principal curvatures that differ by less than this share have no directions, because the object is nearly a sphere
-/// there. Rounding causes such differences on a sphere.
+/// there. On a sphere, rounding causes such differences.
 const UMBILIC_TOLERANCE: f64 = 1e-9;
 
 /// Curvatures at a point of the object, either true or estimated.
@@ -45,7 +45,7 @@ impl PointCurvature {
         max - min <= UMBILIC_TOLERANCE * min.abs().max(max.abs())
     }
 
-    /// Compares one of the values with its true value. `place` is the index of the value in `values`.
+    /// Compares the value with the index `place` in [`PointCurvature::values`] with its true value.
     pub(crate) fn measured(&self, truth: &Self, place: usize) -> Observation {
         Observation {
             std: self.stds[place],
@@ -91,7 +91,8 @@ impl PointCurvature {
         Some(outcome).filter(|one| (one.estimate - one.truth).is_finite())
     }
 
-    /// Reports the quantities of this estimate that are defined. `quantities` are all quantities of the scene.
+    /// Calls `observe` with each quantity of this estimate that is defined. `quantities` are all quantities of the
+    /// scene.
     pub(crate) fn report(
         &self,
         truth: &Self,

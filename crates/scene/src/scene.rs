@@ -155,8 +155,8 @@ pub trait Scenes {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of the grid point with the number `cell`. It uses the model of `rung` instead of the model in
-    /// the config.
+    /// Builds the scene of the grid point with the number `cell`, with the model of the ladder's rung `rung` instead of
+    /// the model in the config.
     ///
     /// # Errors
     /// The errors of [`Scenes::scene`]. The error is at `scene.model` if the model cannot simulate the scene.
@@ -258,7 +258,7 @@ pub trait Trials {
         if self.is_random() { wanted } else { 1 }
     }
 
-    /// Checks that readings without noise determine the quantities.
+    /// Checks that readings without noise determine the estimated quantities of the scene.
     ///
     /// # Errors
     /// [`FieldError`] if the readings do not determine the quantities. The error is at the field that causes it: for
@@ -308,7 +308,7 @@ pub trait Trials {
         None
     }
 
-    /// Models that the scene needs, each with the reason, and warnings about the scene.
+    /// Messages about the scene: the models that it needs, each with the reason, and warnings.
     fn needs(&self) -> Vec<Need>;
 
     /// Measures the errors of the models that can compute the true values; `None` if there is only one model.
@@ -319,7 +319,8 @@ pub trait Trials {
         Ok(None)
     }
 
-    /// Records one simulation of the scene. It has the noise of a trial; it has no noise if the trial number is `None`.
+    /// Records one simulation of the scene. It has the noise of the trial with the given number; it has no noise if the
+    /// number is `None`.
     ///
     /// # Errors
     /// [`TraceError`] if the scene has no contact, or if its simulation ends early.

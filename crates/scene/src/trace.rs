@@ -42,7 +42,7 @@ pub enum TraceError {
     Roll {
         /// Index of the probe whose roll ended early, from 0.
         probe: usize,
-        /// Reason why the roll ended early, with the time and the position.
+        /// Reason why the roll ended early, with the time and the position of the end.
         error: RollError,
     },
     /// The sensor cannot read the contact of a probe.

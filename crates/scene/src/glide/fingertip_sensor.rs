@@ -63,16 +63,16 @@ impl GlideSensor {
     }
 }
 
-/// Direction from the centre of the fingertip to the pad that reports a contact, if the contact is in the unit
-/// `direction` from the centre. The pads are arranged around the lowest point of the tip.
+/// Direction from the centre of the fingertip to the pad that reports a contact, if the contact is in the direction
+/// `direction` (unit vector) from this centre. The pads are arranged around the lowest point of the tip.
 fn pad_direction(
     pads: &Pads,
     placement: &PadPlacement,
     radius: f64,
     direction: &Vector3<f64>,
 ) -> Result<Vector3<f64>, BeyondPads> {
-    // `pads` are arranged around the direction +z, but the pads of a fingertip are arranged around its lowest point. So
-    // reverse z.
+    // [`Pads`] are arranged around the direction +z, but the pads of a fingertip are arranged around its lowest point,
+    // in the direction −z. So reverse z.
     let upside_down =
         |direction: &Vector3<f64>| Vector3::new(direction.x, direction.y, -direction.z);
     let displacement = displacement_between(&Vector3::z(), &upside_down(direction)) * radius;

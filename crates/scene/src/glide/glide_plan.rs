@@ -23,8 +23,8 @@ use palpate_study::config::{
 };
 use palpate_study::{FieldError, Warning};
 
-/// Relative tolerances of Newton's method for the contacts. `palpate check` compares the errors of the contacts for
-/// these tolerances.
+/// Relative tolerances of Newton's method for the contacts. `palpate check` prints the errors of the contacts for these
+/// tolerances.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
@@ -107,8 +107,8 @@ impl GlideScene {
         let finest = on(TouchModel::Newton {
             tolerance: Model::SMALLEST_TOLERANCE,
         });
-        // The error of the closed form is its difference from Newton's method at the smallest tolerance. If Newton's
-        // method fails, the error counts as 0.
+        // The error of the closed form is its difference from Newton's method with the smallest tolerance. If Newton's
+        // method fails, the error of the closed form counts as 0.
         let best = closed.as_ref().or(finest.as_ref());
         let closed_error = match (&closed, &finest) {
             (Ok(closed), Ok(finest)) => Ok(distance(closed, finest) / radius),
@@ -366,7 +366,8 @@ fn grid(
             let (normal, form) = object.curvature_along(&touch.point, &along).ok()?;
             let of_form = PointCurvature::of(&form, None, None);
             let mut principal = PointCurvature::of(&curvature, None, None);
-            // The second axis of the curvature form is −y, so its angle has the opposite sign.
+            // The second axis of the curvature form is −y, but angles are measured from x towards y. So the angle has
+            // the opposite sign.
             principal.values[3] = -of_form.values[3];
             Some((principal, [along, normal.cross(&along)]))
         };

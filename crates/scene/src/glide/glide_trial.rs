@@ -58,7 +58,8 @@ impl GlideSurface {
         }
     }
 
-    /// Principal curvatures at the point next to `place`. Angles are measured from `axes[0]` towards `axes[1]`.
+    /// Principal curvatures of the fitted surface at the point nearest to `place`. Angles are measured from `axes[0]`
+    /// towards `axes[1]`.
     fn principal_at(
         &self,
         place: &Point3<f64>,
@@ -100,7 +101,7 @@ pub(super) struct ContactNoise {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrueGrid {
     pub(super) side: usize,
-    /// Places in the order of the grid points; x changes slowest.
+    /// Places at which the curvature is estimated, in the order of the grid points; x changes slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }
@@ -111,8 +112,8 @@ pub(super) struct TruePlace {
     pub(super) gaussian: f64,
     pub(super) mean: f64,
     pub(super) class: ShapeClass,
-    /// Principal curvatures, and the tangents from which and towards which angles are measured. `None` unless the config
-    /// has `principal_curvatures`.
+    /// Principal curvatures, and two tangents: angles are measured from the first towards the second. `None` unless the
+    /// config has `principal_curvatures`.
     pub(super) principal: Option<(PointCurvature, [Vector3<f64>; 2])>,
 }
 
@@ -154,8 +155,8 @@ impl GlideScene {
         contacts
     }
 
-    /// Patch of the contacts that the sensor reports, for a fit of a graph. The contacts have the noise of trial number
-    /// `trial`; they have no noise if `trial` is `None`.
+    /// Patch of the contacts that the sensor reports, for the fit of a graph (a height over a plane). The contacts have
+    /// the noise of trial number `trial`; they have no noise if `trial` is `None`.
     fn patch(&self, method: &GlideFit, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {
@@ -165,8 +166,8 @@ impl GlideScene {
         Patch::new(&contacts, &Vector3::z())
     }
 
-    /// Fits the estimator's surface to the contacts that the sensor reports. The contacts have the noise of trial
-    /// number `trial`; they have no noise if `trial` is `None`.
+    /// Fits the surface of the scene's estimator to the contacts that the sensor reports. The contacts have the noise
+    /// of trial number `trial`; they have no noise if `trial` is `None`.
     pub(super) fn fit(&self, trial: Option<u64>) -> Result<GlideSurface, ShapeError> {
         Ok(match &self.method {
             GlideMethod::Graph(method) => {
@@ -299,7 +300,8 @@ impl Trials for GlideScene {
     }
 }
 
-/// Converts the error of the fit to noiseless contacts. The new error names the config field that causes the failure.
+/// Converts an error of the fit to noiseless contacts into an error that names the config field which causes the
+/// failure.
 fn fit_error(error: &ShapeError) -> FieldError {
     let ShapeError::Contacts(error) = error else {
         return FieldError::at("scene", error);

@@ -84,8 +84,8 @@ impl CameraCalibration {
     }
 }
 
-/// Fits a calibration to all markers. If `only` is the index of a marker, the calibration of normal displacements uses
-/// only this marker.
+/// Fits a calibration to the markers. The calibration of tangential displacements uses all markers. The calibration of
+/// normal displacements uses only the marker with the index `only` if there is one, otherwise all markers.
 fn fit(
     presses: &[Vec<CalibrationPoint>],
     only: Option<usize>,
@@ -118,8 +118,8 @@ fn fit(
     Calibration::new(Some(normal), Some(lateral), None)
 }
 
-/// Geometry of the calibration presses on a plane. If the config does not state the deepest indentation, the deepest
-/// press has the indentation `indentation`.
+/// Geometries of the calibration presses, in which the sensor is pressed on a plane. If the config does not state the
+/// deepest indentation, the deepest press has the indentation `indentation`.
 fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
@@ -181,8 +181,8 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// Limit between two ranges of trial numbers, which seed the noise of frames: calibration presses have smaller trial
-/// numbers than frames at rest.
+/// Limit between two ranges of trial numbers that seed the noise of frames. Numbers below the limit are for calibration
+/// presses, numbers from the limit on for frames at rest.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
 /// Inputs that determine the images of the markers at rest. The cache stores these images with the inputs as their key.
@@ -193,7 +193,7 @@ pub(crate) struct RestFrames {
 }
 
 impl RestFrames {
-    /// Frames of the sensor at rest. The marker images are averaged over `frames` frames, or one frame is used if the
+    /// The frames of a sensor at rest: `frames` frames over which the marker images are averaged, or one frame if the
     /// frames have no noise.
     pub(super) fn new(camera: &SimulatedCamera, frames: u32) -> Self {
         Self {

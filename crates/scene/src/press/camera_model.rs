@@ -1,4 +1,4 @@
-//! A camera in the centre of the sensor. It images the markers after their discs were displaced.
+//! A camera in the centre of the sensor. It images the markers after the press has displaced their discs.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Layout, Lens, MarkerMotion, OddTerms, Optics, Pose, Seams,
@@ -23,7 +23,7 @@ pub(super) const AT_REST: u64 = u64::MAX;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SimulatedCamera {
     pub(super) optics: Optics,
-    /// Lens model that the tracking uses.
+    /// Lens model with which the tracking converts pixels to directions.
     pub(super) lens: Equidistant,
     pub(super) model: CameraModel,
     pub(super) is_random: bool,
@@ -38,7 +38,7 @@ pub(super) enum CameraModel {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ImageNoise {
-    /// Error of a marker's hue and of its mean hue, turns.
+    /// Error of a marker's hue, and also of its mean hue, turns.
     hue: GaussianError,
     /// Error of each coordinate of a marker's centroid, px.
     centroid: GaussianError,
@@ -63,8 +63,8 @@ impl ImageNoise {
     }
 
     fn errors(&self) -> MarkerErrors {
-        // Numerical errors of an image without noise: of both centroid coordinates (px), of the hue (turns), and of the
-        // logarithm of the size.
+        // Numerical errors of a computed image of a marker without noise: of both centroid coordinates (px), of the hue
+        // (turns), and of the logarithm of the size.
         const EXACT: [f64; 4] = [1e-7, 1e-7, 1e-9, 1e-8];
         let stds = [self.centroid, self.centroid, self.hue, self.size].map(|error| error.std());
         let mut covariance = [[0.0; 4]; 4];
@@ -106,8 +106,8 @@ impl MarkerMeasurement {
 }
 
 impl SimulatedCamera {
-    /// Builds the camera of a config. If `is_rendered`, the camera renders frames. Otherwise it computes the images of
-    /// the markers directly, without pixels.
+    /// Builds the camera of a config. If `is_rendered`, the camera renders frames. Otherwise, it computes the centroids
+    /// and hues of the markers directly, without pixels.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -164,8 +164,8 @@ impl SimulatedCamera {
         })
     }
 
-    /// The same camera, but it computes the images of markers directly and without noise. `None` if the error-free
-    /// [`ImageNoise`] cannot be built.
+    /// The same camera, but without noise, and with images of the markers that are computed directly, without pixels.
+    /// `None` if the error-free [`ImageNoise`] cannot be built.
     pub(super) fn exact(&self) -> Option<Self> {
         let noise = ImageNoise::new(&PressNoiseConfig::default()).ok()?;
         Some(Self {
@@ -288,8 +288,8 @@ impl SimulatedCamera {
         };
         let [mut hues, mut centroids, mut sizes] = [Channel::Hue, Channel::Centroid, Channel::Size]
             .map(|channel| Stream::new(self.seed, trial, channel));
-        // Draw random numbers for every marker, even for an invisible one. Then the noise of a marker does not depend
-        // on which other markers are visible.
+        // Draw random numbers for every marker, even if it is invisible. Otherwise, the noise of a marker would depend
+        // on the visibility of other markers.
         let noisy = |image: Option<SeenMarker>| {
             let hue = noise.hue.draw(&mut hues);
             let centroid = [(); 2].map(|()| noise.centroid.draw(&mut centroids));

@@ -69,7 +69,7 @@ impl PressScene {
         let text = format!("{} contact{shape}{ellipse}", regime.name());
         let mut needs = vec![Need::from(text)];
         let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
-        // The longer semi-axis of the contact is in the direction of the smaller curvature.
+        // The longer semi-axis of the contact is in the direction in which the curvature is smaller.
         let own = skin.curvature();
         let extents = match self.body.contact(&self.markers, &self.geometry) {
             Ok(TrueContact::Elliptic(contact, _)) => {
@@ -274,11 +274,11 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
 }
 
-/// Largest accepted error of the curvature that is estimated from noiseless readings, as a share of the relative
-/// curvature (curvature of the sensor plus curvature of the object). A larger error is reported as a bias.
+/// Largest accepted error of the curvature that is estimated from noiseless readings, relative to the sum of the
+/// curvatures of the sensor and the object. A larger error is reported as a bias.
 const BIAS_LIMIT: f64 = 0.5;
 /// Largest accepted error of the curvature that is estimated from noiseless readings, if its interval excludes the true
-/// value. The error is a share of the relative curvature.
+/// value. The error is relative to the sum of the curvatures of the sensor and the object.
 const EXCLUDED_BIAS_LIMIT: f64 = 0.05;
 
 fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
@@ -304,8 +304,8 @@ fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     }
 }
 
-/// Smallest accepted share of the variance of normal displacements that a fit to noiseless readings explains. If the
-/// estimator assumes the correct soft body, its fit explains a larger share.
+/// Smallest accepted R² of a fit to noiseless readings, that is, the share of the variance of normal displacements that
+/// the fit explains. If the estimator assumes the correct soft body, R² is larger.
 const MIN_R_SQUARED: f64 = 0.95;
 
 fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {

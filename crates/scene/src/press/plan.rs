@@ -28,7 +28,7 @@ use crate::ladder::{Accuracy, Ladder, Rung};
 
 /// Error of the displacements that are computed from the tables of a layer, relative to the largest displacement.
 const TABLE_ERROR: f64 = 1e-7;
-/// Number of markers above which the tables of a layer are faster than direct solutions for all markers.
+/// If there are more markers than this number, the tables of a layer are faster than direct solutions for all markers.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
@@ -128,8 +128,8 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
 }
 
 /// Thickness of the layer if the true displacements are computed from tables of the layer, `None` if they are solved
-/// directly. Tables are used if they are accurate enough for `auto`, and if the fit uses the same tables or there are
-/// many markers.
+/// directly. Tables are used only if their error is within the tolerance of `auto`. In addition, the fit must use the
+/// same tables, or there must be many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
@@ -323,7 +323,7 @@ pub(super) struct Choice {
     pub(super) tolerance: Option<f64>,
 }
 
-/// Smallest tolerance that `auto` accepts. The most accurate model, the solved layer, has errors of about this size.
+/// Smallest tolerance that `auto` accepts. It is about the error of the most accurate model, the solved layer.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 1.0;
 
@@ -332,8 +332,8 @@ const LARGEST_TOLERANCE: f64 = 1.0;
 pub(super) struct PressRungs {
     requested: PressModelConfig,
     radius: f64,
-    /// Depths at which displacements are compared. The first is the depth midway between the two discs of a marker.
-    /// With a camera, the depths of both discs follow.
+    /// Depths at which displacements are compared. The first depth is midway between the two discs of a marker. If
+    /// there is a camera, the depths of both discs follow.
     depths: Vec<f64>,
 }
 
@@ -408,8 +408,8 @@ impl PressRungs {
         })
     }
 
-    /// Measures the errors of all models, from the fastest to the slowest. The error of a model is the difference
-    /// between its displacements and the displacements of the last model.
+    /// Measures the errors of the models `rungs`, which are sorted from the fastest to the slowest. The error of a
+    /// model is the largest difference between its displacements and those of the last model.
     fn measure(
         &self,
         markers: &Markers,

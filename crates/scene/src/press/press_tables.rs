@@ -9,10 +9,10 @@ use super::trial::PressScene;
 use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
-/// Number of points in a profile of displacements along a radius of the contact.
+/// Number of points of a profile, which shows displacements over the distance from the contact.
 const PLACES: u32 = 121;
-/// Length of a profile of displacements, as a multiple of the contact radius. The profile begins at the centre of the
-/// contact and, for an elliptic contact, is along the longer axis.
+/// Length of a profile (displacements over the distance from the contact), as a multiple of the contact radius. The
+/// profile begins at the centre of the contact. For an elliptic contact, it is along the longer axis.
 const REACH: f64 = 3.0;
 
 impl PressScene {
@@ -90,7 +90,7 @@ impl PressScene {
         MapTable::new(std::iter::once(Column::count("cell")).chain(lengths))
     }
 
-    /// Adds the profile of this scene to the table, with the estimate of trial number `trial`.
+    /// Adds the displacement profile of this scene to the table, with the estimate of trial number `trial`.
     ///
     /// # Errors
     /// [`PressFailure`] if the press is impossible or the trial failed. If the press is impossible, no row is added. If
@@ -136,8 +136,8 @@ impl PressScene {
             )?),
         };
         let moves_tangentially = body.moves_tangentially();
-        // For a Gaussian, the estimated gain is the amplitude of the displacement. For other bodies, it is the gain of
-        // the sensor, which does not change the displacement.
+        // If the estimator fits a Gaussian, the estimated gain is the amplitude of the displacement. For other
+        // estimators, it is the gain of the sensor, which does not change the displacement.
         let amplitude = estimate
             .gain
             .filter(|_| !moves_tangentially)

@@ -199,8 +199,8 @@ impl PressNoise {
         })
     }
 
-    /// Whether the readings differ between trials. The arguments state whether the sensor reads tangential
-    /// displacements and whether it reads the indentation.
+    /// Whether the readings differ between trials. `has_tangential` states whether tangential displacements are read,
+    /// and `has_indentation` whether the indentation is read.
     pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
         self.normal.is_random()
             || (has_tangential && self.tangential.is_random())
@@ -254,8 +254,8 @@ pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, F
         .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number of markers with a kind of noise. Returns an error if the number in the config, `count`, exceeds the number of
-/// all markers, `markers`.
+/// Number of markers that have the noise `noise`. Returns an error if the number in the config, `count`, exceeds the
+/// number of all markers, `markers`.
 fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {
@@ -277,7 +277,7 @@ pub(super) struct CameraPressSensor {
     /// Number of lost markers, which are chosen at random in every trial.
     lost_markers: usize,
     central_marker: usize,
-    /// True change of the image of the marker nearest to the contact, computed without noise and pixels.
+    /// True change of the image of the marker nearest to the contact, computed directly, without noise and pixels.
     pub(super) true_change: Option<MarkerChange>,
     pub(super) variation: Option<SensorVariation>,
 }
@@ -292,7 +292,7 @@ pub(super) struct MarkerChange {
 }
 
 impl CameraPressSensor {
-    /// Builds and calibrates the camera of a config. `discs` contains the markers with their discs.
+    /// Builds the camera of a config and calibrates it. `discs` contains the markers with their discs.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         (config, is_rendered): (&CameraConfig, bool),
@@ -334,8 +334,8 @@ impl CameraPressSensor {
         self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
     }
 
-    /// Tracks the markers of a press. The tracks have the noise and the sensor parameters of trial number `trial`. If
-    /// `trial` is `None`, they have no noise.
+    /// Tracks the markers of a press. The noise and the sensor parameters are those of trial number `trial`. If `trial`
+    /// is `None`, the tracks have no noise.
     fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
         let (tracks, own_rest) = match (&self.variation, trial) {
             (Some(variation), Some(number)) => {

@@ -32,11 +32,11 @@ pub(super) struct SensorVariation {
     /// Depths of the magenta and the yellow discs of the nominal sensor (length).
     depths: [f64; 2],
     rest_frames: u32,
-    /// Largest misalignment of a marker, relative to the diameter of the yellow disc.
+    /// Largest misalignment of a marker's two discs, relative to the diameter of the yellow disc.
     misalignment: f64,
 }
 
-/// Sensor of one trial, and the markers of this sensor in a press.
+/// Sensor of one trial, and the motions of its markers in a press.
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
     pub(super) motions: Vec<MarkerMotion>,
@@ -66,8 +66,8 @@ impl SensorVariation {
         }))
     }
 
-    /// Draws the sensor of a trial, and computes the motions of its discs in a press. Its parameters scatter about the
-    /// parameters of the sensor `nominal`.
+    /// Draws the sensor of a trial, and computes the motions of its discs in a press. The parameters of the drawn
+    /// sensor scatter about those of the sensor `nominal`.
     pub(super) fn sensor(
         &self,
         nominal: &SimulatedCamera,

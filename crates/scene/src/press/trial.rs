@@ -98,7 +98,7 @@ pub(super) enum PressCase {
         truth: TruePress,
         sensor: PressSensor,
     },
-    /// The press is impossible. Every trial fails with the name of the error.
+    /// No fit is possible, because the press itself is impossible. Every trial fails with the name of the error.
     NoPress(PressError),
 }
 
@@ -432,9 +432,9 @@ impl Trials for PressScene {
         self.true_value(*self.quantities().get(quantity)?)
     }
 
-    /// Cramér–Rao bound of a quantity, for the true body and the noise of the scene. Fitted parameters are treated as
-    /// unknown. A given parameter, such as the indentation, has the noise that trials draw. If trials draw no noise for
-    /// it, it has the standard deviation that the config states.
+    /// Cramér–Rao bound of a quantity, for the true body and the noise of the scene. Parameters that the estimator fits
+    /// are treated as unknown. A parameter that the estimator receives, such as the indentation, has the noise that
+    /// trials draw. If trials draw no noise for this parameter, it has the standard deviation that the config states.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;
@@ -485,7 +485,7 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
 
 /// Whether the 50, 80 and 95 % intervals contain the true value. The 95 % interval is part of the estimate. The
 /// half-widths of the other intervals are computed from the half-width of the 95 % interval, as for a normal
-/// distribution. On a side where this interval has no bound, they are computed from `std`.
+/// distribution. Where the 95 % interval has no bound on one side, they are computed from the standard error `std`.
 fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,

@@ -14,7 +14,7 @@ use palpate_study::config::{DiscsConfig, PressConfig, PressModelConfig, PressObj
 
 use crate::cache::SharedModels;
 
-/// True values of a press, which the sensor reads but the estimator does not receive.
+/// True values of a press. The sensor reads them with errors; the estimator does not receive them.
 #[derive(Clone, Debug)]
 pub(super) struct TruePress {
     pub(super) geometry: PressGeometry,
@@ -170,7 +170,7 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
 pub(super) enum TrueContact<'b> {
     /// Contact with an object that has the same curvature in all directions.
     Round(Contact<'b>),
-    /// Contact with an object that has two different curvatures. The number is the depth of the points whose
+    /// Contact with an object that has two different curvatures. The number is the depth under the skin at which
     /// displacements are computed.
     Elliptic(EllipticContact, f64),
 }
@@ -220,7 +220,7 @@ pub(super) struct SoftBody {
 
 impl SoftBody {
     /// Builds the soft body for a model and a sensor of the radius `radius`. The function `layer` builds a layer from
-    /// its thickness and depth.
+    /// its thickness and the depth of the points.
     pub(super) fn new(
         model: &PressModelConfig,
         radius: f64,
@@ -300,13 +300,14 @@ impl SoftBody {
 
 struct Discs {
     body: SoftBody,
-    /// Computes how the skin strains the discs; `None` if the discs do not follow the strain of the skin.
+    /// Computes the strain of the discs from the strain of the skin; `None` if the discs do not follow the strain of
+    /// the skin.
     strain: Option<DiscStrain>,
 }
 
-/// Displacements of the discs of one colour. The second part contains two numbers for each disc: the relative widening
-/// of the disc, and the relative widening of the skin around it. It is `None` if the discs do not follow the strain of
-/// the skin.
+/// Displacements of the discs of one colour, and their strains. The strains are two numbers for each disc: the relative
+/// widening of the disc, and the relative widening of the skin around it. They are `None` if the discs do not follow
+/// the strain of the skin.
 type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<[f64; 2]>>);
 
 impl Discs {
@@ -400,7 +401,7 @@ impl<'a> DiscMarkers<'a> {
     }
 }
 
-/// To find the strain of a disc, displacements of the skin are computed at this distance above and below the disc. The
+/// The strain of a disc is computed from displacements of the skin at this distance above and below the disc. The
 /// distance is a share of the sensor's radius.
 const STRAIN_STEP: f64 = 0.0025;
 
@@ -411,13 +412,13 @@ struct DiscStrain {
     share: f64,
     above: SoftBody,
     below: SoftBody,
-    /// Difference between the depths at which `above` and `below` compute displacements (length).
+    /// Distance between the two depths at which `above` and `below` compute displacements (length).
     apart: f64,
 }
 
 impl DiscStrain {
-    /// The skin just above and just below discs at `depth`. The lower depth is at most `deepest`. The function `body`
-    /// builds the soft body for a depth.
+    /// The skin just above and just below discs at the depth `depth`. The lower of the two depths is at most `deepest`.
+    /// The function `body` builds the soft body for a depth.
     fn new(
         share: f64,
         depth: f64,

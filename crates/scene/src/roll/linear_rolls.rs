@@ -19,8 +19,8 @@ pub(super) struct LinearRolls {
 #[derive(Clone, Copy, Debug)]
 struct LinearRoll {
     commanded: [f64; 2],
-    /// Change of the contact's path if the rotation about x has an error of one unit (one standard deviation, or its
-    /// bound).
+    /// Change of the contact's path if the rotation about x has an error of one unit (one standard deviation of the
+    /// error, or its bound).
     per_error_x: [f64; 2],
     per_error_y: [f64; 2],
     reported: ProbeRotation,
@@ -62,7 +62,7 @@ impl LinearRoll {
 
 impl LinearRolls {
     /// Builds the closed form of the rolls of a scene. Returns `None` in three cases: the rolls have no linear closed
-    /// form, the noise changes during a roll, or the noise is a measurement error.
+    /// form, the noise changes during a roll, or the noise is an error of the measured rotation.
     pub(super) fn new(
         roller: &Roller,
         rolls: &[Roll],
@@ -123,8 +123,8 @@ impl LinearRolls {
         let half_turn = self.half_turn_squared();
         let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
         for (number, &probe) in self.probes.iter().enumerate() {
-            // Draw all errors in one loop and compute all paths in another. Processors overlap the iterations of short
-            // loops better.
+            // Draw all errors in one loop and compute all paths in another. Processors execute several iterations of a
+            // short loop at the same time.
             many.draw(self.error, &mut streams, count);
             match number {
                 0 => many.add::<true>(probe, half_turn, count),
@@ -132,8 +132,8 @@ impl LinearRolls {
             }
         }
         let long = &many.long[..count];
-        // A path that is longer than halfway around the probe is very rare. So test the sum first, which is almost
-        // always 0.
+        // A path that is longer than halfway around the probe is very rare. So first test the number of such paths in
+        // all trials, which is almost always 0.
         match long.iter().sum::<u64>() {
             0 => long.len(),
             _ => long.iter().take_while(|&&long| long == 0).count(),

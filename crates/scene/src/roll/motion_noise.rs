@@ -31,7 +31,7 @@ impl MotionNoise {
         self.side == Side::Motion
     }
 
-    /// Number of pieces of a roll's motion. Each piece has its own error.
+    /// Number of pieces into which a roll's motion is divided. Each piece has its own error.
     pub(super) const fn pieces(&self) -> u32 {
         match self.side {
             Side::Motion => self.instants,
@@ -50,8 +50,8 @@ impl MotionNoise {
             Distribution::Uniform => self.error.fraction(),
             Distribution::Gaussian => f64::INFINITY,
         };
-        // The centre of the probe moves by the probe's radius times the rotation. √2 allows for the two components of
-        // the noise, and 2 for the curvature of the path on the object.
+        // The centre of the probe moves by the probe's radius times the rotation. The factor √2 accounts for the two
+        // components of the noise, and the factor 2 for the curvature of the path on the object.
         let share = 2.0 * std::f64::consts::SQRT_2 * bound.min(6.0 * self.relative_rotation_std());
         share * radius * rotation.norm()
     }

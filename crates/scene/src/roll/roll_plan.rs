@@ -97,8 +97,8 @@ impl RollScene {
         })
     }
 
-    /// Commanded motion of each probe, without noise. Each motion is divided into the pieces that would have separate
-    /// errors with noise.
+    /// Commanded motion of each probe, without noise. Each motion is divided into pieces. If there is noise, each piece
+    /// has its own error.
     pub fn noiseless(&self) -> Vec<Vec<Motion>> {
         let pieces = self.noise.map_or(1, |noise| noise.pieces());
         let commands: Vec<Motion> = self.commands().copied().collect();
@@ -163,9 +163,9 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart of the integrators whose errors are compared. If the config states a chart, it is used. Otherwise the chart
-/// depends on the axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in the
-/// chart.
+/// Chart of the integrators whose errors are compared. If the config states a chart, it is used. Otherwise, the chart
+/// depends on the rotation axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in
+/// the chart.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {
@@ -211,8 +211,8 @@ fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
     }
 }
 
-/// Builds the roller and the commanded motions. If the config states an arc length, rolls without noise have this
-/// length.
+/// Builds the roller and the commanded motions. If the config states an arc length, the motions are such that rolls
+/// without noise have this length.
 fn roller(
     config: &RollConfig,
     probe: Probe,
@@ -281,7 +281,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-/// The commands without repetitions. Each command is divided into `pieces` motions.
+/// The different commands, each once. Each command is divided into `pieces` motions.
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {

@@ -22,7 +22,7 @@ pub(super) enum RollSensor {
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
-    /// Pads. Each roll starts at its own random place on a pad; the stream draws these places.
+    /// Pads and a stream of random numbers. Each roll starts at its own place on a pad, which is drawn from the stream.
     RandomPads(&'a Pads, Stream),
     Pads(&'a Pads, PadPlacement),
 }
@@ -101,8 +101,8 @@ impl RollSensor {
         }
     }
 
-    /// A copy of the sensor without noise. Pads still round each position to the centre of a pad; one centre is at the
-    /// first contact.
+    /// A copy of the sensor without noise. Pads still round each position to the centre of a pad. The first contact is
+    /// at the centre of a pad.
     pub(super) fn noiseless(&self) -> Self {
         match self {
             Self::Ideal | Self::Wrist(_) => Self::Ideal,
@@ -110,7 +110,8 @@ impl RollSensor {
         }
     }
 
-    /// Whether the positions in a time series are contact points or pads. `None` for pads without straight edges.
+    /// Whether the positions in a time series are exact contact points or centres of pads. `None` for pads without
+    /// straight edges.
     pub(super) fn places(&self) -> Option<Places> {
         Some(match self {
             Self::Ideal => Places::Contacts { std: 0.0 },
@@ -189,10 +190,10 @@ impl SensorTrial<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct RotationSensor {
     error: GaussianError,
-    /// Rate at which the error of each component of the rotation grows during a roll, rad/s.
+    /// Rate at which the error of each component of the measured rotation grows during a roll, rad/s.
     drift_rad_per_s: f64,
     encoder: Option<Encoder>,
-    /// Error that is drawn separately for each sample of a roll.
+    /// Error of the measured rotation that is drawn separately for each sample of a roll.
     sample_error: GaussianError,
 }
 
@@ -240,8 +241,8 @@ impl RotationSensor {
         !self.is_random_per_roll() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
-    /// Path of the config field that states the larger error of the reported rotation: the error of the rotation or the
-    /// error of the encoder.
+    /// Path of the config field with the larger error of the reported rotation. There are two such fields: the error of
+    /// the rotation, and the error of the encoder.
     pub(super) fn path(&self) -> &'static str {
         match self.encoder {
             Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",

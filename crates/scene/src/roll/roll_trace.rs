@@ -32,8 +32,8 @@ impl RollScene {
         for (probe, roll) in self.rolls.iter().enumerate() {
             let command = &roll.command;
             let (motions, rotation) = match self.noise.map(|noise| noise.side) {
-                // If only the measurement has noise, the probe rolls as commanded. `noise.roll` is called only to draw
-                // the measured rotation.
+                // If only the measured rotation has noise, the probe rolls as commanded. `noise.roll` is called only to
+                // draw the measured rotation.
                 Some(Side::Measurement) => {
                     let (_, rotation) = noise
                         .roll(&self.roller, roll)

@@ -65,7 +65,7 @@ pub struct RollScene {
     pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses a model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
-    /// Form of the contact equations that the compared integrators use, with or without charts.
+    /// Form of the contact equations that the compared integrators use: in charts, or without charts.
     pub(super) chart: Chart,
 }
 
@@ -119,9 +119,9 @@ impl WithSimd for Together<'_> {
 }
 
 impl Together<'_> {
-    /// Runs the trials, and returns the number of trials before the first failure. The function must be compiled in
-    /// this crate: crates that call [`RollScene::side_by_side`] are compiled with fewer optimisations, which would not
-    /// vectorise it.
+    /// Runs the trials, and returns how many of them ran before the first trial that failed. The function must be
+    /// compiled in this crate: crates that call [`RollScene::side_by_side`] are compiled with fewer optimisations,
+    /// which would not vectorise it.
     #[inline(never)]
     fn run(self, arch: Arch) -> usize {
         arch.dispatch(self)
@@ -240,13 +240,14 @@ impl RollScene {
         }
     }
 
-    /// Samples of the rolls, and the estimator that uses them; `None` if the estimator is least squares.
+    /// Samples of the rolls, and the method that estimates from these samples; `None` if the estimator is least
+    /// squares.
     fn series_method(&self) -> Option<(&SampledRolls, SeriesMethod)> {
         let sampled = self.sampled.as_ref()?;
         Some((sampled, sampled.method?))
     }
 
-    /// Noise of time series that the estimator assumes; `None` if only the ends of rolls are read.
+    /// Noise that the estimator assumes for time series; `None` if the sensor reads only the ends of rolls.
     pub fn series_noise(&self) -> Option<SeriesNoise> {
         self.sampled.as_ref().map(|sampled| sampled.noise)
     }
@@ -294,7 +295,7 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial with rolls of any kind whose reported rotations have no errors. All trials therefore share one
+    /// Runs a trial whose rolls may be of any kind, if the reported rotations have no errors. All such trials share one
     /// prepared fit.
     fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
@@ -305,8 +306,8 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial in which the reported rotations have errors. The fit depends on them, so each trial prepares its
-    /// own fit.
+    /// Runs a trial in which the reported rotations have errors. The fit depends on the reported rotations, so each
+    /// trial prepares its own fit.
     fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
@@ -353,7 +354,7 @@ impl RollScene {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // If the error exceeds this range, the object counts as a plane, and no warning is needed.
+        // Outside of this range of errors, no warning is needed. If the error is larger, the object counts as a plane.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

@@ -21,8 +21,8 @@ use crate::principal_curvatures::PointCurvature;
 use crate::trace::TraceError;
 
 const MAX_SAMPLES: f64 = 1e7;
-/// Largest rotation of a probe about the contact normal that counts as a rounding error, rad. If all are smaller, they
-/// are replaced by 0.
+/// Largest rotation of a probe about the contact normal that counts as a rounding error, rad. If all rotations of a
+/// roll about the normal are smaller, they are replaced by 0.
 const ROUNDING_RAD: f64 = 1e-12;
 
 #[derive(Clone, Debug)]
@@ -258,8 +258,8 @@ const QUANTITIES: [Quantity; 4] = [
     Quantity::Mean,
 ];
 
-/// Principal curvatures of an estimate from time series, with the intervals that the estimator computes. `mean` is the
-/// outcome of the mean curvature.
+/// Principal curvatures of an estimate from time series, with the estimator's own intervals. `mean` is the outcome of
+/// the mean curvature.
 pub(super) fn series_principal(
     estimate: &SeriesEstimate,
     mean: &Observation,
@@ -275,8 +275,8 @@ pub(super) fn series_principal(
     point
 }
 
-/// Whether the 50, 80 and 95 % intervals contain the true value. The first two intervals are computed from the standard
-/// error, as for a normal distribution.
+/// Whether the 50, 80 and 95 % intervals of `quantity` contain the true value. The first two intervals are computed
+/// from the standard error, as for a normal distribution.
 fn holds(outcome: &Observation, estimate: &SeriesEstimate, quantity: Quantity) -> [bool; 3] {
     let error = (outcome.estimate - outcome.truth).abs();
     let within = |scores: f64| outcome.std.is_some_and(|std| error <= scores * std);

@@ -9,8 +9,8 @@ use palpate_study::config::{LengthUnit, Study, parse};
 use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
-/// Config of a press of the sensor of the 2020 paper on a plane. The soft body is a layer with a thickness of 5 mm on a
-/// core. The indentation is 1 mm.
+/// Config of a press: the sensor of the 2020 paper is pressed onto a plane. The soft body is a layer with a thickness
+/// of 5 mm on a core. The indentation is 1 mm.
 fn text(sensor: &str, noise: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -107,8 +107,8 @@ fn rendered_and_projected_cameras_agree() {
         ("normal_displacement", 0.01),
         ("tangential_displacement", 0.003),
         ("hue_change", 2e-4),
-        // The mean hue has a larger error than the hue: a pixel at the edge of two aligned discs may have a hue on
-        // either side of red.
+        // The mean hue has a larger error than the hue, because a pixel at the edge of two aligned discs may have a
+        // hue on either side of red, where the angle of the hue jumps.
         ("mean_hue_change", 0.015),
         ("centroid_shift", 0.02),
     ] {
@@ -232,8 +232,8 @@ fn tracking_reads_the_lens_that_the_optics_have() {
 
 #[test]
 fn a_lens_with_odd_terms_leaves_displacements_as_they_are() {
-    // In this scene, the sensor is calibrated with the same lens. There are no pixels and no noise, so only the finite
-    // size of the discs causes errors.
+    // The simulated lens and the lens of the calibration are the same. There are no pixels and no noise, so only the
+    // finite size of the discs causes errors.
     let results = |terms: &str| {
         let scene = scene(&text(&format!(r#"kind = "projected"{terms}"#), ""));
         [
@@ -339,8 +339,8 @@ fn a_sideways_shift_moves_the_centroid() {
         moved.unwrap()[0].tangential[0] / (20.0 - depth)
     };
     let expected = 319.5 / 65_f64.to_radians() * 0.5 * 0.5 * (followed(1.0) + followed(3.0));
-    // The expected value neglects two effects: the discs also move towards the camera, and the visible share of each
-    // disc changes.
+    // The expected value neglects two effects of the shift: the discs also move towards the camera, and the visible
+    // share of each disc changes.
     assert!((once / expected - 1.0).abs() < 0.07, "{once} {expected}");
     assert!((twice / once - 2.0).abs() < 0.05, "{once} {twice}");
 }

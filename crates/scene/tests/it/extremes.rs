@@ -20,7 +20,7 @@ pub(crate) fn roll(unit: f64, object: &str, angle: f64, lines: &str) -> String {
     scene("roll", &sphere(unit), object, &motion, lines)
 }
 
-/// Config of a glide: three fingers slide over a patch with a side length of 2 units.
+/// Config of a glide: three fingers slide over a patch with a side length of 2 `unit`.
 pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
     let [side, half, third] = [2.0 * unit, unit, 0.5 * unit];
     let motion = format!(
@@ -36,7 +36,7 @@ pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
     scene("glide", &sphere(third), object, &motion, &lines)
 }
 
-/// Config of a press: the sensor has a radius of 20 units, and the indentation is the share `share` of this radius.
+/// Config of a press: the sensor has the radius 20 `unit`, and the indentation is this radius times `share`.
 pub(crate) fn press(unit: f64, object: &str, share: f64, lines: &str) -> String {
     let [radius, depth, indentation] = [20.0 * unit, 2.0 * unit, 20.0 * unit * share];
     let probe = format!(
@@ -104,8 +104,8 @@ fn scenes_without_noise_are_exact() {
         (roll(1e9, &sphere(3e9), 0.5, ""), 1.0),
         (press(1e-9, &sphere(30e-9), 0.05, KNOWN), 1.0),
         (press(1e9, &sphere(30e9), 0.05, KNOWN), 1.0),
-        // Errors of the shift are amplified by 1 + R₂/R₁, where R₁ is the radius of the probe and R₂ the radius of the
-        // object.
+        // Relative errors of the contact's shift are amplified by 1 + R₂/R₁, where R₁ is the radius of the probe and R₂
+        // the radius of the object.
         (roll(1.0, &sphere(1e-9), 0.1, ""), 1.0),
         (roll(1.0, &sphere(1e12), 0.1, ""), 1e12),
         (press(1.0, &sphere(20e12), 0.01, KNOWN), 1e12),
@@ -152,7 +152,7 @@ fn impossible_scenes_have_named_errors() {
         (glide(1.0, &sphere(5e-324), ""), "scene.object.radius"),
         (glide(1.0, &sphere(0.0), ""), "scene.object.radius"),
     ] {
-        // TOML writes NaN in lower case.
+        // TOML writes NaN in lower case, but the configs are made with Rust's spelling.
         let found = relative(&text.replace("NaN", "nan"));
         assert_eq!(found.err().as_deref(), Some(name), "{text}");
     }
@@ -191,7 +191,7 @@ fn errors_are_the_same_in_any_unit() {
             assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
-    // With a noise of 10, the contact of a press could not be detected. So presses have less noise than glides.
+    // With the noise 10, which glides have, the contact of a press could not be detected. So presses have less noise.
     for noise in [1e-9, 0.1] {
         same(&|unit| noisy_press(unit, noise));
     }

@@ -213,7 +213,7 @@ fn pads_quantise_position_and_normal_alike() {
         pads.insert(format!("{} {}", reading[4], reading[5]));
     }
     assert!((4..15).contains(&pads.len()), "{}", pads.len());
-    // Pads with a very small pitch report the true contacts almost exactly.
+    // Pads with a very small pitch (1e-6) report the true contacts almost exactly.
     let fine = traced(1e-6);
     for (truth, reading) in fine.contacts.rows.iter().zip(&fine.readings.rows) {
         let (truth, reading) = (numbers(truth), numbers(reading));
@@ -334,7 +334,7 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     ] {
         let noise = |position: &str| format!("noise = {{ position = {{ {position} }} }}\n");
         assert_eq!(trial_of(&noise(share)), trial_of(&noise(length)));
-        // The noise that the config states to the estimator may also be a fraction or a length.
+        // The noise that the estimator assumes is stated in the config too. It may also be a fraction or a length.
         let stated = |key: &str| {
             format!(
                 "{}estimator = {{ kind = \"penalised\", {key} }}\n",

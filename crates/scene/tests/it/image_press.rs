@@ -119,7 +119,7 @@ fn pictures_need_a_camera() {
     );
 }
 
-/// Uncertain disc depths and colours bias the most likely curvature. The estimate is corrected for this bias.
+/// Uncertain disc depths and colours bias the most likely curvature. The reported estimate is corrected for this bias.
 #[test]
 fn curvatures_are_right_in_the_mean_over_sensors() {
     let noise =

@@ -38,7 +38,8 @@ fn a_roll_on_a_sphere_is_in_closed_form() {
     let model = ModelConfig::Roll(RollModelConfig::ClosedForm {});
     assert_eq!(ladder.taken().model, model);
     meets_its_tolerance(&ladder);
-    // The model `meridian` cannot compute this scene, because the contact is not at the apex of a graph.
+    // The model `meridian` cannot compute this scene, because it needs a contact at the apex of a surface of
+    // revolution.
     let meridian = &ladder.rungs[1];
     assert_eq!(meridian.name, "meridian");
     assert_eq!(meridian.accuracy.error(), None);
@@ -203,8 +204,8 @@ fn a_layer_is_solved_only_where_it_is_thin() {
     };
     let thin = press(1.0, &auto(4.0, 1e-3), 0.5, HALF_SPACE);
     assert!(taken(&thin).0.starts_with("bonded layer"));
-    // The layer is on a rigid core. If the layer is thick, the core reduces the displacement by a share of about a/t,
-    // with the contact radius a and the thickness t of the layer.
+    // A thick layer on a rigid core moves less than a half-space, because of the core. The displacement is smaller by a
+    // share of about a/t, with the contact radius a and the thickness t of the layer.
     let thick = press(0.01, &auto(20.0, 1e-3), 1e-9, HALF_SPACE);
     let ladder = ladder(&thick);
     let [_, half_space, layer] = &ladder.rungs[..] else {
@@ -218,7 +219,8 @@ fn a_layer_is_solved_only_where_it_is_thin() {
 #[test]
 fn an_estimator_uses_the_layer_of_auto() {
     let estimator = r#"{ kind = "bonded-layer" }"#;
-    // Because the tolerance is large, `auto` chooses the half-space. The estimator nevertheless assumes the layer.
+    // Because the tolerance (0.2) is large, `auto` chooses the half-space. The estimator nevertheless assumes the
+    // layer.
     let model = r#"{ kind = "auto", thickness = 20.0, tolerance = 0.2 }"#;
     let text = press(1.0, model, 0.1, estimator);
     let study = config::parse("study.toml", &text).unwrap();

@@ -7,7 +7,7 @@ use palpate_chromatouch::{
 use palpate_sensing::{Channel, Stream};
 use palpate_tracking::{Finder, Found, Ground, Marker, Mask};
 
-/// Renders frames of a sensor at rest, and finds the markers in them.
+/// The frames of a sensor at rest: renders them, and finds the markers in them.
 struct Look {
     optics: Optics,
     motions: Vec<Option<MarkerMotion>>,
@@ -63,8 +63,9 @@ impl Look {
     }
 }
 
-/// Differences between the expected image of a marker, `at`, and the nearest marker that was found: in x and y (px), in
-/// hue (turns), and in the logarithm of the size. The second result is the index of the marker.
+/// Two results for the marker whose expected image is `at`. The first contains the differences between this image and
+/// the nearest marker that was found: in x and y (px), in hue (turns), and in the logarithm of the size. The second is
+/// the index of the nearest marker.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);
@@ -85,8 +86,8 @@ fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     (numbers, nearest)
 }
 
-/// Errors of the markers: mean error (bias), scatter about the mean, and standard deviation that the tracker states.
-/// Each is the root mean square over all markers. The frames differ only in pixel noise.
+/// Errors of the markers in several frames: mean error (bias), scatter about the mean, and standard deviation that the
+/// tracker states. Each is the root mean square over all markers. The frames differ only in pixel noise.
 #[derive(Debug, Default)]
 struct Errors {
     bias: [f64; 4],
@@ -143,7 +144,7 @@ fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
 }
 
 /// If the pixel noise is 3 levels (of 255), the bias of a marker is less than half of its scatter. This is true for all
-/// positions relative to the pixels.
+/// positions of the markers relative to the pixels.
 #[test]
 fn markers_are_where_they_are_projected() {
     for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (700, 0.15), (1024, 0.0)] {
@@ -165,7 +166,8 @@ fn the_stated_errors_of_markers_equal_their_scatter() {
             scatter, stated, ..
         } = errors(&mut look, 12);
         let ratios = [0, 1, 2, 3].map(|number| scatter[number] / stated[number]);
-        // Each of the 77 markers has 11 degrees of freedom, so the relative standard error of a ratio is 2.5 %.
+        // Each of the 77 markers has 11 degrees of freedom, so the relative standard error of the ratio (scatter to
+        // stated error) is 2.5 %.
         for ratio in ratios {
             assert!((0.75..1.08).contains(&ratio), "{size_px} px: {ratios:?}");
         }
@@ -201,8 +203,8 @@ fn mean_hues_of_frames_have_the_bias_of_their_edges() {
     }
 }
 
-/// A sensor whose discs are all at the same depth. The yellow discs are displaced by the length `offset`, in another
-/// direction for each marker.
+/// A sensor whose discs are all at the same depth. The yellow discs are displaced sideways by the length `offset`, in
+/// another direction for each marker.
 fn offset_discs(optics: &Optics, offset: f64) -> Optics {
     let (magenta, yellow) = (2.0, 2.0);
     let depths = DiscDepths { magenta, yellow };

@@ -14,7 +14,7 @@ use palpate_study::config::parse;
 use palpate_study::glossary::meaning;
 use strum::VariantNames;
 
-/// Names that palpate prints, except the names of error variants, which `VariantNames` lists.
+/// Names that palpate prints and that `VariantNames` does not list, because they are not names of error variants.
 const PRINTED: &str = "beyond-pads out-of-field not-seen tracked lost merged split new \
     polynomial interpolating smoothing knots-exhausted unsettled \
     roll glide press fingertip least-squares pad-edge trajectory quadric penalised two-pass half-space bonded-layer gaussian hertz \
@@ -110,7 +110,8 @@ fn names_in_tables_do_not_change() {
         OpticsError::VARIANTS,
         TrackingError::VARIANTS,
     ];
-    // The variant `surface` contains an error of the surface, whose own name is printed instead of `surface`.
+    // The variant `surface` contains an error of the surface. The name of the contained error is printed instead of
+    // `surface`.
     let expected = "too-few-probes unresolvable-set noisy-rotations unresolved not-rolling not-finite out-of-range\n\
         off-domain chart-singular no-closest-point\n\
         conforming overlapping surface too-many-steps singular not-finite\n\

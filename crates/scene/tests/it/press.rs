@@ -188,8 +188,8 @@ fn noise_has_the_stated_size_and_frames_average_it() {
         let indentation: f64 = stated.sum::<f64>() / 500.0;
         [normal / count, tangential / count, indentation].map(f64::sqrt)
     };
-    // The tolerances follow from the number of draws: the relative standard error is 1 % for 4,620 draws and 3 % for
-    // 500 draws.
+    // The tolerances follow from the number of random draws: the relative standard error of a standard deviation is 1 %
+    // for 4,620 draws and 3 % for 500 draws.
     let single = sample("");
     let four = sample("sensor = { kind = \"direct\", frames = 4 }\n");
     for (found, expected, tolerance) in [

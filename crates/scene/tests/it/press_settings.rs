@@ -32,7 +32,7 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
         let needs = needs_of(&scene);
         assert!(needs.contains(&format!("fails as `{name}`")), "{needs}");
         assert!(needs.len() < 1000, "{needs}");
-        // True values that do not depend on a contact are still available.
+        // True values that do not depend on the contact are available, although there is no contact.
         assert!(scene.truth(3).is_some());
         assert_eq!(
             scene.truth(1).is_some(),

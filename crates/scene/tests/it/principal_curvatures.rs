@@ -15,7 +15,7 @@ const GLIDE: &str = r#"kind = "glide"
     motion = { finger_positions = [-1, 0, 1], inter_finger_distance = 1, patch_length = 2, contacts_per_finger = 15 }
     evaluate = { grid = 2, half_width = 0.2, gaussian_threshold = 0.1, mean_threshold = 0.1 }"#;
 
-/// Observations of a quantity in the first trials of a scene.
+/// Observations of the quantity `name` in the first `trials` trials of a scene.
 fn observed(scene: [&str; 3], name: &str, trials: u64) -> Vec<Observation> {
     let lines = scene.join("\n");
     let text = format!("name = \"a\"\n[scene]\nprincipal_curvatures = true\n{lines}\n");
@@ -30,8 +30,8 @@ fn observed(scene: [&str; 3], name: &str, trials: u64) -> Vec<Observation> {
     all
 }
 
-/// Means over the trials: of the errors, of the estimates, and of the share of 95 % intervals that contain the true
-/// value.
+/// Means over the observations `all`: the mean error, the mean estimate, and the share of 95 % intervals that contain
+/// the true value.
 fn means(all: &[Observation]) -> [f64; 3] {
     let holds = |one: &Observation| {
         let std = one.std.unwrap_or_default();
@@ -52,7 +52,7 @@ fn means(all: &[Observation]) -> [f64; 3] {
 
 #[test]
 fn without_noise_they_are_exact_and_undefined_ones_are_missing() {
-    // In a roll, the axis v points to −y, so the angle has the opposite sign.
+    // In a roll, the second tangent axis v points to −y, so the angle has the opposite sign.
     for (kind, axis) in [(ROLL, -30.0), (GLIDE, 30.0)] {
         for (object, name, value) in [
             (CYLINDER, "principal_curvature_max", Some(0.25)),
@@ -101,7 +101,7 @@ fn intervals_contain_the_true_values() {
 #[test]
 fn on_a_sphere_noise_separates_the_principal_curvatures() {
     let found = |name: &str| means(&observed([ROLL, SPHERE, WRIST], name, 2000));
-    // The larger of two noisy curvatures is on average too large, and the smaller one too small.
+    // Noise makes the larger of two estimated curvatures too large on average, and the smaller one too small.
     let [max, min] = ["principal_curvature_max", "principal_curvature_min"].map(found);
     assert!(max[0] > 0.003 && min[0] < -0.003, "{max:?} {min:?}");
     assert!(max[2] > 0.94 && min[2] > 0.94, "{max:?} {min:?}");

@@ -77,7 +77,7 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
                 "{noise}: {read} {exact}"
             );
         }
-        // The two rolls are at right angles, because errors of rolls in opposite directions would cancel each other.
+        // The two rolls are at right angles. In two rolls in opposite directions, the errors would cancel each other.
         let curvature = trial(&scene, 0)[3].0;
         assert_eq!((curvature - 0.25).abs() < 1e-12, shift == 0.0, "{noise}");
     }
@@ -86,8 +86,8 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
 #[test]
 fn hexagonal_pads_err_less_than_square_ones() {
     let ball = r#"{ kind = "sphere", radius = 4 }"#;
-    // The path is 0.08 long. Use several pitches, because square pads read the path exactly if it is a multiple of the
-    // pitch.
+    // The path is 0.08 long. Use several pitches, because square pads read the path exactly if the path is a multiple
+    // of the pitch.
     let square_sum = |layout: &str| -> f64 {
         let pitches = [0.017, 0.019, 0.021, 0.023].iter();
         let squares = pitches.map(|pitch| {
@@ -104,7 +104,7 @@ fn hexagonal_pads_err_less_than_square_ones() {
         squares.sum()
     };
     let ratio = (square_sum("hexagonal") / square_sum("square")).sqrt();
-    // An independent simulation of shifts with these pitches gives the ratio 0.84.
+    // An independent simulation of shifts with these pitches gives the ratio 0.84 of the rms errors.
     assert!((0.7..1.0).contains(&ratio), "{ratio}");
 }
 
@@ -174,7 +174,7 @@ fn models_share_draws_and_results() {
     }
 }
 
-/// An additional source of noise does not change the random numbers of the other noise sources.
+/// An additional source of noise does not change the random numbers that the other sources use.
 #[test]
 fn channels_are_apart() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
