@@ -43,8 +43,8 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// A calibration for normal displacements, for tangential displacements, or for both. `markers` is the number of
-    /// markers that the sensor shows at rest; `None` if the number is not known.
+    /// Creates a calibration for normal displacements, for tangential displacements, or for both. `markers` is the
+    /// number of markers that the sensor shows at rest; `None` if the number is not known.
     ///
     /// # Errors
     /// [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`] for a number that
@@ -103,14 +103,14 @@ impl Calibration {
     }
 
     /// The inward displacement (length) of a marker, computed from the change of its image. The result is `None` if
-    /// there is no calibration for normal displacements, or if the change is not finite.
+    /// there is no calibration for normal displacements, or if a number of the change is not finite.
     pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
         self.normal.as_ref()?.read(marker, change)
     }
 
     /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
-    /// is the shift (px) of the marker's image along the axes at its place. This shift is the focal length (px per
-    /// radian) multiplied by the angle of the shift. The result is `None` if there is no calibration for tangential
+    /// is the shift (px) of the marker's image along the axes at the marker's place. This shift is the focal length (px
+    /// per radian) multiplied by the angle of the shift. The result is `None` if there is no calibration for tangential
     /// displacements, or if a number is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)

@@ -32,7 +32,8 @@ pub struct Equidistant {
 }
 
 impl Equidistant {
-    /// A camera without odd terms that shows the apex at `centre_px` and has the focal length f = `px_per_rad`.
+    /// Creates a camera whose lens has no odd terms. The camera shows the apex at `centre_px` and has the focal length
+    /// f = `px_per_rad`.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless both coordinates of the centre are from -1e12 to 1e12 px, and
@@ -82,12 +83,13 @@ impl Equidistant {
         })
     }
 
-    /// Focal length f in r = f θ, px per radian. With odd terms, it is the scale in the middle of the image.
+    /// Focal length f in r = f θ, px per radian. If the lens has odd terms, f is the scale in the middle of the image.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
 
-    /// Place of an image point, rad. If the point does not belong to a valid place, the result is the apex.
+    /// Place on the skin (rad) that the camera shows at an image point. If the point does not belong to a valid place,
+    /// the result is the apex.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
         self.finite_place(point_px).unwrap_or_default()
     }
@@ -107,8 +109,8 @@ impl Equidistant {
         }
     }
 
-    /// Great-circle displacement (rad) from one image point to another, along the axes at the first place. It is 0 if a
-    /// point does not belong to a valid place.
+    /// Great-circle displacement (rad) from one image point to another, along the axes at the first place. The
+    /// displacement is 0 if one of the points does not belong to a valid place.
     ///
     /// In the radial direction of the image, this displacement equals the distance in pixels divided by the focal
     /// length. In the perpendicular direction, the image is stretched by the factor θ/sin θ.
@@ -142,8 +144,8 @@ impl Equidistant {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Factor by which the image enlarges a small area at the angle `angle` from the camera's axis. The factor is 1 on
-    /// the axis.
+    /// Factor by which the camera enlarges a small area at the angle `angle` from its axis in the image. The factor is
+    /// 1 on the axis.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
         stretching(angle) * (even * slope)
@@ -198,7 +200,8 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
 /// Smallest allowed slope dr/dθ of a lens (image distance r over angle θ), relative to its slope on the axis. If the
 /// slope is smaller, angles cannot be determined from distances.
 const MIN_SLOPE: f64 = 0.01;
-/// Maximum number of Newton steps. A step that would leave the bracket is replaced by a bisection.
+/// Maximum number of Newton steps of [`OddTerms::angle`]. A step that would leave the bracket is replaced by a
+/// bisection.
 const MAX_STEPS: usize = 64;
 
 /// The odd terms of a fisheye lens, r = f (θ + k3 θ³ + k5 θ⁵), where k3 and k5 may have any finite size.
@@ -223,7 +226,7 @@ impl OddTerms {
         }
     }
 
-    /// Largest angle θ up to which the relative slope of the lens is at least [`MIN_SLOPE`]. With u = θ², it is
+    /// Largest angle θ up to which the relative slope of the lens is at least [`MIN_SLOPE`]. With u = θ², the angle is
     /// computed from the smallest positive root of 5 k5 u² + 3 k3 u + 1 − `MIN_SLOPE`.
     fn first_root(self) -> f64 {
         let (square, linear, constant) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - MIN_SLOPE);
@@ -246,8 +249,8 @@ impl OddTerms {
         [term(1.0, 1.0), term(3.0, 5.0)]
     }
 
-    /// The angle from the axis at which the image has a given distance from its centre. `scaled` is this distance
-    /// divided by the focal length. `None` if no valid place has this distance.
+    /// Angle from the axis of the place whose image has a given distance from the image's centre. `scaled` is this
+    /// distance divided by the focal length. `None` if no valid place has this distance.
     fn angle(self, scaled: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_angle);
         let distance = |angle: f64| angle * self.stretches(angle)[0];
@@ -316,8 +319,8 @@ mod tests {
                 let place = camera.place([319.5 + radius * along, 319.5 - radius * up]);
                 assert_relative_eq!(place[0], angle * along, epsilon = 1e-12);
                 assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
-                // `area` is an area in the image divided by the corresponding area on the sphere. `slope` is a finite
-                // difference along the image's radius.
+                // `area` is the ratio of an area in the image to the corresponding area on the sphere. `slope` is the
+                // change of the image's radius with the angle, computed as a finite difference.
                 let more = 1e-6;
                 let distance = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
                 if angle > 0.0 {
@@ -347,7 +350,7 @@ mod tests {
         let back = camera.shift(point, apex);
         for axis in 0..2 {
             assert_relative_eq!(there[axis], camera.place(point)[axis], epsilon = 1e-14);
-            // Along a meridian, the transported axes do not rotate.
+            // Axes that are transported along a meridian keep their angle to the meridian.
             assert_relative_eq!(back[axis], -there[axis], epsilon = 1e-14);
         }
         assert_eq!(camera.shift(point, point), [0.0, 0.0]);

@@ -5,7 +5,7 @@ use std::num::NonZeroU8;
 use image::{Rgb, RgbImage};
 use thiserror::Error;
 
-/// The two frames have different sizes.
+/// Error: the two frames have different sizes.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("the frame at rest has {} x {} px, the pressed one {} x {}", rest[0], rest[1], pressed[0], pressed[1])]
 pub struct SizesDiffer {

@@ -36,7 +36,7 @@ pub enum TrackingError {
         /// Largest allowed number of columns and of rows of a frame.
         most: u32,
     },
-    /// The radius of the image circle is not positive, or its centre lies outside the frame.
+    /// The radius of the image circle is not positive, or the circle's centre lies outside the frame.
     #[error(
         "the image circle around ({x_px}, {y_px}) with a radius of {radius_px} px is not valid: \
          its centre must lie in the frame and its radius must be positive",
@@ -50,7 +50,7 @@ pub enum TrackingError {
         /// Radius of the image circle, px.
         radius_px: f64,
     },
-    /// No shape in the frame has the size, form and colour of a marker.
+    /// No shape in the frame has the size, the form and the colour of a marker.
     #[error(
         "no markers: {shapes} shape(s) differ from the background, but none has the size, form \
          and colour of a marker: are colours swapped?"

@@ -6,10 +6,10 @@ use thiserror::Error;
 
 use crate::camera::great_circle;
 
-/// A place on the skin, and the displacement of the skin at this place.
+/// A place on the skin, with the displacement of the skin at this place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displaced {
-    /// The place (rad) at rest, as its logarithm map from the apex.
+    /// Coordinates (rad) of the place at rest: its logarithm map from the apex.
     pub place: [f64; 2],
     /// Displacement along the skin (length). Its components are along the axes of the apex, parallel-transported along
     /// the meridian to the place.
@@ -21,7 +21,7 @@ pub struct Displaced {
 /// Reason why a displacement field cannot be computed.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum FieldError {
-    /// There are no markers.
+    /// There are no markers between which a field can be interpolated.
     #[error("a displacement field needs at least one marker, but there is none")]
     NoMarkers,
     /// A number of a marker is not finite or too large, or the marker is more than half a turn away from the apex.
@@ -90,7 +90,7 @@ impl HasPosition for Site {
 }
 
 impl Field {
-    /// The displacement field that interpolates between the given markers.
+    /// Creates the displacement field that interpolates between `markers`.
     ///
     /// # Errors
     /// [`FieldError`] if there are no markers, if a number is out of range, or if two markers have the same place.
@@ -133,8 +133,8 @@ impl Field {
         &self.markers
     }
 
-    /// A smoothed displacement field. The displacement of each marker is replaced by a weighted mean of the
-    /// displacements of all markers. The weights are a Gaussian function of the great-circle distance, with the
+    /// Returns a smoothed displacement field, in which the displacement of each marker is replaced by a weighted mean
+    /// of the displacements of all markers. The weights are a Gaussian function of the great-circle distance, with the
     /// standard deviation `std_rad`. If `std_rad` is 0, the field does not change.
     ///
     /// # Errors
@@ -185,8 +185,8 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In a very thin triangle, the circumcircle overflows, and the weights are not between 0 and 1. Then use
-            // the barycentric weights of the triangle.
+            // In a very thin triangle, the circumcircle overflows, and the natural-neighbour weights are not between 0
+            // and 1. Then use the barycentric weights of the triangle.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
         }
@@ -216,7 +216,7 @@ impl Field {
         let middle = 0.5 * (low + high);
         match count {
             1 => vec![middle],
-            // This form of linear interpolation returns both ends of the range exactly.
+            // This form of linear interpolation returns both ends of the coordinate's range exactly.
             _ => (0..count)
                 .map(|step| step as f64 / (count as f64 - 1.0))
                 .map(|share| low * (1.0 - share) + high * share)
@@ -244,10 +244,10 @@ impl Field {
         }
     }
 
-    /// Mean displacement of the skin away from the centre of the contact. The centre is the marker with the largest
-    /// normal displacement. The mean is over all other markers, and their inward displacements are the weights. A
-    /// positive result means that the skin slips on the object, or that the object pushes the skin aside. The result is
-    /// `None` if no other marker was displaced inward.
+    /// Mean displacement of the skin away from the centre of the contact. The centre of the contact is taken as the
+    /// marker with the largest normal displacement. The mean is over all other markers, and their inward displacements
+    /// are the weights. A positive result means that the skin slips on the object, or that the object pushes the skin
+    /// aside. The result is `None` if no other marker was displaced inward.
     pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
         let (centre, largest) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
@@ -303,8 +303,8 @@ mod tests {
             assert_relative_eq!(marker.normal, 0.3, epsilon = 1e-15);
             assert_relative_eq!(marker.tangential[1], -0.2, epsilon = 1e-15);
         }
-        // The filter spreads the displacement of a single marker in the middle. The weights are 1 for the marker
-        // itself, e^-1/2 for its four neighbours, e^-1 for the next four, and so on.
+        // Only the marker in the middle is displaced, and the filter spreads its displacement. The weights are 1 for
+        // the marker itself, e^-1/2 for its four neighbours, e^-1 for the next four, and so on.
         let mut spike = still;
         spike.iter_mut().for_each(|marker| marker.normal = 0.0);
         spike[12].normal = 1.0;
@@ -343,7 +343,7 @@ mod tests {
     }
 
     /// A field is also possible for few markers, for markers on a line, and for markers that are almost at the same
-    /// place. The convex hull of these markers is then small.
+    /// place. The convex hull of these markers then has a small area.
     #[test]
     fn thin_fields() {
         let of = |x: f64, y: f64| Displaced {

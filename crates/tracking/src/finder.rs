@@ -21,8 +21,8 @@ pub struct Found {
     pub ground: Ground,
     /// The markers that are completely visible, sorted by their distance from the middle of the image circle.
     pub markers: Vec<Marker>,
-    /// Standard errors and covariances of the markers, in the order of `markers`. The errors are computed from the
-    /// noise of the frame's pixels.
+    /// Standard errors and covariances of the measured features of the markers, in the order of `markers`. They are
+    /// computed from the noise of the frame's pixels.
     pub errors: Vec<MarkerErrors>,
     /// Markers that are cut off by the edge of the image circle or of the frame, sorted by their distance from the
     /// middle of the image circle. Only their visible part is measured.
@@ -30,7 +30,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// Errors of a marker; `None` if the marker is not a completely visible marker of this frame.
+    /// Errors of the features of `marker`; `None` if this is not a completely visible marker of this frame.
     pub fn errors_of(&self, marker: &Marker) -> Option<MarkerErrors> {
         let place = self.markers.iter().position(|one| one == marker)?;
         self.errors.get(place).copied()
@@ -70,11 +70,11 @@ pub struct Finder {
 }
 
 impl Finder {
-    /// A finder for frames with the image circle `circle` and the background `ground`. If an argument is `None`, it is
-    /// estimated from each frame. The circle is fitted to the rim of the sensor. Outside of the rim, the frame has the
-    /// colour of its corners. If the rim is not approximately a circle, the whole frame is used. The background is
-    /// found from the green and blue values of the frame. It is bright if the darkest values are farther from the
-    /// median than the brightest values.
+    /// Creates a finder for frames with the image circle `circle` and the background `ground`. If an argument is
+    /// `None`, it is estimated from each frame. The image circle is fitted to the rim of the sensor. Outside of the
+    /// rim, the frame has the colour of its corners. If the rim is not approximately a circle, the whole frame is used.
+    /// The background is found from the green and blue values of the frame. It is bright if the darkest values are
+    /// farther from the median than the brightest values.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,
@@ -132,7 +132,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side (in bins) of the square for the top-hat transform.
+    /// Half the side (in bins) of the square with which the top-hat transform is computed.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;

@@ -9,7 +9,7 @@ use crate::selection::Selection;
 
 /// Width of the outer band of the image circle that may contain the rim, relative to the radius of the circle.
 const RIM_BAND: f64 = 0.08;
-/// Smallest accepted contrast of the markers of a frame, in standard deviations of the background's values in the
+/// Smallest accepted contrast of the markers of a frame. The unit is the standard deviation of the background in the
 /// top-hat transform.
 const MIN_CONTRAST_STDS: f64 = 4.0;
 /// Smallest accepted contrast of the markers of a frame, in levels (0 to 255).
@@ -64,7 +64,7 @@ impl GroundMask {
     pub(crate) fn estimate_ground(&self) -> Ground {
         let (mut dark, mut bright) = ([0; 256], [0; 256]);
         let share = share_of(self.frame.pixels());
-        // Use only every third bin, because these are enough for the estimate.
+        // Use only every third bin, because a third of the bins is enough for the estimate.
         let squares = self.frame.sums.iter().zip(&self.inside).step_by(3);
         for (colour, _) in squares.filter(|(_, inside)| **inside) {
             let [red, green, blue] = colour.map(&share);
@@ -121,8 +121,8 @@ impl GroundMask {
             }));
     }
 
-    /// Divides the values of the top-hat transform into two classes, background and markers. The result is `None` if
-    /// the contrast of the classes is too small.
+    /// Divides the values of the top-hat transform into two classes: background and markers. The result is `None` if
+    /// the contrast between the two classes is too small.
     pub(crate) fn classes(&self) -> Option<Classes> {
         let mut histogram = [0u32; 256];
         let squares = self.top_hat.iter().zip(&self.inside);
@@ -180,8 +180,9 @@ fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// For each brightness of the background (0 to 255), the factor (in units of 1/65,536) that converts a brightness
-/// difference to a share of the background's light (in units of 1/255). The factor is 0 if the background is too dark.
+/// A table of factors for each brightness of the background (0 to 255). The factor (in units of 1/65,536) converts a
+/// brightness difference to a share of the background's light (in units of 1/255). The factor is 0 if the background is
+/// too dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < MIN_GROUND_BRIGHTNESS {
@@ -249,7 +250,7 @@ fn weighted(histogram: &[u32]) -> f64 {
         .sum()
 }
 
-/// Grey value below which the share `share` of all pixels of a histogram lies.
+/// Grey value below which the share `share` of the pixels counted in a histogram lies.
 pub(crate) fn quantile(histogram: &[u32; 256], share: f64) -> u8 {
     let count: u64 = histogram.iter().map(|&count| u64::from(count)).sum();
     let wanted = share * count as f64;

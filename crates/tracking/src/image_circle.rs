@@ -12,10 +12,10 @@ pub struct Mask {
     pub radius_px: f64,
 }
 
-/// Smallest accepted share of the rim's points that lie on one circle.
+/// The rim of the sensor is accepted as a circle only if at least this share of the rim's points lies on one circle.
 const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
-/// Smallest accepted share of the circle along which the rim is visible. Parts of the circle outside of the frame do
-/// not count.
+/// The rim must be visible along at least this share of the circle. Parts of the circle outside of the frame do not
+/// count.
 const MIN_VISIBLE: f64 = 0.8;
 /// Length of the arcs into which the image circle is divided, in bins. The rim is visible along an arc if a point of
 /// the rim lies on it.
@@ -79,8 +79,8 @@ impl Mask {
         }
     }
 
-    /// Marks the pixels that are inside the circle. `size` contains the frame's number of columns and number of rows.
-    /// The radius of the circle is reduced by `less` px.
+    /// Marks in `inside` the pixels that are inside the circle. `size` contains the frame's number of columns and
+    /// number of rows. The radius of the circle is reduced by `less` px.
     pub(crate) fn fill(&self, less: f64, size: [usize; 2], inside: &mut Vec<bool>) {
         inside.clear();
         inside.resize(size[0] * size[1], false);
@@ -130,8 +130,8 @@ impl Circle {
             return None;
         }
         let near = |circle: &Self| points.iter().filter(|point| circle.holds(point)).count();
-        // Each attempt uses three points that are far apart in the list. The choice is not random, so that every run
-        // gives the same result.
+        // Each attempt uses three points that are far apart in the list of points. Their choice is not random, so that
+        // every run gives the same result.
         let (_, best) = (0..TRIES)
             .filter_map(|attempt| {
                 let at = |share: f64| points[((share * count as f64) as usize) % count];
@@ -155,7 +155,7 @@ impl Circle {
             < MAX_DISTANCE[0] + MAX_DISTANCE[1] * self.radius
     }
 
-    /// Share of the circle that is covered by points. Parts of the circle outside of a frame with the size `size` do
+    /// Share of the circle along which there are points. Parts of the circle outside of a frame with the size `size` do
     /// not count.
     fn visible_share(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
         use std::f64::consts::TAU;
@@ -220,11 +220,11 @@ pub(crate) struct Rim {
     columns: Vec<Option<[usize; 2]>>,
 }
 
-/// Colours of two corners of the frame count as the same colour if they differ by less than this value, in levels (0 to
+/// Colours of two corners of the frame count as the same colour if they differ by less than this number of levels (0 to
 /// 255).
 const MAX_CORNER_DIFFERENCE: f64 = 16.0;
 /// A bin can count as part of the sensor only if its colour differs from the colour of the frame's corners by more than
-/// this value, in levels (0 to 255).
+/// this number of levels (0 to 255).
 const MIN_DIFFERENCE: f64 = 8.0;
 
 impl Rim {
@@ -251,7 +251,7 @@ impl Rim {
         })
     }
 
-    /// Whether the bin (x, y) lies outside of the rim, along its row or along its column.
+    /// Whether the bin (x, y) lies outside of the rim. Both the row and the column of the bin are tested.
     pub(crate) fn excludes(&self, x: usize, y: usize) -> bool {
         let beyond = |ends: &Option<[usize; 2]>, at: usize| {
             ends.is_none_or(|[first, last]| at < first || at > last)
@@ -287,9 +287,9 @@ impl Rim {
     }
 }
 
-/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. The limit
-/// follows from the differences within the corners. Both are sums over the pixels of a bin. `None` unless at least
-/// three corners have the same colour.
+/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. The
+/// difference is computed from the colour differences within the corners. Colour and difference are sums over the
+/// pixels of a bin. `None` unless at least three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);

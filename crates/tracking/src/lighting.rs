@@ -26,8 +26,8 @@ const POWERS: [(i32, i32); 15] = [
 ];
 /// Side (in bins) of the square patches of the frame over which the background is averaged before the fit.
 const PATCH: usize = 8;
-/// Weight of the regularisation, relative to the weight of the patches. The regularisation limits the polynomial in
-/// areas where no background is visible.
+/// Weight of the regularisation, relative to the weight of the patches. The regularisation keeps the polynomial small
+/// in areas where no background is visible.
 const REGULARISATION: f64 = 1e-7;
 /// Largest accepted deviation of a patch from the fitted light, in standard deviations of the deviations of all
 /// patches. The standard deviation is estimated as 1.5 times the median. Patches with a larger deviation are not used.
@@ -49,14 +49,14 @@ pub(crate) struct Lighting {
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives at the place: half the derivative ∂²/∂x², the mixed derivative ∂²/∂x∂y, and half the
-    /// derivative ∂²/∂y².
+    /// Second derivatives of the background's colour at the place: half the derivative ∂²/∂x², the mixed derivative
+    /// ∂²/∂x∂y, and half the derivative ∂²/∂y².
     bend: [f64; 3],
 }
 
 impl Local {
-    /// The brightness along a row, as a polynomial in x: its constant, linear and quadratic coefficient. The row is
-    /// `dy` rows below the place.
+    /// The brightness of the background along a row, as a polynomial in x: its constant, linear and quadratic
+    /// coefficient. The row is `dy` rows below the expansion's place.
     pub(crate) fn row(&self, dy: f64) -> [f32; 3] {
         [
             (self.value + dy * (self.slope[1] + dy * self.bend[2])) as f32,
@@ -154,7 +154,7 @@ impl Lighting {
             .sums
             .chunks_exact(binned.width)
             .zip(ground.chunks_exact(binned.width));
-        // Use only every second row of bins, because these are enough for the fit.
+        // Use only every second row of bins, because half of the rows is enough for the fit.
         for (y, (colours, ground)) in rows.enumerate().skip(1).step_by(2) {
             let stripes = colours
                 .chunks(PATCH)
@@ -222,8 +222,8 @@ impl Lighting {
     }
 
     /// Deviation of a patch's mean colour from the fitted light, multiplied by the square root of the share of the
-    /// patch that shows the background. The deviation of a smaller background area counts less, because its mean has
-    /// more noise.
+    /// patch that shows the background. If less background is visible in a patch, its deviation counts less, because
+    /// its mean has more noise.
     fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))

@@ -19,7 +19,7 @@ pub struct Marker {
     /// these colours has the size of its area. On a dark background, each pixel contributes the light that the marker
     /// adds to its strongest colour, as a share of full scale.
     pub size_px2: f64,
-    /// Number of pixels of the marker's shape.
+    /// Number of pixels of the connected shape from which the marker was found.
     pub pixels: u32,
 }
 
@@ -69,7 +69,7 @@ pub struct Change {
 }
 
 impl Track {
-    /// The change of a marker. `None` unless its status is `Tracked` and all numbers are finite.
+    /// The change of a marker between both frames. `None` unless its status is `Tracked` and all numbers are finite.
     ///
     /// ```
     /// use palpate_tracking::{Marker, Status, Track};

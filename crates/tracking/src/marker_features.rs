@@ -8,16 +8,16 @@ use palpate_statistics::hue_turns;
 /// Range of hues of markers on a bright background, in turns: from magenta over red to yellow.
 const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
 /// Smallest accepted chroma of markers on a bright background, relative to the absorbed green and blue light. Shapes
-/// with a lower ratio may be grey dust. The ratio is 1 for pure magenta and pure yellow, and 1/2 where magenta and
+/// with a lower ratio may be grey dust. This ratio is 1 for pure magenta and pure yellow, and 1/2 where magenta and
 /// yellow overlap.
 const MIN_CHROMA: f64 = 0.2;
-/// Error of the light of a pixel on a marker's edge. It is the light's relative standard deviation multiplied by the
-/// marker's radius in px. The reasons are that the edge crosses the pixel grid differently at every place, and the
-/// light of a pixel is assigned to its middle. The value was measured on discs with radii of 8 to 26 px, with pixels
-/// that integrate the light over their area.
+/// Error of the light of a pixel on a marker's edge: the relative standard deviation of this light, multiplied by the
+/// marker's radius in px. The error has two causes: the edge crosses the pixel grid differently at every place, and the
+/// light of a pixel is assigned to the middle of the pixel. The value was measured on discs with radii of 8 to 26 px,
+/// with pixels that integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// Share of the error variance of edge pixels that is due to errors which are equal in all colours. The rest is due to
-/// errors that differ between colours.
+/// Edge pixels have errors that are equal in all colours, and errors that differ between colours. This is the share of
+/// the equal errors in the variance of all errors.
 const COMMON_SHARE: f64 = 0.5;
 
 /// The marker whose pixels have the sums `sums`. `None` if the hue is outside the range of markers, or if a number is
@@ -50,8 +50,8 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
 pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     match ground {
         Ground::Bright => [0.0, 1.0, 1.0],
-        // All pixels have the same noise. Therefore weights proportional to the light minimise the error of the
-        // centroid.
+        // On a dark background, all pixels have the same noise. Therefore weights proportional to the light minimise
+        // the error of the centroid.
         Ground::Dark => sums.light.map(|light| light.max(0.0)),
     }
 }
@@ -83,7 +83,8 @@ pub struct MarkerErrors {
 }
 
 impl MarkerErrors {
-    /// Errors of a marker whose features are means over `frames` frames. Each single frame has the errors `self`.
+    /// Errors of a marker whose features are means over `frames` frames. The features in each single frame have the
+    /// errors `self`.
     pub fn averaged(&self, frames: u32) -> Self {
         let share = f64::from(frames.max(1)).recip();
         Self {
@@ -153,7 +154,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         add(2, 2, turn * turn * one);
         add(2, 3, turn * size * one);
         add(3, 3, size * size * one);
-        // `all` is the effect of an error that all pixels of the window have in common.
+        // `all` contains the effects of an error that is the same in all pixels of the window.
         let all = [numbers[0], numbers[1], turn * count, size * count];
         for row in 0..4 {
             for column in row..4 {

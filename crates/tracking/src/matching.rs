@@ -18,7 +18,8 @@ const GATE: f64 = 0.3;
 const PREDICTORS: usize = 6;
 /// Largest number of repetitions of the second step of the method.
 const MAX_ITERATIONS: usize = 8;
-/// Largest accepted relative difference between the size of a merged marker and the sum of the sizes of its two parts.
+/// Largest accepted relative difference between the size of a merged marker and the sum of the sizes of the two markers
+/// that merged.
 const SIZE_GATE: f64 = 0.3;
 /// Largest distance between two markers that merge, or between the pieces of a split marker, relative to the distance
 /// between neighbouring markers.
@@ -82,8 +83,8 @@ impl<'a> Matching<'a> {
                 next.fold(f64::INFINITY, f64::min)
             })
             .collect();
-        // A marker without near neighbours would have a very large spacing. Limit it to a typical value for markers of
-        // this size.
+        // A marker without near neighbours would have a very large spacing. Limit the spacing to a typical value for
+        // markers of this size.
         for (spacing, marker) in spacing.iter_mut().zip(rest) {
             *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
         }
@@ -220,8 +221,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker that may be the two merged markers `parts`. The merged marker must not be marked in
-    /// `used`, and it is the one nearest to the midpoint between the expected places of both markers.
+    /// Index of the pressed marker that may be the two merged markers `parts`. Of the pressed markers that are not
+    /// marked in `used`, it is the one nearest to the midpoint between the expected places of both markers.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())

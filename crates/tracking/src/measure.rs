@@ -10,8 +10,8 @@ use crate::shapes::{Shape, Window};
 
 /// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
-/// A marker ends at the distance from its shape at which the mean signal of several markers falls below this share of
-/// the full signal.
+/// A marker extends beyond its shape to the distance at which the mean signal of several markers falls below this share
+/// of the full signal.
 const END_SIGNAL: f64 = 0.004;
 /// Largest distance (px) of a saturated pixel from a shape at which the pixel still counts as part of the marker.
 const HUE_REACH_PX: i32 = 2;
@@ -39,7 +39,7 @@ pub(crate) struct Sums {
     /// Sums of red, green and blue over the pixels that determine the hue. On a bright background, these are all pixels
     /// of the window. On a dark background, they are the pixels of the shape, because the other pixels only add noise.
     pub(crate) hue_light: [f64; 3],
-    /// Mean hue of the marker's saturated pixels, turns; `None` if no pixel is saturated.
+    /// Mean hue of the window's saturated pixels, turns; `None` if no pixel is saturated.
     pub(crate) mean_hue: Option<f64>,
     pub(crate) middle: [f64; 2],
     pub(crate) errors: PixelErrors,
@@ -47,7 +47,8 @@ pub(crate) struct Sums {
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelErrors {
-    /// Sums of 1, x, y, x², xy and y² over the pixels of the window, where x and y are offsets from `middle`.
+    /// Sums of 1, x, y, x², xy and y² over the pixels of the window. Here x and y are the offsets of a pixel from
+    /// `middle`.
     pub(crate) window: [f64; 6],
     /// Variance (squared share of light) of the noise of a pixel, for each colour.
     pub(crate) pixel: [f64; 3],
@@ -87,7 +88,7 @@ enum Contested {
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the remaining error of `share`, after the shrinkage by [`shrink`].
+    /// Variance of the error of `share` that remains after [`shrink`].
     left: [f64; 3],
 }
 
@@ -203,8 +204,9 @@ impl Scene<'_> {
             .max(2)
     }
 
-    /// Calls `pixel` for each pixel of `outer` that is not in `inner` and does not belong to a neighbour. The arguments
-    /// of `pixel` are the pixel's offset from the marker's middle (two numbers) and its shares of light.
+    /// Calls `pixel` for each pixel of the window `outer` that is not in the window `inner` and does not belong to a
+    /// neighbouring marker. The arguments of `pixel` are the pixel's offset from the marker's middle (two numbers) and
+    /// its shares of light.
     fn for_each_pixel(
         &self,
         patches: &[Patch],
@@ -349,8 +351,8 @@ impl Scene<'_> {
         ([red, green, blue], count)
     }
 
-    /// Difference between the fitted light and the background in the ring around a window. It is computed twice; the
-    /// second time, without the pixels that differ too much from the first result.
+    /// Difference between the fitted light and the background in the ring around a window. The difference is computed
+    /// twice. The second computation leaves out pixels that differ too much from the first result.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
@@ -435,8 +437,8 @@ impl Scene<'_> {
 }
 
 impl Patch {
-    /// Whether a pixel is nearer to this marker than to `other`. The distances are relative to the radii of the
-    /// markers.
+    /// Whether the pixel `[x, y]` is nearer to this marker than to the marker `other`. Each distance is divided by the
+    /// radius of its marker.
     fn is_nearer(&self, other: &Self, [x, y]: [i32; 2]) -> bool {
         let [mine, theirs] = [self, other].map(|patch| {
             let [dx, dy] = [

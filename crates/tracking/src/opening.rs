@@ -1,4 +1,4 @@
-//! Morphological opening of a grey image by a square. The top-hat transform needs it.
+//! Morphological opening of a grey image by a square. The top-hat transform is computed from this opening.
 //!
 //! The minimum over `n` neighbours can be computed from two minima over `n/2` neighbours. Therefore the window is
 //! doubled until two overlapping windows cover `n` pixels. Along columns and along rows, the image is compared with a
@@ -60,8 +60,9 @@ impl Opening {
     }
 }
 
-/// Replaces every element of `line` by the minimum or maximum of itself and of the next `window - 1` elements at
-/// distances of `stride`. Then removes the last `stride (window - 1)` elements, which have too few elements after them.
+/// Replaces every element of `line` by the minimum or maximum of itself and of the next `window - 1` elements which
+/// follow at distances of `stride`. Then removes the last `stride (window - 1)` elements, which have too few elements
+/// after them.
 fn slide<E: Extreme>(line: &mut Vec<u8>, spare: &mut Vec<u8>, stride: usize, window: usize) {
     let mut have = 1;
     while have < window {

@@ -19,7 +19,7 @@ const MIN_CUT_AREA: f64 = 0.1;
 /// Area above which a shape may be several markers, relative to the area of a typical marker. Such a shape is split if
 /// possible.
 const SPLIT_AREA: f64 = 1.6;
-/// Largest ratio of a marker's length to its width.
+/// Largest accepted ratio of a marker's length to its width.
 const MAX_ELONGATION: f64 = 3.0;
 /// Smallest accepted ratio of a marker's area to the area of the ellipse with the same second moments.
 const MIN_FILL: f64 = 0.7;
@@ -48,7 +48,7 @@ pub(crate) fn select(
         .filter(sized)
         .partition(|shape| is_cut(shape, width, inside));
     // Near the rim, light often decreases steeply, and the shade connects several markers to one shape. Therefore use
-    // only the steep parts of such a shape.
+    // only the pieces of such a shape whose grey values are large.
     let steep: Vec<Shape> = dim
         .iter()
         .flat_map(|shape| steep(shape, top_hat, width))

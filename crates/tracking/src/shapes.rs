@@ -1,5 +1,5 @@
-//! Connected shapes in a grey image, and the windows of pixels around them. Shapes are stored as runs of pixels in
-//! rows.
+//! Connected shapes in a grey image, and the windows of pixels around the shapes. Shapes are stored as runs of pixels
+//! in rows.
 
 /// Consecutive pixels in a row: the columns from `first` to `last`, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,7 +183,8 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The window of a shape that was found in bins of `bin` pixels a side. Gaps in the rows of the shape are filled.
+    /// The window of a shape that was found in bins of `bin` pixels a side. If a row of the shape has gaps, the window
+    /// includes them.
     pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
         let (top, bottom) = (shape.first_row(), shape.last_row());
         let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];

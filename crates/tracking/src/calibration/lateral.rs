@@ -9,10 +9,10 @@ use super::normal::range;
 /// A marker with a known tangential displacement, and the shift of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralPoint {
-    /// Displacement along the skin, length. The components are along the axes at the marker's place.
+    /// Displacement of the marker along the skin (length). The components are along the axes at the marker's place.
     pub tangential: [f64; 2],
-    /// Shift of the image along the same axes, px. The shift in px is the focal length (px per radian) multiplied by
-    /// the angle of the shift.
+    /// Shift (px) of the marker's image along the same axes. It is the angle of the shift, multiplied by the focal
+    /// length (px per radian).
     pub shift_px: [f64; 2],
     /// Inward displacement of the marker (length), if it was measured.
     pub normal: Option<f64>,
@@ -51,14 +51,15 @@ pub struct LateralCalibration {
     /// Standard deviation of the fit's residuals (px), divided by the slope (px per length). The result is a length. It
     /// is corrected for the degrees of freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
-    /// The fitted line without an intercept, for a ratio that does not depend on the normal displacement.
+    /// The fitted line without an intercept, under the assumption that the ratio does not depend on the normal
+    /// displacement.
     pub line: Line,
-    /// The fitted line with an intercept, for comparison; `None` if the points do not determine it.
+    /// The fitted line with an intercept, for comparison with `line`; `None` if the points do not determine it.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest tangential displacement of the fitted points, length.
+    /// Smallest and largest tangential displacement of the points of the fit (length).
     pub range: [f64; 2],
-    /// Smallest and largest normal displacement of the fitted points, length. A normal displacement outside of this
-    /// range is replaced by the nearer limit.
+    /// Smallest and largest normal displacement of the points of the fit (length). A normal displacement outside of
+    /// this range is replaced by the nearer limit.
     pub normal_range: [f64; 2],
 }
 
@@ -202,8 +203,9 @@ impl WithIndentation {
         if depth == 0.0 {
             return None;
         }
-        // The numbers are scaled by the largest displacements. The fitted equation is then y = x (c_0 + c_1 u), with
-        // the scaled shift y, tangential displacement x and normal displacement u.
+        // All displacements are divided by the largest displacement of their kind. The fitted equation is then
+        // y = x (c_0 + c_1 u), with the shift y, the scaled tangential displacement x and the scaled normal
+        // displacement u.
         let rows = || {
             let points = along.iter().zip(normal);
             points.map(|([x, y], u)| (x / length, x / length * (u / depth), *y))

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::CalibrationError;
 
-/// Largest magnitude of the numbers in a fit. Squares of such numbers can be added without overflow.
+/// Largest allowed magnitude of the numbers in a fit. The squares of such numbers can be added without overflow.
 const LARGEST: f64 = 1e100;
 
 /// A line that is fitted by least squares: a signal as a function of a known displacement. The signal is, for example,
@@ -61,7 +61,8 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // If the relative slope is below 1e-12, the line explains no more of the variance than the mean does.
+    // If the slope, in units of the largest signal per largest displacement, is below 1e-12, the line explains no more
+    // of the variance than the mean does.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }
@@ -125,7 +126,7 @@ fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError
     }))
 }
 
-/// Checks that all numbers are finite and small enough for sums of squares.
+/// Checks that all numbers are finite, and so small that the sum of their squares does not overflow.
 pub(super) fn finite<'a>(
     mut points: impl Iterator<Item = &'a [f64]>,
 ) -> Result<(), CalibrationError> {

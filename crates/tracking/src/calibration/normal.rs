@@ -15,8 +15,8 @@ use crate::Change;
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum NormalFrom {
-    /// Mean hue. It depends on the overlap of the marker's two discs, and therefore on the difference between the
-    /// displacements at the depths of the discs.
+    /// Mean hue. It depends on the overlap of the marker's two discs, and therefore on how differently the two discs
+    /// move.
     #[default]
     Hue,
     /// Size. If a disc at the distance ρ from the camera moves inward by u, its image is enlarged by the factor ρ/(ρ −
@@ -131,7 +131,7 @@ impl NormalCalibration {
         calibration.checked()
     }
 
-    /// The same calibration, but with the slopes of single markers. A marker without a slope of its own keeps the
+    /// The same calibration, but with a separate slope for each marker. A marker without a slope of its own keeps the
     /// common slope.
     pub fn per_marker(self) -> Self {
         Self {
@@ -140,7 +140,7 @@ impl NormalCalibration {
         }
     }
 
-    /// Weighted sum of the hue change and the nearness, from which the displacement is computed.
+    /// Weighted sum of a marker's hue change and nearness. The displacement is computed from this sum.
     fn signal(&self, change: &Change) -> f64 {
         signal(self.weights, change.hue_turns, nearness(change.growth))
     }

@@ -1,5 +1,5 @@
-//! Property tests. Valid frames, fields and points are processed without an error. For any numbers and pixels, the
-//! result is finite or an expected error.
+//! Property tests. The crate processes valid frames, displacement fields and calibration points without an error. For
+//! arbitrary numbers and pixels, each result is finite or an expected error.
 
 use image::RgbImage;
 use palpate_tracking::{
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::frames::{self, Bright};
 
-/// Any double. Numbers of ordinary size are drawn most frequently.
+/// Any floating-point number, including infinities and NaN. Numbers of ordinary size are drawn most frequently.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -109,8 +109,8 @@ proptest! {
         }
     }
 
-    /// Markers in separate squares of a grid define a displacement field in their convex hull, whatever their
-    /// displacements are.
+    /// Markers in separate squares of a grid define a displacement field in their convex hull, for arbitrary
+    /// displacements.
     #[test]
     fn markers_apart_have_a_field(
         numbers in prop::collection::vec((pair_within(0.1), pair_within(2.0), -2.0..2.0), 4..16),

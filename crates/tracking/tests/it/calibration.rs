@@ -97,8 +97,8 @@ fn shift_points() -> Vec<LateralPoint> {
         .collect()
 }
 
-/// Compares three numbers of a line (slope, R², rms of the residual) with the expected numbers. The numbers are rounded
-/// to multiples of `units`.
+/// Compares three numbers of a fitted line (slope, R², rms of the residual) with the expected numbers, both rounded to
+/// multiples of `units`.
 #[track_caller]
 fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     let found = [line.slope, line.r_squared, line.residual_rms];

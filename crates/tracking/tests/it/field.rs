@@ -16,7 +16,8 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Positions around (x, y), at distances from less than the rounding error to clearly larger values.
+/// Positions around the point (x, y). Their distances from it range from less than the rounding error to clearly larger
+/// values.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {
@@ -27,8 +28,8 @@ fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Checks that interpolated displacements do not exceed the displacements of the markers, because they are means of the
-/// markers' displacements. The tested points are at, between and near the markers.
+/// Checks that interpolated displacements do not exceed the displacements of the markers, because interpolated
+/// displacements are means of the markers' displacements. The tested points are at, between and near the markers.
 fn assert_means(field: &Field) {
     let markers = field.markers();
     for one in markers {

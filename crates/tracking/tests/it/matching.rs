@@ -103,7 +103,7 @@ fn a_tenth_removed_leads_to_no_wrong_match() {
                 .collect()
         };
         let (mut a, mut b) = (thinned(&rest), thinned(&moved));
-        // Reverse the order of the markers, which must not change the result.
+        // Reverse the order of the markers: the order must not change the result.
         a.reverse();
         b.sort_by_key(|marker| marker.pixels * 37 % 90);
         let tracks = match_markers(&a, &b);
