@@ -11,7 +11,7 @@ pub enum LayoutError {
     /// A setting of the layout is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting<String>),
-    /// A row of markers would extend to the point opposite the apex or beyond it.
+    /// A row of markers would reach the point opposite the apex, or extend beyond this point.
     #[error(
         "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180",
         reach_deg = Number(*reach_deg)
@@ -39,7 +39,7 @@ pub enum LayoutError {
         /// Largest allowed number of markers in a layout.
         limit: usize,
     },
-    /// The markers are so far apart that none lies on the cap.
+    /// The markers are so far apart that no marker lies on the cap.
     #[error(
         "no marker lies within {cap_deg} degrees of the apex at a pitch of {pitch}",
         cap_deg = Number(*cap_deg), pitch = Number(*pitch)

@@ -230,7 +230,7 @@ fn equal_steps(
 }
 
 pub(crate) struct TooClose {
-    /// The smaller index of the two points, counted from 0.
+    /// The smaller of the indices of the two points, counted from 0.
     pub(crate) first: usize,
     pub(crate) second: usize,
     pub(crate) distance: f64,
@@ -238,7 +238,8 @@ pub(crate) struct TooClose {
 
 /// Returns a pair of points whose distance is below `reach`; `None` if there is no such pair. If there are several
 /// pairs, it returns the pair with the smallest index `second`. For a fast search, the points are sorted into square
-/// cells. The width of a cell is `reach`, but at least `narrowest`, so that the index of a cell fits into an integer.
+/// grid cells. The width of a grid cell is `reach`, but at least `narrowest`, so that the index of a grid cell fits
+/// into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,
@@ -334,7 +335,7 @@ mod tests {
                 .fold(f64::INFINITY, f64::min)
         });
         assert!(nearest.fold(f64::INFINITY, f64::min) > 0.7 * pitch);
-        // A cap with a rim at 180° is the whole sphere.
+        // A cap whose rim is at the polar angle 180° is the whole sphere.
         let all = layout(180.0).places(radius).unwrap();
         assert_relative_eq!(
             all.len() as f64,

@@ -63,7 +63,7 @@ pub struct Optics {
 /// The features of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the marker's image, px. It is weighted in the same way as the size `size_px2`.
+    /// Centroid of the marker's image, px. Each point of the image has the same weight as in the size `size_px2`.
     pub centroid_px: [f64; 2],
     /// HSV hue of the marker's total light, in turns, from 0 (red) to below 1. The total light is the sum over all
     /// points of the marker's image. The hue is 0 if the total light has no colour (red, green and blue are equal).
@@ -130,7 +130,7 @@ impl Optics {
         &self.array
     }
 
-    /// For each marker after its motion, the direction and the angular radius of both discs, as viewed from the camera.
+    /// For each marker after its motion, the direction and the angular radius of both discs, as viewed from the camera;
     /// `None` for a missing marker.
     fn sights<'a>(
         &'a self,

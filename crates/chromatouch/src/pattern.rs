@@ -73,8 +73,8 @@ impl Pattern {
         })
     }
 
-    /// Point of the flat pattern at which a marker lies. `[x, y]` is the marker's place on the skin, in the coordinates
-    /// of [`Layout::places`](crate::Layout::places).
+    /// Point of the flat pattern at which the marker with the index `marker` lies. `[x, y]` is the marker's place on
+    /// the skin, in the coordinates of [`Layout::places`](crate::Layout::places).
     fn flatten(&self, marker: usize, [x, y]: [f64; 2]) -> Result<FlatPlace, PatternError> {
         let from_apex = libm::hypot(x, y);
         let polar = from_apex / self.radius;
@@ -260,8 +260,9 @@ mod tests {
             let outline = gore(gores, samples, radius);
             assert_eq!(outline.len(), 2 * samples as usize + 1);
             let area = area(&outline);
-            // The outline of the gore consists of chords. They enclose less area than the exact outline, which is a
-            // sine curve. The ratio of the two areas is (h/2) cot(h/2), where h is the step of the angle.
+            // The outline of the gore consists of chords. The chords enclose less area than the exact outline, which is
+            // a sine curve. The ratio of the smaller to the larger area is (h/2) cot(h/2), where h is the step of the
+            // angle.
             let half_step = 0.25 * PI / f64::from(samples);
             let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);

@@ -39,14 +39,14 @@ pub struct DiscMotion {
     /// Relative increase of the disc's diameter. It is due to the strain of the skin. The model assumes that the disc
     /// stays a circle.
     pub stretch: f64,
-    /// Relative stretch of the skin around the disc. The misalignment between the two discs of the marker grows by the
-    /// same factor.
+    /// Relative stretch of the skin around the disc. The misalignment between the marker's two discs grows by the
+    /// factor 1 + `skin_stretch`.
     pub skin_stretch: f64,
 }
 
 impl DiscMotion {
     /// Angles (rad) from the position of a marker at rest to one of its discs after the disc's motion. The result is
-    /// the sum of `moved` and of the disc's `misalignment`, which grows with the stretch of the skin.
+    /// the sum of two angles: `moved`, and the disc's `misalignment`, which grows with the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -299,8 +299,8 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// A disc of this layer as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad. The
-    /// error is the length of an impossible motion.
+    /// A disc of this layer as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad. If the
+    /// motion is impossible, the error is its length.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
@@ -315,7 +315,7 @@ impl Layer {
         }
         let half_width = self.stretched(motion)?;
         let [x, y] = motion.moved_offset([x, y], offset);
-        // The direction of the moved disc is computed by the exponential map from the marker's place.
+        // Compute the direction of the moved disc by the exponential map from the marker's place.
         let (sinc, cosine) = sinc_and_cosine(x * x + y * y);
         let along = stand.x_axis * (x * sinc) + stand.y_axis * (y * sinc);
         let distance = 1.0 - inward;
@@ -327,8 +327,8 @@ impl Layer {
         })
     }
 
-    /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. The
-    /// error is the distance by which an impossible stretch would move the disc's edge.
+    /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. If the
+    /// stretch is impossible, the error is the distance by which it would move the disc's edge.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         for stretch in [motion.stretch, motion.skin_stretch] {
@@ -342,7 +342,7 @@ impl Layer {
 
     /// A disc as viewed from a camera that is not in the sensor's centre. The view is computed from `sight`, the view
     /// from the centre. The disc is approximated by a circular cap with the same solid angle, which is correct to first
-    /// order in the solid angle. The error is the inward motion of a disc that moves behind the camera.
+    /// order in the solid angle. If the disc moves behind the camera, the error is its inward motion.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
@@ -391,7 +391,8 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
 
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
-    // Two caps with the angular radius α touch if the chord between their middles has the length 2 sin α.
+    // On the unit sphere, two caps with the angular radius α touch if the chord between their middles has the length 2
+    // sin α.
     let reach = 2.0 * layer.half_width / libm::hypot(layer.half_width, 1.0);
     match too_close(&directions, reach, 1e-9) {
         None => Ok(()),

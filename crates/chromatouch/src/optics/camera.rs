@@ -215,7 +215,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// Distance (px) between the image's centre and the image of a direction with the polar angle `polar`.
+    /// Distance (px) from the image's centre to the image point of a direction with the polar angle `polar`.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
@@ -224,23 +224,23 @@ impl Camera {
         }
     }
 
-    /// The lens's scale (px per rad) and the derivatives of this scale at the polar angle `polar` (rad). The caller
-    /// passes the sine and cosine of the angle.
+    /// The lens's scale (px per rad) and the derivatives of this scale at the polar angle `polar` (rad).
+    /// `sine_and_cosine` contains the sine and the cosine of this angle.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
     }
 
     /// The lens's scale (px per rad) and the derivatives of this scale at `direction` (a unit vector). For a direction
-    /// beyond the rim of the image circle, the values at the rim.
+    /// beyond the rim of the image circle, the function returns the values at the rim.
     pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
         let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
         let polar = polar.min(self.rim_rad).min(PI - 1e-6);
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale of the image (pixels per radian). The bound holds in all directions of the image, and
-    /// at all polar angles from 0 to `polar`, which must be in the field of view.
+    /// Upper bound of the scale of the image (pixels per radian). The bound is valid for all directions in the image,
+    /// and for all polar angles from 0 to `polar`, which must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -258,8 +258,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale of the image (pixels per radian). The bound holds in all directions of the image, in
-    /// the whole field of view.
+    /// Lower bound of the scale of the image (pixels per radian). The bound is valid for all directions in the image,
+    /// in the whole field of view.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,
@@ -313,7 +313,7 @@ impl Camera {
         }
     }
 
-    // Functions for lenses with odd terms are not inlined. This keeps the pixel loops for other lenses small.
+    // Functions for lenses with odd terms are not inlined. So the pixel loops of other lenses stay small.
 
     #[inline(never)]
     fn odd_polar_square(&self, terms: OddTerms, square: f64) -> f64 {

@@ -1,4 +1,5 @@
-//! Colours of the sensor's parts, and the contribution of each region of a marker to the marker's features.
+//! Colours of the sensor's parts. From the colours follows how much each region of a marker (one disc, the other disc,
+//! both) contributes to the marker's size and hue.
 
 use palpate_statistics::saturated_hue;
 
@@ -33,8 +34,8 @@ impl Default for Colours {
     }
 }
 
-/// Contribution of one pixel to the size and the hue of a marker. All pixels in one region of the marker contribute
-/// equally.
+/// Contribution of one pixel to the size and the hue of a marker. All pixels in one region of the marker make the same
+/// contribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
     /// Share of green light plus share of blue light that the pixel absorbs. Both shares are relative to the light of

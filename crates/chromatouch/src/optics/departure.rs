@@ -15,7 +15,7 @@ pub struct Departure {
     pub px_per_rad: f64,
     /// Shift of the camera, length: along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
-    /// Rotation (rad) of the camera about the same axes as in `place`.
+    /// Rotation (rad) of the camera about the axes along which `place` is measured.
     pub turn_rad: [f64; 3],
     /// Difference of the transmittances of magenta discs for red, green and blue light.
     pub magenta: [f64; 3],
@@ -26,7 +26,7 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// Number of values in all fields of a departure together.
+    /// Number of values of a departure: the sum over all its fields.
     pub const NUMBERS: usize = 21;
 
     /// Builds a departure from its values `n`, which are in the order of the fields.

@@ -30,7 +30,7 @@ pub enum OpticsError {
         reach_deg: f64,
         /// Angle between the axis and the rim of the image circle, degrees.
         field_deg: f64,
-        /// Smallest k3 with which the image radius increases up to the rim.
+        /// Smallest k3 with which the image radius increases up to the rim of the image circle.
         least_k3: f64,
     },
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.
@@ -83,7 +83,7 @@ pub enum OpticsError {
         /// radius.
         diameter: f64,
     },
-    /// The number of displacements differs from the number of markers.
+    /// The caller passed another number of displacements than there are markers.
     #[error(
         "the number of displacements is {motions}; it must be the number of markers, {markers}"
     )]
@@ -137,7 +137,7 @@ impl OpticsError {
     }
 }
 
-/// Text with the smallest valid k3. The value is rounded up, so that the displayed value is valid too.
+/// Text that recommends the smallest valid k3. The value is rounded up, so that the displayed value is valid too.
 fn remedy(least_k3: f64) -> String {
     match least_k3 <= MOST_TERM {
         true => format!(

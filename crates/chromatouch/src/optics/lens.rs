@@ -81,7 +81,8 @@ impl Stretch {
     #[inline]
     fn new(polar: f64, sine: f64, cosine: f64) -> Self {
         if polar < 0.05 {
-            // Near the axis, use power series in θ², where θ is the polar angle. Their truncation error is below 1e-13.
+            // Near the axis, use power series in θ², where θ is the polar angle. The terms that are left out are below
+            // 1e-13.
             let square = polar * polar;
             let per_angle = 1.0 / 3.0 + square * (7.0 / 90.0 + square * (31.0 / 2520.0));
             let value =
@@ -108,8 +109,8 @@ impl Stretch {
 }
 
 impl Local {
-    /// Expansion of a lens at the polar angle `polar` (rad), whose sine and cosine the caller passes. `focal` is the
-    /// focal length, px.
+    /// Expansion of a lens at the polar angle `polar` (rad), whose sine and cosine are passed too. `focal` is the focal
+    /// length, px.
     #[inline]
     pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match lens {
@@ -146,7 +147,8 @@ impl Local {
         let square = polar * polar;
         let even = terms.stretch(square);
         // Compute dm/du (`per_square`), and n with its derivatives with respect to u. Here m = r / (f θ), n = m r′ / f
-        // and u = θ². r is the distance from the image centre at the angle θ, and r′ is its derivative.
+        // and u = θ². At the angle θ, r is the distance from the image's centre, and r′ is its derivative with respect
+        // to θ.
         let per_square = k3 + 2.0 * k5 * square;
         let [once, twice, thrice, fourth] = [
             4.0 * k3,

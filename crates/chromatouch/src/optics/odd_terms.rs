@@ -7,8 +7,8 @@ use super::error::{MOST_TERM, OpticsError};
 /// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, the image does
 /// not resolve angles.
 const LEAST_SLOPE: f64 = 0.01;
-/// Maximum number of Newton steps. A step that leaves the bracket is replaced by a bisection. Even if all steps are
-/// bisections, the result is exact to the last digit of a double.
+/// Maximum number of Newton steps in the inversion of the lens's map. A step that leaves the bracket is replaced by a
+/// bisection. Even if all steps are bisections, the result is exact to the last digit of a double.
 const STEPS: usize = 64;
 
 /// Odd terms of a fisheye, in addition to the equidistant term. The law of the lens is r = f (θ + k3 θ³ + k5 θ⁵). Here
@@ -31,13 +31,14 @@ impl OddTerms {
         polar * self.stretch(polar * polar)
     }
 
-    /// Image radius of the lens, r / f, divided by the angle, as a function of the squared angle.
+    /// Image radius r / f of the lens, divided by the angle from the axis, as a function of the squared angle.
     #[inline]
     pub(super) fn stretch(self, square: f64) -> f64 {
         1.0 + square * (self.k3 + square * self.k5)
     }
 
-    /// Derivative of the image radius r / f with respect to the angle, as a function of the squared angle.
+    /// Derivative of the image radius r / f with respect to the angle from the axis, as a function of the squared
+    /// angle.
     #[inline]
     pub(super) fn slope(self, square: f64) -> f64 {
         1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
@@ -141,8 +142,8 @@ impl OddTerms {
 mod tests {
     use super::*;
 
-    /// Odd terms of lenses whose map increases up to 1.5 rad. Some are terms of textbook projections. The others are
-    /// close to the limits of the valid terms.
+    /// Odd terms of lenses whose map increases up to 1.5 rad. Some of the lenses are textbook projections; the terms of
+    /// the other lenses are close to the limits of the valid terms.
     const TERMS: [OddTerms; 7] = [
         OddTerms { k3: 0.0, k5: 0.0 },
         OddTerms {

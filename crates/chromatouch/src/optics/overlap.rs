@@ -79,8 +79,8 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the two discs of a marker. If `near`, the half-angles of a similar overlap, is given, the computation is
-/// faster.
+/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap; they make the
+/// computation faster.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -181,9 +181,9 @@ fn lens(
     (moments, angles)
 }
 
-/// Moments of a segment of a circle about the circle's centre. The sine and the cosine in `half_angle` are multiplied
-/// by the radius. Therefore the sine is half the length of the chord, and the cosine is the distance between the chord
-/// and the centre. The segment lies at positive coordinates of the axis.
+/// Moments of a segment of a circle about the circle's centre. In `half_angle`, the sine and the cosine are multiplied
+/// by the radius. Therefore `sine` is half the length of the chord, and `cosine` is the distance between the chord and
+/// the centre. The segment lies at positive coordinates of the axis.
 #[inline]
 fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
     let &HalfAngle {

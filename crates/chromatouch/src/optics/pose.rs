@@ -11,7 +11,8 @@ const TURN: f64 = 1e-5;
 /// passes through the apex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Position relative to the sensor's centre, length: along the apex's x and y axes, and toward the apex.
+    /// Position of the camera relative to the sensor's centre (length): along the apex's x and y axes, and toward the
+    /// apex.
     pub place: Vector3<f64>,
     turn: Vector3<f64>,
     to_camera: Rotation3<f64>,
@@ -59,7 +60,7 @@ impl Pose {
     }
 
     /// Checks this pose. Returns `None` for the default pose, and an error if the camera is farther than `farthest`
-    /// from the centre, or if its rotation is out of range.
+    /// from the sensor's centre, or if its rotation is out of range.
     pub(super) fn checked(self, farthest: f64) -> Result<Option<Self>, OpticsError> {
         let distance = self.place.norm();
         let good = distance <= farthest;

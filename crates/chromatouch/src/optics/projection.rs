@@ -58,8 +58,8 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// The same as [`Self::new`] for `direction`, but computed faster if `direction` is near the direction of
-    /// `self`, because it starts from `self`.
+    /// Computes the same as [`Self::new`] for `direction`. If `direction` is near the direction of `self`, this is
+    /// faster, because the computation starts from `self`.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
@@ -121,8 +121,8 @@ impl Aim {
     }
 }
 
-/// A region of the image: its area, px², and its first moment about the image's centre, px³. The x axis points to the
-/// right, the y axis down.
+/// A region of the image: its area, px², and its first moment about the image's centre, px³. The moment's x axis points
+/// to the right, its y axis down.
 #[derive(Clone, Copy, Default)]
 struct Image {
     area: f64,

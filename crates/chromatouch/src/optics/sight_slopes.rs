@@ -1,5 +1,5 @@
-//! Derivatives of a disc's direction and angular radius, as viewed from the camera, with respect to the disc's motion
-//! and to the sensor's parameters. All derivatives are computed by exact formulas.
+//! Derivatives of the direction and the angular radius of a disc, as viewed from the camera. The derivatives are with
+//! respect to the disc's motion and to the sensor's parameters. All derivatives are computed by exact formulas.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -17,7 +17,7 @@ pub(super) const DEEPER: usize = 3;
 /// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the logarithm of the disc's
 /// diameter.
 pub(super) const WIDER: usize = 4;
-/// Index of the first of three columns of [`SightSlopes::by`]: derivatives with respect to the camera's position.
+/// Index of the first of three columns of [`SightSlopes::by`]: the derivatives with respect to the camera's position.
 pub(super) const PLACE: usize = 5;
 /// Index of the first of three columns of [`SightSlopes::by`]: derivatives with respect to the camera's rotation.
 pub(super) const TURN: usize = 8;

@@ -30,7 +30,7 @@ pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
         sinc = sinc * half_squared + SINC[term];
         cosine = cosine * half_squared + COSINE[term];
     }
-    // Formulas of the double angle: sin θ = 2 sin(θ/2) cos(θ/2), cos θ = 1 − 2 sin²(θ/2).
+    // Use the formulas for twice an angle: sin θ = 2 sin(θ/2) cos(θ/2), cos θ = 1 − 2 sin²(θ/2).
     (sinc * cosine, 1.0 - 2.0 * half_squared * sinc * sinc)
 }
 

@@ -19,7 +19,7 @@ const ODD: f64 = 1e-6;
 
 /// Index of the first transmittance among the values of a [`Departure`].
 const COLOURS: usize = 13;
-/// Index of the first odd term of the lens among the values of a [`Departure`].
+/// Index of the lens's term k3 (the first odd term) among the values of a [`Departure`].
 const ODD_TERMS: usize = 19;
 
 /// The features of a marker, and their derivatives. The rows of the derivatives are: column and row of the centroid
@@ -28,14 +28,14 @@ const ODD_TERMS: usize = 19;
 pub struct MarkerSlopes {
     /// The features of the marker's image.
     pub seen: SeenMarker,
-    /// Derivatives with respect to the values of the [`Departure`], one column per value. The columns of values that
-    /// were not requested are 0.
+    /// Derivatives of the four features with respect to the values of the [`Departure`], one column per value. If the
+    /// caller has not requested a value, its column is 0.
     pub by_departure: SMatrix<f64, 4, { Departure::NUMBERS }>,
-    /// Derivatives with respect to the two components of the marker's misalignment, per rad (see
+    /// Derivatives of the four features with respect to the two components of the marker's misalignment, per rad (see
     /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments)).
     pub by_misalignment: Matrix4x2<f64>,
-    /// Derivatives with respect to the motions of the magenta and of the yellow disc, per length. The columns are for
-    /// the motion inward and for the motions along the two axes of the skin.
+    /// Derivatives of the four features with respect to the motions of the magenta and of the yellow disc, per length.
+    /// The columns are for the motion inward and for the motions along the two axes of the skin.
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
@@ -177,9 +177,9 @@ impl Shared<'_> {
                 4 => Vector4::x(),
                 5 => Vector4::y(),
                 6 => {
-                    // All lengths in the image are proportional to the number of pixels per radian. So the derivative
-                    // of a length is the length itself, divided by the relative scale. The logarithm of an area has the
-                    // derivative 2, divided by this scale.
+                    // All lengths in the image are proportional to the number of pixels per radian. So, with respect to
+                    // the relative scale s, the derivative of a length is the length divided by s, and the derivative
+                    // of the logarithm of an area is 2/s.
                     let [x, y] = [0, 1].map(|axis| seen[axis] - centre[axis]);
                     Vector4::new(x, y, 0.0, 2.0) / (1.0 + self.departure.px_per_rad)
                 }
@@ -192,7 +192,7 @@ impl Shared<'_> {
     }
 }
 
-/// Difference between the nearly equal features of two markers, to first order. Rows: centroid (px), hue (turns),
+/// Difference between the features of two nearly equal markers, to first order. Rows: centroid (px), hue (turns),
 /// logarithm of the size.
 fn difference(one: &SeenMarker, other: &SeenMarker) -> Vector4<f64> {
     let turn = one.hue_turns - other.hue_turns;

@@ -17,8 +17,8 @@ const YELLOW: &str = "YELLOW";
 /// Drawing layers with their colour numbers in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
-/// Smallest and largest allowed radius of the sphere of a drawing, mm. The limits follow from the step of the
-/// coordinates in the files, 1e-6 mm.
+/// Smallest and largest allowed radius of the sphere of a drawing, mm. The limits follow from the number of decimals in
+/// the files: coordinates are written in steps of 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {
@@ -146,7 +146,8 @@ impl DxfWriter {
         self.pair(2, name);
     }
 
-    /// Writes a point. The first point of an entity has the group codes 10 and 20, the second point 11 and 21.
+    /// Writes a point. The coordinates of an entity's first point have the group codes 10 and 20, those of the second
+    /// point 11 and 21.
     fn place(&mut self, code: u16, [x, y]: [f64; 2]) {
         self.pair(code, &millimetres(x));
         self.pair(code + 10, &millimetres(y));

@@ -6,8 +6,8 @@ use super::{FlatPlace, Pattern, PatternError};
 use crate::layout::too_close;
 use crate::{Layout, LayoutError};
 
-/// Diameters of a marker's two discs, length. The discs are drawn as circles on the sheet, and folding the sheet onto
-/// the sphere shears them.
+/// Diameters of a marker's two discs, length. The discs are drawn as circles on the sheet. When the sheet is folded
+/// onto the sphere, they are sheared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
     /// Diameter of the inner disc, which is nearer to the camera.

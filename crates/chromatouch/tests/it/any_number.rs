@@ -8,7 +8,7 @@ use palpate_chromatouch::{
 };
 use proptest::prelude::*;
 
-/// Any double. Numbers of ordinary size are drawn most frequently.
+/// Any floating-point number, including infinities and NaN. Numbers of ordinary size are drawn most frequently.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),

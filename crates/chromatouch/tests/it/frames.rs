@@ -36,8 +36,8 @@ fn at_rest(optics: &Optics) -> Vec<Option<MarkerMotion>> {
     vec![Some(MarkerMotion::default()); optics.array().places().len()]
 }
 
-/// Features of the marker in a square of the frame, computed by their definitions from the pixel levels in a square of
-/// the frame. The background is white.
+/// Features of the marker in a square of the frame, computed from the levels of the square's pixels by the definitions
+/// of the features. The background is white.
 fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     let ground = 240.0;
     let range = |middle: f64| (middle - half_side) as u32..=(middle + half_side) as u32;

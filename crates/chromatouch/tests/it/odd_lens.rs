@@ -42,7 +42,7 @@ fn angles_are_seen_where_the_polynomial_has_them() {
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
         let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
-        // The rim of the image shows the edge of the field, whatever the odd terms are.
+        // The rim of the image shows the edge of the field, for all odd terms.
         assert_relative_eq!(
             camera.px_per_rad() * map(FIELD.to_radians()),
             320.0,
@@ -67,7 +67,7 @@ fn angles_are_seen_where_the_polynomial_has_them() {
 #[test]
 fn an_equisolid_lens_shows_all_directions_alike() {
     // The odd terms of this lens are the series of 2 sin(θ/2), without the terms from the seventh power on. At 0.5 rad,
-    // the seventh power changes the area by less than 1e-6.
+    // the seventh power changes the image area per solid angle by less than 1e-6.
     let camera = camera(TERMS[0]);
     let square = camera.px_per_rad().powi(2);
     for polar in [0.0, 0.03, 0.1, 0.3, 0.5] {
@@ -86,12 +86,12 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             ..Departure::default()
         });
         let Ok(departed) = departed else {
-            // Only the last lens may be impossible: its image would be folded inside of the rim.
+            // Only the last lens may be impossible, because its image radius would stop growing inside of the rim.
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
-        // The odd terms deviate, but the image circle and the pixels per radian stay the same. Therefore the rim shows
-        // another angle than before.
+        // The odd terms differ from their nominal values, but the image circle and the pixels per radian stay the same.
+        // Therefore the rim shows another angle than before.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
         let (sine, cosine) = libm::sincos(0.9_f64);

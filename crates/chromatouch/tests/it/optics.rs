@@ -131,8 +131,8 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
         );
         assert_relative_eq!(marker.centroid_px[0], 319.5, epsilon = 1e-9);
         assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
-        // The middle of the marker is red, and the ring around the middle is magenta. Both contribute red light, but
-        // only the ring contributes blue light.
+        // Where the discs overlap, in the middle of the marker, the colour is red; the ring around the middle is
+        // magenta. Both contribute red light, but only the ring contributes blue light.
         let ring = area(17.0) - area(19.0);
         let turns = 1.0 - ring / area(17.0) / 6.0;
         assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);
@@ -201,7 +201,7 @@ fn markers_move_along_the_carried_axes() {
         ..DiscMotion::default()
     };
     let rest = seen(&optics, Some(MarkerMotion::default())).centroid_px;
-    // The y axis points up, but rows are counted downward.
+    // The y axis points up, but rows are counted downward. So a larger y gives a smaller row.
     assert!(rest[1] < 319.5 - 0.5 * focal * 30.0_f64.to_radians());
     let outward = seen(&optics, moved(along([0.0, 1.0]), along([0.0, 1.0]))).centroid_px;
     assert_relative_eq!(outward[0], rest[0], epsilon = 1e-9);
@@ -265,7 +265,7 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
     let count = shifts.len() as f64;
     assert!(count > 3000.0);
     // The shifts are uniformly distributed in a circle whose radius is half of the disc diameter of 0.2. Therefore all
-    // shifts are at most 0.1 long, and a quarter of the shifts are shorter than 0.05.
+    // shifts are at most 0.1, and a quarter of the shifts is below 0.05.
     let within = |radius: f64| {
         shifts
             .iter()

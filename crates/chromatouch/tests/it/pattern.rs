@@ -251,8 +251,8 @@ fn off_segment([x, y]: [f64; 2], [u, v]: [f64; 2], [s, t]: [f64; 2]) -> f64 {
     libm::hypot(x - u - along * (s - u), y - v - along * (t - v))
 }
 
-/// Discs may be as large as the distance between the two nearest centres. The test finds this distance by comparing all
-/// pairs.
+/// The diameter of the discs may be as large as the smallest distance between two centres. The test finds this distance
+/// by comparing all pairs.
 #[test]
 fn discs_overlap_from_the_least_distance_on() {
     let pattern = Pattern::new(4, 40, 2.0).unwrap();

@@ -58,7 +58,7 @@ fn bytes_are_levels_with_a_normal_error_rounded_and_clipped() {
                 255 => 1.0,
                 byte => below((byte as f64 + 0.5 - level) / std),
             };
-            // Combine levels with a small expected count, because the chi-squared test needs large counts.
+            // Combine pixel levels whose expected count is small, because the chi-squared test needs large counts.
             let (mut square, mut freedom) = (0.0, -1.0);
             let (mut seldom, mut expected_seldom) = (0.0, 0.0);
             let mut compare = |count: f64, expected: f64| {
@@ -127,7 +127,7 @@ fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
 }
 
 /// Two scores for the correlation between the errors of two frames. Each error of the frame `one` is compared with the
-/// error of the frame `other` that is `down` rows lower and `on` numbers further along the row. The first score uses
+/// error of the frame `other` that is `down` rows lower and `on` entries further along the row. The first score uses
 /// the errors. The second score uses their squares, because errors can be dependent without being correlated. If the
 /// errors are independent, both scores have a standard normal distribution.
 fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64; 2] {
@@ -156,7 +156,7 @@ fn errors_of_pixels_are_independent() {
             .flat_map(|down| (0..6).map(move |on| (down, on)))
             .map(|(down, on)| common(&own, &own, down, on)),
     );
-    // The frame is compared with frames of other trials and other seeds.
+    // Compare the frame with frames of other trials and other seeds.
     for key in [[1, 1], [1, 2], [1, 1 << 40], [2, 0], [3, 1]] {
         scores.extend((0..6).map(|on| common(&own, &noise(key), 0, on)));
     }

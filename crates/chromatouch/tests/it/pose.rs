@@ -1,5 +1,5 @@
 //! Compares the features of markers with exact formulas, for cameras that are not in the sensor's centre and for
-//! sensors with a departure from their nominal parameters.
+//! sensors whose parameters differ from their nominal values.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -114,8 +114,8 @@ fn a_turned_camera_sees_markers_turned() {
 fn discs_that_depart_are_discs_made_so() {
     let known = optics(&PLACES, 2.0);
     let departed = |departure: Departure| seen(&known.departed(&departure).unwrap());
-    // A sensor that deviates in its depths and diameters has the same images as an array that was made with the changed
-    // depths and diameters.
+    // If the depths and diameters of a sensor differ from their nominal values, its images equal those of an array that
+    // was made with these depths and diameters.
     let remade = departed(Departure {
         depths: [0.1; 2],
         diameters: [0.02; 2],

@@ -102,7 +102,7 @@ impl Scene {
         pairs.map(slope).collect()
     }
 
-    /// Compares computed derivatives with central differences, for all markers that are visible before and after the
+    /// Compares computed derivatives with central differences, for all markers that are visible on both sides of the
     /// step.
     fn compare(
         &mut self,

@@ -7,7 +7,8 @@ use super::super::{Camera, Optics, OpticsError};
 use super::row::Row;
 use crate::pattern::MOST_GORES;
 
-/// Imperfections of the image. By default there are none. An imperfection whose value is 0 costs no computing time.
+/// Imperfections of the image. By default, there are no imperfections. An imperfection whose value is 0 costs no
+/// computing time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blemishes {
     /// Light at the rim of the image circle, relative to the light at the apex. The light decreases with the square of
@@ -99,7 +100,7 @@ impl Blur {
     }
 
     /// Computes a row of the blurred frame. The caller requests the rows in order, starting with the first; `paint`
-    /// provides the unblurred rows. Outside the frame, the values of the pixels at the edge are used.
+    /// paints the unblurred rows. Outside the frame, the values of the pixels at the edge are used.
     pub(super) fn blur(
         &mut self,
         number: usize,
@@ -194,8 +195,8 @@ impl SeamLines {
     }
 }
 
-/// Range of columns of a row that contains all pixels within `distance` of a line through the centre of the image. The
-/// result is limited to the range `within`.
+/// Range of columns of a row that contains all pixels within `distance` of a line through the centre of the image. Only
+/// columns in the range `within` are returned.
 fn crossed(
     line: &[f64; 2],
     y: f64,

@@ -40,8 +40,8 @@ pub(super) struct Cover {
 }
 
 /// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, the cover also contains a vector in
-/// the image that points towards the disc. The vector can have any length. Its first component points away from the
-/// image's centre, its second in the azimuthal direction.
+/// the image that points towards the disc. The vector can have any length. Its first component is the component away
+/// from the image's centre, its second the component in the azimuthal direction.
 struct DiscCover {
     share: f64,
     toward: Option<[f64; 2]>,
@@ -111,9 +111,9 @@ impl DiscRaster {
     }
 
     /// Share of a pixel that the disc covers. The pixel is (x, y) px from the centre of the image. `inside` is the
-    /// position v·n − cos α of the pixel's direction v relative to the disc's edge. Here n is the direction of the
-    /// disc's middle, and α is the disc's angular radius. The share minus 1/2 is an odd function of `inside`. The solid
-    /// angle depends linearly on v·n, so the shares of all pixels add up to the area of the disc.
+    /// position of the pixel relative to the disc's edge, as computed by [`Self::inside`]. The share minus 1/2 is an
+    /// odd function of `inside`. The solid angle depends linearly on v·n, so the shares of all pixels add up to the
+    /// area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -230,8 +230,8 @@ fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2
 
 /// Share of a pixel that lies on the inner side of a straight edge. `inside` is the distance (px) of the pixel's centre
 /// from the edge, positive on the inner side. The vector (x, y) is the normal of the edge along columns and rows. It
-/// may have any length. A pixel collects the light of its whole area, because this minimises the aliasing of sums of
-/// light and of first moments.
+/// may have any length. A pixel collects the light of its whole area. This minimises the effect of the pixel grid on
+/// sums of light and on first moments.
 #[inline]
 fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     let (x, y) = (x.abs(), y.abs());
@@ -240,8 +240,9 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
         return (0.5 + inside).clamp(0.0, 1.0);
     }
     let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
-    // The pixel is a unit square, and its chords are parallel to the edge. Between the two inner corners, the chords
-    // have the constant length 1 / `long`. From the inner to the outer corners, their length decreases to 0.
+    // The pixel is a unit square. A chord is a line through the pixel that is parallel to the edge of the disc. Chords
+    // have the constant length 1 / `long` between the two corners of the pixel that are nearest to its middle (in the
+    // direction of the normal). Towards the other two corners, their length decreases to 0.
     let depth = inside.abs();
     let beyond = 0.5 * (long + short) - depth;
     let more = if beyond <= 0.0 {

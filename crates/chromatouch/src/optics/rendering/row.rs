@@ -49,8 +49,8 @@ impl Row {
         }
     }
 
-    /// Blurs this row along its direction into `blurred`. The first weight is for the pixel itself, the next ones are
-    /// for its neighbours on both sides.
+    /// Blurs this row along its direction into `blurred`. The first of the `weights` is for the pixel itself, the
+    /// others are for its neighbours on both sides.
     pub(super) fn blur_into(&self, weights: &[f32], blurred: &mut Self) {
         blurred.set(self, weights[0]);
         let last = self.levels.len() / 3 - 1;
@@ -105,8 +105,8 @@ pub(super) struct Rows<'a> {
     started: usize,
     ground: [f32; 3],
     outside: [f32; 3],
-    /// Shares of red, green and blue light that a completely covered pixel absorbs. The entries are for the magenta
-    /// disc, for the yellow disc, and a correction for places where both discs overlap.
+    /// Shares of red, green and blue light that a completely covered pixel absorbs: if the magenta disc covers it, and
+    /// if the yellow disc covers it. The third entry is a correction for places where both discs overlap.
     absorbed: [[f64; 3]; 3],
     light_at_rim: f64,
     seams: Option<SeamLines>,
@@ -219,7 +219,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Paints the part of a row that is outside of the image circle. Pixels on the rim mix the light from both sides.
+    /// Paints the part of a row that is outside of the image circle. Pixels on the rim contain light from both sides of
+    /// the rim.
     fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
         let rim = self.camera.rim_px();
         let [middle, middle_row] = self.camera.centre_px();
