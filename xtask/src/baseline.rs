@@ -1,4 +1,4 @@
-//! Compares a table of named numbers with the baseline, which is a committed table of the same form.
+//! Compares the measured numbers of a test program with the baseline, which is a committed table of the same numbers.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ pub(crate) const DIRECTORY: &str = "crates/assay/baseline";
 /// Names and numbers of a table, in the order of its rows.
 pub(crate) type Figures = Vec<(String, f64)>;
 
-/// Reads a table with a header and two columns: name and number.
+/// Reads a table with a header and two columns, which are name and number.
 pub(crate) fn read(text: &str) -> Result<Figures> {
     let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize();
     let figures = rows.collect::<Result<Figures, _>>()?;
@@ -48,7 +48,8 @@ pub(crate) struct Limits {
     pub(crate) harness: &'static str,
     /// Largest allowed increase of a number, as a share of the number in the baseline.
     pub(crate) allowed: f64,
-    /// Baseline and measured numbers below this value are replaced by it before they are compared.
+    /// Numbers below this value count as equal: before the comparison, smaller numbers (measured or in the baseline)
+    /// are replaced by it.
     pub(crate) floor: f64,
 }
 
@@ -87,7 +88,7 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Whether any number is larger than allowed, new or missing.
+    /// Whether a number is larger than allowed, is new, or is missing.
     pub(crate) fn fails(&self) -> bool {
         let is_failure = |change| matches!(change, Change::Worse | Change::New | Change::Missing);
         self.rows()

@@ -16,16 +16,16 @@ use crate::peers::replace;
 use crate::programs;
 use crate::tools::has;
 
-/// Limits for instruction counts. These counts hardly vary between runs, but they change if the linker arranges the
-/// code in another order.
+/// Limits for instruction counts. Instruction counts hardly vary between runs, but they change if the linker arranges
+/// the code in another order.
 pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) differ between the
-/// mathematical libraries of machines.
+/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) differ between machines
+/// with different mathematical libraries.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",
@@ -118,7 +118,7 @@ fn check_page(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Names of all bench targets in these packages, in the form `package/target`.
+/// Names of all bench targets in `packages`, in the form `package/target`.
 fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
     let mut benches = BTreeSet::new();
     for package in packages {

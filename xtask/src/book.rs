@@ -60,7 +60,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     run_commands(shell, &program)
 }
 
-/// Checks everything for which no other program is needed: lengths, claims, quoted files and paths.
+/// Checks everything in the documents for which no other program is needed: lengths, claims, quoted files and paths.
 fn check_texts(shell: &Shell) -> Result<()> {
     for (name, lines, words) in LIMITS {
         let text = shell.read_file(name)?;
@@ -220,7 +220,7 @@ fn quotes(markdown: &str) -> Vec<(&str, String)> {
         .collect()
 }
 
-/// Names of the files and folders that the commands wrote outside of the output folder.
+/// Names of the files and folders in `directory` that the commands wrote outside of the output folder.
 fn strays(directory: &Path) -> Result<Vec<OsString>> {
     let names = fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name()));
     let mut names: Vec<OsString> = names.collect::<Result<_>>()?;

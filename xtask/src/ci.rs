@@ -8,7 +8,7 @@ use xshell::{Shell, cmd};
 use crate::programs::{FEATURES, PYTHON};
 use crate::{bench_check, book, crate_imports, programs, python, reproduce, tools};
 
-/// Environment variables with which the Python package can be checked and linked without a Python interpreter.
+/// Environment variables with which the compiler can check and link the Python package without a Python interpreter.
 const NO_INTERPRETER: [(&str, &str); 2] = [
     ("PYO3_NO_PYTHON", "1"),
     ("PYO3_BUILD_EXTENSION_MODULE", "1"),
@@ -87,7 +87,8 @@ fn docs(shell: &Shell) -> Result<()> {
     Ok(doc.envs(NO_INTERPRETER).run()?)
 }
 
-/// Checks the licences of all dependencies. Skipped if cargo-deny is missing, which the step `tools` has reported.
+/// Checks the licences of all dependencies. The check is skipped if cargo-deny is missing; the step `tools` has
+/// reported this.
 fn licences(shell: &Shell) -> Result<()> {
     match tools::has(shell, tools::DENY) {
         true => Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?),
@@ -101,8 +102,8 @@ fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }
 
-/// Tests the Python package. Its wheel contains the crates that earlier steps have compiled. Skipped if there is no
-/// Python interpreter, which the step `tools` has reported.
+/// Tests the Python package. Its wheel contains the crates that earlier steps have compiled. The test is skipped if
+/// there is no Python interpreter; the step `tools` has reported this.
 fn python(shell: &Shell) -> Result<()> {
     match tools::has(shell, "python3") {
         true => python::check(shell),

@@ -11,17 +11,17 @@ const CELLS: &str = "cells.csv";
 const SCORED: &str = "claims.csv";
 /// File in which palpate lists the files that it wrote. It is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Column with the number of the cell (grid point). After a run of only some cells, it shows which committed rows to
-/// compare.
+/// Column with the number of the cell (grid point). If only some cells were run, this column shows which committed rows
+/// must be compared.
 const CELL: &str = "cell";
-/// Relative tolerance of numbers. Results differ slightly between C libraries and processors.
+/// Relative tolerance for the comparison of numbers. Results differ slightly between C libraries and processors.
 const TOLERANCE: f64 = 1e-9;
 /// Numbers with a smaller absolute value have the absolute tolerance `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
 /// Statistics that are computed from a histogram.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
-/// Tolerance of the statistics in [`QUANTILES`]: the width of a histogram bin, relative to the distance between
-/// quantile and true value.
+/// Tolerance of the statistics in [`QUANTILES`]: the width of a histogram bin, relative to the distance between the
+/// quantile and the true value.
 const BIN: f64 = 0.008;
 /// Text in [`Difference::now`] if the new file is missing.
 const ABSENT: &str = "–";
@@ -31,7 +31,7 @@ const ABSENT: &str = "–";
 #[derive(Debug, PartialEq)]
 pub(crate) struct Difference {
     file: String,
-    /// The first fields (at most 4) of the table row with the difference, to identify the row. Empty if the whole file
+    /// The first fields (at most 4) of the row with the difference; they identify the row. Empty if the whole file
     /// differs.
     row: String,
     column: String,
@@ -102,7 +102,7 @@ pub(crate) fn study(
     Ok(differences)
 }
 
-/// Numbers of the cells in `cells.csv` of a run.
+/// Numbers of the cells that a run contains, from its `cells.csv`.
 fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     let (header, rows) = table(&fs::read_to_string(folder.join(CELLS))?)?;
     let place = header.iter().position(|name| name == CELL);
@@ -189,7 +189,7 @@ fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     Ok((header, rows.collect::<Result<_>>()?))
 }
 
-/// Text with the number of differences and the largest difference. It lists at most `shown` differences.
+/// Text with the number of differences and the largest difference. The text lists at most `shown` differences.
 pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
     let relative: Vec<f64> = differences
         .iter()

@@ -71,7 +71,8 @@ fn build(shell: &Shell) -> Result<PathBuf> {
     let version = cmd!(shell, "rustc -vV").read()?;
     let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     let host = host.context("`rustc -vV` has no host")?;
-    // State the target explicitly. Otherwise, build scripts and macros would be compiled with coverage counters too.
+    // State the compilation target explicitly. Otherwise, build scripts and macros would be compiled with coverage
+    // counters too.
     let target = target_dir(shell).join("fuzzing");
     cmd!(
         shell,

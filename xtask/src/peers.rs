@@ -39,12 +39,13 @@ pub(crate) struct Options {
 struct Group {
     name: &'static str,
     peer: Kind,
-    /// Required ratio: the peer's time divided by palpate's time.
+    /// Required ratio of times: the time of the peer program divided by the time of palpate.
     target: f64,
-    /// Tasks whose required ratio differs from `target`, with their ratios.
+    /// Tasks whose required ratio of times differs from `target`, each with its ratio.
     task_targets: &'static [(&'static str, f64)],
-    /// Largest allowed excess of palpate's error over the peer's error, as a share of the peer's error. It is 0 if both
-    /// programs use the same inputs. If each program draws its own random inputs, it is the sampling error.
+    /// Largest allowed excess of palpate's error over the peer's error, as a share of the peer's error. The value is 0
+    /// if both programs use the same inputs. If each program draws its own random inputs, the value is the sampling
+    /// error.
     slack: f64,
 }
 
@@ -70,7 +71,7 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 0.0,
     },
-    // The rms error over 100,000 trials has a standard error of 0.2 %. So a slack of 1 % is needed to compare errors.
+    // The rms error over 100,000 trials has a standard error of 0.2 %. So errors are compared with a tolerance of 1 %.
     Group {
         name: "ep1-trial",
         peer: Kind::Python("ep1_trial.py"),

@@ -14,12 +14,12 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
-/// Name of the crate of the Python package. It needs a Python interpreter, so only `cargo xtask python` builds and
-/// tests it.
+/// Name of the crate of the Python package. It needs a Python interpreter, so only the command `cargo xtask python`
+/// builds and tests this crate.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Feature that lints and tests switch on. It is off by default, and later steps build the program without it. Tests
-/// are built only with this feature, because a second build would take minutes.
+/// Feature that lints and tests switch on. The feature is off by default, and later steps build the program without it.
+/// Tests are built only with the feature, because a second build would take minutes.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
 /// Packages that every release build compiles. The feature that counts computational work is off, as in the program

@@ -72,8 +72,8 @@ fn draw(
     for study in studies {
         let start = Instant::now();
         let out = results.join(study);
-        // Without the manifest of the last run, palpate overwrites the committed files even if they changed after that
-        // run.
+        // Remove the manifest of the last run. Without the manifest, palpate overwrites the committed files even if
+        // they changed after that run.
         shell.remove_path(out.join(compare::MANIFEST))?;
         simulate(shell, palpate, study, &out, quick)?;
         cmd!(shell, "{palpate} plot {out}")
@@ -158,7 +158,7 @@ fn scores_claims(shell: &Shell, study: &str) -> bool {
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
 }
 
-/// The studies that the user asked for, or an error if a name is unknown.
+/// The names of the studies to run: those in `asked`, or the error that a name in `asked` is unknown.
 fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!(

@@ -15,12 +15,12 @@ use crate::programs;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Number of runs that are killed at a random time.
+    /// Number of runs of a study that are killed, each at a random time.
     #[arg(long, value_name = "N", default_value_t = 50)]
     pub(crate) kills: u32,
 }
 
-/// Tables that are compared with those of a run without interruption.
+/// Files of a run that are compared with those of a run without interruption.
 const TABLES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
 /// Number of shards into which the study on the cluster is divided.
 const SHARDS: u64 = 16;
@@ -121,7 +121,7 @@ impl TestBench<'_> {
     }
 
     fn kill(&self, kills: u32) -> Result<()> {
-        // One cell has many trials, and each of the other 23 cells has few trials.
+        // Of the study's 24 cells, the first has many trials, and each other cell has few trials.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();
@@ -144,7 +144,7 @@ impl TestBench<'_> {
         Ok(())
     }
 
-    /// Runs a study until the disk is full. Then enlarges the disk and resumes the run.
+    /// Runs a study until the disk is full. Then enlarges the disk, and resumes the run of the study.
     fn fill_a_disk(&self) -> Result<()> {
         if !is_root(self.shell) {
             println!("the full disk is skipped: only root can mount one");
@@ -287,7 +287,7 @@ impl TestBench<'_> {
         Ok(())
     }
 
-    /// Submits the shards to the cluster, and returns the number of their job.
+    /// Submits the shards to the cluster, and returns the number of the job that runs them.
     fn submit(&self, program: &Path, config: &Path, out: &Path) -> Result<String> {
         let (shell, shards) = (self.shell, SHARDS.to_string());
         let said = cmd!(
@@ -320,8 +320,8 @@ impl TestBench<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Waits until a shard is running, and returns the number of its process. Shard 5 is never returned, because it
-    /// fails at once.
+    /// Waits until a shard is running, and returns the number of the shard's process. Shard 5 is never returned,
+    /// because it fails at once.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();

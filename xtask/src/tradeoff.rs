@@ -50,7 +50,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let checked = check_auto(shell, &assay, &fresh.join(AUTO_CHECK));
     keep(AUTO_CHECK, &fresh, &out)?;
     replace(&fresh, &out)?;
-    // Report a failed check only after all tables are kept.
+    // Report a failed check of `auto` only after all tables are in their place.
     checked?;
     println!(
         "{}: {:.1} s; `cargo xtask reproduce` adds it to the page",
@@ -98,7 +98,7 @@ fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Copies a file from the old folder `out` to the new folder `fresh`, unless `fresh` has this file already.
+/// Copies the file `name` from the old folder `out` to the new folder `fresh`, unless `fresh` has this file already.
 fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     let (missing, known) = (fresh.join(name), out.join(name));
     if !missing.exists() && known.exists() {

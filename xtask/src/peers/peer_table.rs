@@ -93,7 +93,7 @@ const HEADER: [&str; 12] = [
     "machine",
 ];
 
-/// One row for each task, each other program and each model of palpate.
+/// One row for each combination of a task, a peer program and a model of palpate.
 pub(crate) fn rows(
     peers: &[Figure],
     ours: &[Figure],

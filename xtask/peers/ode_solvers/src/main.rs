@@ -1,5 +1,6 @@
-//! Simulates a unit sphere that rolls by 6 rad over a unit sphere and over the paraboloid z = −r². The method DOP853 of
-//! the crate ode_solvers integrates Montana's contact equations, in coordinates (charts) of both surfaces.
+//! Simulates a unit sphere that rolls by an angle of 6 rad over a unit sphere and over the paraboloid z = −r². The
+//! method DOP853 of the crate ode_solvers integrates Montana's contact equations, in coordinates (charts) of both
+//! surfaces.
 //!
 //! Prints one line of JSON per task. The error is the largest difference from the closed form, in any coordinate of the
 //! contact on either body.
@@ -43,14 +44,15 @@ struct OverParaboloid;
 
 impl System<f64, State> for OverParaboloid {
     fn system(&self, _: f64, state: &State, rate: &mut State) {
-        // `p` and `q` are the slopes of the surface z along x and y. They determine the Gauss frame: `x_first`,
-        // `x_second` and `y_second` are the changes of x and y per unit of velocity along the axes of this frame.
+        // `p` and `q` are the slopes of the surface z along x and y. The slopes determine the Gauss frame, whose two
+        // axes are tangents of the surface. `x_first`, `x_second` and `y_second` are the changes of x and y per unit of
+        // velocity along these axes.
         let (p, q) = (-2.0 * state[2], -2.0 * state[3]);
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
         let (x_first, x_second, y_second) = (1.0 / first, -p * q / (first * area), first / area);
-        // `k11`, `k12` and `k22` are the curvature form of the object in its own frame. `r11` and the following numbers
-        // are the relative curvature in the probe's frame.
+        // `k11`, `k12` and `k22` are the curvature form of the object in its own frame. `r11`, `r12` and `r22` are the
+        // sum of the curvatures of the object and the probe, in the probe's frame.
         let bend = 2.0 / area;
         let k11 = bend * x_first * x_first;
         let k12 = bend * x_first * x_second;
@@ -97,7 +99,8 @@ fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     *solver.y_out().last().expect("the end of the roll")
 }
 
-/// Largest difference of any coordinate, over pairs of a computed and an exact contact point.
+/// Largest difference of any coordinate between the two contact points of a pair, which are the computed and the exact
+/// point.
 fn largest<const N: usize>(pairs: [([f64; 3], [f64; 3]); N]) -> f64 {
     let differences = pairs
         .iter()
@@ -110,7 +113,7 @@ fn on_probe(state: &State) -> [f64; 3] {
     [u.cos() * v.cos(), -u.cos() * v.sin(), u.sin()]
 }
 
-/// The contact point on the probe after a path of this length along a great circle.
+/// The contact point on the probe at the end of a path of the length `length` along a great circle.
 fn after(length: f64) -> [f64; 3] {
     [length.cos(), -length.sin(), 0.0]
 }
