@@ -30,8 +30,8 @@ pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
     if turns < 1.0 { turns } else { 0.0 }
 }
 
-/// Hue of a colour, in turns, if its HSV saturation is above 1/4; `None` for a paler colour. Only saturated colours
-/// count in a mean hue.
+/// Hue of a colour, in turns, if its HSV saturation is above 1/4; `None` for a paler colour. A mean hue uses only
+/// colours for which the result is not `None`.
 ///
 /// ```
 /// use palpate_statistics::saturated_hue;

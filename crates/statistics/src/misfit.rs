@@ -52,7 +52,7 @@ pub enum StatedQuantity {
     Indentation,
     /// Distance between neighbouring pads of the sensor.
     Pitch,
-    /// A length that scales all lengths in the readings, for example the distance between fingers.
+    /// A length to which all lengths in the readings are proportional, for example the distance between fingers.
     Scale,
 }
 
@@ -69,14 +69,14 @@ impl StatedQuantity {
 }
 
 impl Misfit {
-    /// Returns [`Misfit::PoorFit`] if the p-value of `goodness` is below the significance `level`.
+    /// Returns [`Misfit::PoorFit`] if the p-value of `goodness` is below the significance level `level`.
     pub fn poor_fit(goodness: GoodnessOfFit, level: f64) -> Option<Self> {
         let p_value = goodness.p_value;
         (p_value < level).then_some(Self::PoorFit { p_value })
     }
 
-    /// Returns [`Misfit::Outlier`] for the reading with the smallest of these p-values, or `None` if this p-value is
-    /// not significant. Before the test for significance, the smallest p-value is multiplied by the number of p-values
+    /// Returns [`Misfit::Outlier`] for the reading with the smallest p-value, or `None` if this p-value is not
+    /// significant. Before the test for significance, the smallest p-value is multiplied by the number of p-values
     /// (Bonferroni). `p_values` are pairs of a reading's number and its p-value.
     ///
     /// ```

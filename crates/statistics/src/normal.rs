@@ -21,7 +21,7 @@ pub fn normal_tail(score: f64) -> f64 {
 }
 
 /// The number (score) that a standard normal variable exceeds with this probability. The absolute error of the score is
-/// at most 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, it is
+/// at most 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, the score is
 /// −[`CERTAIN`].
 ///
 /// ```

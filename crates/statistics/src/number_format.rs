@@ -22,8 +22,8 @@ impl Number {
         Self(format!("{number:.2e}").parse().unwrap_or(number))
     }
 
-    /// The number, rounded to the precision of its standard deviation: both end at the same decimal place, where `std`
-    /// has two significant digits. The number keeps at least three significant digits.
+    /// The number, rounded to the decimal place at which its standard deviation `std` has two significant digits. The
+    /// number keeps at least three significant digits.
     ///
     /// ```
     /// use palpate_statistics::Number;

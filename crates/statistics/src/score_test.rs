@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::{chi_squared_tail, ratio_tail};
 
-/// Smallest share of a pattern that must remain after the parameters of the model are fitted to it. The test skips
-/// patterns with a smaller share, because the remainder may be caused by the model's nonlinearity. Noisy patterns need
-/// a larger share.
+/// A pattern is tested only if at least this share of it remains after the parameters of the model are fitted to it. If
+/// the share is smaller, the remainder may be caused by the model's nonlinearity. For patterns that contain noise, use
+/// a larger limit.
 pub const LEFT: f64 = 0.02;
 
 /// Decrease of a fit's chi-squared, to first order, if patterns are fitted in addition to the parameters of the model.
@@ -76,9 +76,9 @@ impl Explained {
     }
 }
 
-/// The number of the alternative with the smallest p-value, and this p-value multiplied by the number of alternatives
-/// (Bonferroni). `chances` are pairs of an alternative's number and its p-value. An alternative is, for example, that
-/// the probe with this number is an outlier. Without alternatives, the result is (0, 1).
+/// The number of the alternative (to the model) with the smallest p-value, and this p-value multiplied by the number of
+/// alternatives (Bonferroni). `chances` are pairs of an alternative's number and its p-value. An alternative is, for
+/// example, that the probe with this number is an outlier. Without alternatives, the result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn patterns_that_the_unknowns_take_do_not_count() {
         // A mean is fitted to two readings, and the residuals are (1, −1). The mean completely explains the pattern (1,
-        // 1), so only the pattern (1, −1) counts.
+        // 1), so only the pattern (1, −1) remains.
         let left = DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, 2.0]);
         let explained = Explained::by(&[2.0, 2.0], &left, &DVector::from_vec(vec![0.0, 2.0]), LEFT);
         assert_eq!((explained.fall, explained.freedom), (2.0, 1));

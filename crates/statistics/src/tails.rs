@@ -33,8 +33,8 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     (first + rest).min(1.0)
 }
 
-/// Largest number of degrees of freedom for which the exact series of the chi-squared tail is summed. Above it, an
-/// expansion is used.
+/// Largest number of degrees of freedom for which the exact series of the chi-squared tail is summed. For more degrees
+/// of freedom, an expansion is used.
 const MOST_TERMS: usize = 1_000_000;
 
 /// Tail probability of chi-squared for many degrees of freedom: the regularised upper incomplete gamma function Q(a,
@@ -91,10 +91,11 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
 /// many digits.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
-/// Half-width of the interval that contains the true value with this probability, in standard errors (Student's t
-/// distribution). The standard error must be estimated from residuals with `freedom` degrees of freedom. The relative
-/// error of the half-width is at most 1e-9, or 1e-8 for more than 1e6 degrees of freedom. The half-width is 0 for a
-/// probability of 0 or less. It is infinite for a probability of 1 or more or NaN, and without degrees of freedom.
+/// Half-width of the interval that contains the true value with the probability `probability`, in standard errors
+/// (Student's t distribution). The standard error must be estimated from residuals with `freedom` degrees of freedom.
+/// The relative error of the half-width is at most 1e-9, or 1e-8 for more than 1e6 degrees of freedom. The half-width
+/// is 0 for a probability of 0 or less. It is infinite for a probability of 1 or more or NaN, and without degrees of
+/// freedom.
 ///
 /// ```
 /// let half_width = palpate_statistics::student_half_width(0.95, 5);
@@ -133,8 +134,8 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
     high
 }
 
-/// Largest probability for which the density of Student's t is treated as constant over the interval. The relative
-/// error of the half-width is then at most 1e-11.
+/// If the probability of an interval is at most this number, the density of Student's t is treated as constant over the
+/// interval. The relative error of the half-width is then at most 1e-11.
 const STRAIGHT: f64 = 1e-6;
 
 /// The continued fraction of the beta function has converged if the next factor differs from 1 by less than this value.
@@ -176,7 +177,7 @@ fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     front * value
 }
 
-/// The logarithm of the gamma function is computed with Stirling's series if the argument is above this number. The
+/// If the argument of the gamma function is above this number, its logarithm is computed with Stirling's series. The
 /// series avoids the cancellation of large logarithms.
 const LARGE: f64 = 20.0;
 
@@ -275,7 +276,7 @@ mod tests {
             assert_eq!(student_half_width(probability, 3), 0.0);
         }
         // The half-width of a narrow interval follows from the density at 0. For Student's t with 3 degrees of freedom,
-        // it is 2/(π√3).
+        // this density is 2/(π√3).
         let narrow = student_half_width(1e-9, 3);
         let due = 0.5e-9 * 0.5 * std::f64::consts::PI * 3_f64.sqrt();
         assert!((narrow - due).abs() < 1e-6 * due, "{narrow:e} {due:e}");
@@ -296,7 +297,7 @@ mod tests {
         for ratio in [1e-8, 0.3, 2.0, 70.0, 1e9] {
             let below = ratio_tail(ratio, 2, 2.0, 2);
             assert!((below * (1.0 + ratio / 2.0) - 1.0).abs() < 1e-12, "{below}");
-            // If F has 2 and n degrees of freedom, the probability that it exceeds f is (1 + 2 f/n)^(−n/2).
+            // If F has 2 and n degrees of freedom, the probability that F exceeds f is (1 + 2 f/n)^(−n/2).
             let of_many = ratio_tail(2.0 * ratio, 2, 7.0, 7);
             let exact = libm::exp(-3.5 * libm::log1p(2.0 * ratio / 7.0));
             assert!((of_many / exact - 1.0).abs() < 1e-10, "{of_many} {exact}");
@@ -366,8 +367,8 @@ mod tests {
             let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
             is_near(found, due, bound, "ratio");
         }
-        // Closed-form quantiles of Student's t: for one degree of freedom (`of_one`, with a tangent) and for two
-        // (`of_two`, with a square root).
+        // Half-widths from closed-form quantiles of Student's t: `of_one` for one degree of freedom (with a tangent),
+        // and `of_two` for two (with a square root).
         for (probability, of_one, of_two) in [
             (
                 1e-300,

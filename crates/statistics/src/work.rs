@@ -1,5 +1,5 @@
-//! Counters of the computational work of a scene. Tests use them to check, for example, that a scene without noise
-//! draws no random numbers.
+//! Counters of the computational work of a scene. Tests use the counters to check, for example, that a scene without
+//! noise draws no random numbers.
 //!
 //! Work is counted separately for each thread, and only with the feature `count`. Without this feature, every function
 //! here is empty.
@@ -13,7 +13,7 @@ pub struct Tally {
     pub rolls: u64,
     /// Number of evaluations of the right-hand side of contact equations by an integrator.
     pub derivatives: u64,
-    /// Number of searches for the contact of a fingertip with a radius.
+    /// Number of searches for the contact of a round fingertip (a fingertip with a radius above 0).
     pub searches: u64,
     /// Number of contacts with an elastic layer for which an integral equation was solved.
     pub layers: u64,
@@ -76,7 +76,7 @@ counters! {
     rolled => rolls;
     /// Counts evaluations of the contact equations by an integrator.
     derived => derivatives;
-    /// Counts searches for the contact of a round tip.
+    /// Counts searches for the contact of a round fingertip.
     searched => searches;
     /// Counts contacts with an elastic layer for which an integral equation was solved.
     solved_layer => layers;

@@ -79,8 +79,8 @@ fn colour(hue: f64) -> [f64; 3] {
     })
 }
 
-/// The pixels near a disc, each as (column, row, covered share). The share that the disc covers is estimated with 8 × 8
-/// sample points per pixel.
+/// The pixels near a disc, each as (column, row, share). The share of a pixel that the disc covers is estimated with 8
+/// × 8 sample points per pixel.
 fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)> {
     let bounds = |at: f64| {
         let first = (at - radius - 2.0).max(0.0) as usize;
@@ -163,7 +163,7 @@ pub struct Bright {
     pub apart: f64,
     /// Standard deviation of the blur, px.
     pub blur_px: f64,
-    /// Share of the light that is missing at the rim of the image, compared with the middle.
+    /// Decrease of the light from the middle to the rim of the image, as a share of the light in the middle.
     pub falloff: f64,
     /// Standard deviation of the noise, in grey levels from 0 to 255.
     pub noise: f64,
@@ -258,8 +258,8 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     pass(&across, size, |at, size| at / size)
 }
 
-/// Places for the markers of a sensor in a frame with a side of `size` px: one place in the middle, and places on
-/// `rings` rings around it. The rings are `spacing` px apart.
+/// Positions of a sensor's markers in a frame with a side of `size` px: one place in the middle, and places on `rings`
+/// rings around it. The rings are `spacing` px apart.
 pub fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
     let middle = 0.5 * (size as f64 - 1.0);
     let mut places = vec![[middle + 0.3, middle - 0.2]];
