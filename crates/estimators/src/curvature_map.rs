@@ -5,9 +5,9 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, MapTable, Unit};
 
-/// Columns of a map: positions, curvatures with their standard errors, principal curvatures and directions, class,
-/// region, and the probability of each class. For the maps of a study (`of_study`), the first column is `cell`, the
-/// number of the grid point, and there is a column for the true class.
+/// Columns of a table of curvature maps: positions, curvatures with their standard errors, principal curvatures and
+/// directions, class, region, and the probability of each class. For the maps of a study (`of_study`), the first column
+/// is `cell`, the number of the grid point, and there is a column for the true class.
 fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
     let cell = of_study.then(|| Column::count("cell"));
     let true_class = of_study.then(|| Column::text("true_class"));
@@ -35,7 +35,7 @@ pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
     MapTable::new(columns(unit, of_study))
 }
 
-/// Adds one point to a table of maps. Columns for values that the estimator does not compute stay empty.
+/// Adds one point to a table of maps. In columns for values that the estimator does not compute, the cells stay empty.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

@@ -20,7 +20,7 @@ pub enum GlideMethod {
 impl GlideMethod {
     /// Builds the method that a config describes. If the config states the noise as a fraction of the distance between
     /// fingers, the fraction is multiplied by `inter_finger_distance`. The estimator `two-pass` also uses this distance
-    /// as its length unit. If the distance is `None`, `two-pass` computes it from the contacts.
+    /// as its length unit. If this distance is `None`, `two-pass` computes it from the contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
         let config = match inter_finger_distance {
             Some(distance) => config.clone().with_length_noise(distance),
@@ -110,7 +110,7 @@ impl GlideFit {
         }
     }
 
-    /// Whether the method in a config uses the distance between fingers.
+    /// Whether the method that a config states uses the distance between fingers.
     pub fn uses_finger_distance(config: &GlideEstimatorConfig) -> bool {
         matches!(config, GlideEstimatorConfig::TwoPass { .. })
             || config.position_fraction_of_ifd().is_some()

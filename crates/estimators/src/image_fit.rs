@@ -10,7 +10,7 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step of the discs' depth for finite differences, as a share of the sensor's radius.
+/// Finite-difference step of the discs' depth, as a share of the sensor's radius.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
@@ -20,13 +20,14 @@ type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
 pub struct ImageFitSetup<'a> {
     /// Settings of the estimator, from the config.
     pub estimator: &'a PressEstimatorConfig,
-    /// Soft body of the sensor. Its parameters are used where the estimator's config states no parameters.
+    /// Soft body of the sensor. If the estimator's config does not state a parameter of the soft body, the parameter of
+    /// `model` is used.
     pub model: &'a PressModelConfig,
     /// Skin, layout and discs of the sensor.
     pub sphere: &'a MarkerSphere<'a>,
     /// The markers under the skin.
     pub markers: &'a Markers,
-    /// The nominal camera and markers. The fit ignores the misalignments of these markers.
+    /// The nominal camera and markers. The fit does not use the misalignments of these markers.
     pub optics: &'a Optics,
     /// Standard deviations of the differences between the sensor's parameters and their values in `optics`.
     pub stds: [f64; Departure::NUMBERS],
@@ -38,7 +39,7 @@ pub struct ImageFitSetup<'a> {
 }
 
 impl ImageFitSetup<'_> {
-    /// Builds the fit; `None` if the estimator does not fit images.
+    /// Builds the fit to marker images; `None` if the estimator does not fit images.
     ///
     /// # Errors
     /// [`FieldError`] if the soft body or the discs are impossible.

@@ -15,7 +15,7 @@ use crate::image_model::{ImageModel, marker_image};
 pub struct MarkerImages {
     /// Images of the markers at rest in this trial; `None` if all trials use the same images at rest.
     pub own_rest: Option<Arc<[Option<Seen>]>>,
-    /// Images of the markers in the press; `None` for markers without an image.
+    /// Images of the markers in the press; `None` for markers without an image in the press.
     pub pressed: Vec<Option<Seen>>,
 }
 
@@ -67,7 +67,7 @@ impl ImageEstimator {
         })
     }
 
-    /// Contradictions between the images and the estimate's model, such as outliers.
+    /// Contradictions between the images and the model of the estimator, such as outliers.
     pub fn misfits(
         &self,
         pictures: &MarkerImages,
@@ -108,7 +108,7 @@ impl ImageEstimator {
         then(rest)
     }
 
-    /// Parameters of the sensor, estimated from the images at rest that all trials share.
+    /// Parameters of the sensor, which are estimated from the images at rest that all trials share.
     pub fn rest(&self) -> Result<&Rest, PressError> {
         let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
         fitted.as_ref().map_err(|error| *error)

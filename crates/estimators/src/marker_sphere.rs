@@ -10,7 +10,7 @@ use palpate_study::config::{
 /// Path of the markers' layout in a config.
 pub const LAYOUT: &str = "scene.probe.layout";
 
-/// A soft sphere with markers under its skin. A flat pad is the limit of an infinite radius.
+/// A soft sphere with markers under its skin. If the radius is infinite, the sensor is a flat pad.
 #[derive(Clone, Debug)]
 pub struct MarkerSphere<'a> {
     /// Radius of the skin, length.
@@ -98,21 +98,21 @@ impl<'a> MarkerSphere<'a> {
     /// centre of the sensor.
     pub fn misalignment_std(&self) -> Result<f64, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
-        // For a point that is uniformly distributed in a circle, the standard deviation of each coordinate is half of
-        // the circle's radius.
+        // For a point that is uniformly distributed in a circle, each coordinate has a standard deviation of half the
+        // circle's radius.
         let most = self.discs()?.misalignment * diameters.yellow;
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
 
-    /// Markers at the positions `places`, without misalignments.
+    /// Markers with both discs at the positions `places`, without misalignments between the discs.
     pub fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
         MarkerArray::new(self.radius, places, diameters, depths)
             .map_err(|error| optics_error(&error))
     }
 
-    /// Markers at the positions `places`, with random misalignments as they result from manufacture. `seed` is the seed
-    /// of the random numbers.
+    /// Markers with both discs at the positions `places`, with random misalignments between the discs, as they result
+    /// from manufacture. `seed` is the seed of the random numbers.
     pub fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, FieldError> {
         let array = self.array(places)?;
         match self.discs()?.misalignment {

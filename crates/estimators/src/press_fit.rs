@@ -11,9 +11,10 @@ use palpate_study::{FieldError, Warning};
 pub struct PressFitSetup<'a> {
     /// Settings of the estimator, from the config.
     pub estimator: &'a PressEstimatorConfig,
-    /// Soft body of the sensor. Its parameters are used where the estimator's config states no parameters.
+    /// Soft body of the sensor. If the estimator's config does not state a parameter of the soft body, the parameter of
+    /// `model` is used.
     pub model: &'a PressModelConfig,
-    /// The soft body of the sensor, with displacements at the depth of the markers.
+    /// The soft body of the sensor. It computes displacements at the depth of the markers.
     pub body: &'a Body,
     /// Thickness of the bonded layer `body` if the fit can also use the tables of this layer; otherwise `None`.
     pub shared: Option<f64>,
@@ -41,8 +42,8 @@ impl PressFitSetup<'_> {
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
         Ok(ForwardFit {
-            // In the Gaussian model, the amplitude is a fitted gain if the indentation is given. Otherwise, the
-            // amplitude is the indentation.
+            // In the Gaussian model, the amplitude is a fitted gain if the estimator receives the indentation.
+            // Otherwise, the amplitude is the indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
                     true => Prior::Free,
@@ -112,8 +113,8 @@ impl From<PressFitError> for PressError {
     }
 }
 
-/// Builds the soft body that `model` describes, with displacements at the depth `depth` of the markers. `layer` is a
-/// function that builds a bonded layer from its thickness and this depth.
+/// Builds the soft body that `model` describes. The body computes displacements at the depth `depth` of the markers.
+/// `layer` is a function that builds a bonded layer from its thickness and this depth.
 pub fn sensor_body(
     model: &PressModelConfig,
     depth: f64,
@@ -126,7 +127,7 @@ pub fn sensor_body(
     }
 }
 
-/// Prior of the baseline, which is an offset that all normal displacements have in common.
+/// Prior of the baseline, an offset that is the same for all normal displacements.
 pub const fn baseline(config: Baseline) -> Prior {
     match config {
         Baseline::Known => Prior::Exact,
@@ -172,7 +173,7 @@ pub fn body_error(table: &str, error: PressError) -> FieldError {
     }
 }
 
-/// Returns a warning if the contact is too wide for small-strain theory, compared with the sensor or with the object.
+/// Returns a warning if the contact, compared with the sensor or the object, is too wide for small-strain theory.
 pub fn large_contact_warning(
     relative_curvature: f64,
     contact_radius: f64,
