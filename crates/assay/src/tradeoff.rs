@@ -141,9 +141,9 @@ struct CostError {
     error: f64,
 }
 
-/// Two costs count as equal if their ratio is at most this number.
+/// The costs of two rungs count as equal if the ratio of the larger to the smaller cost is at most this number.
 const EQUAL_COST_RATIO: f64 = 1.02;
-/// Errors below this value are caused by rounding, so they count as equal.
+/// Errors of rungs below this value are caused by rounding, so they count as equal.
 const ROUNDING: f64 = 1e-14;
 
 /// Whether each rung (model or setting) is on the Pareto front, that is, whether no other rung dominates it. One rung

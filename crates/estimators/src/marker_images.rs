@@ -130,9 +130,9 @@ pub fn pressed_images(
         .collect()
 }
 
-/// Table with one row per marker. The row contains the marker's position and hues at rest. For a marker that is new in
-/// the press, it contains them in the press. If the marker was tracked, the row also contains the changes from rest to
-/// press. Columns for values that were not measured stay empty.
+/// Table with one row per marker. The row contains the marker's position and hues at rest. If the marker is new in the
+/// press, the row contains its position and hues in the press instead. If the marker was tracked, the row also contains
+/// the changes from rest to press. Values that were not measured are left empty.
 pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
     let mut table = Table::new([
         Column::count("marker"),

@@ -50,7 +50,8 @@ impl PressFailure {
 /// Additional errors in the readings of a press. These errors are not part of the noise of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PressFlaw {
-    /// Additional error of one normal displacement, length. The marker with this error differs from trial to trial.
+    /// Additional error of one marker's normal displacement (length). The marker with this error differs from trial to
+    /// trial.
     pub outlier: f64,
     /// Additional error of the stated indentation. Its unit is the standard deviation of the difference between the
     /// stated indentation and the indentation that is estimated from the displacements alone.
@@ -103,7 +104,7 @@ impl PressScene {
     ) -> Result<Vec<&'static str>, PressFailure> {
         let estimate = self.estimate(reading)?;
         let given = self.given_indentation(reading);
-        // A stated indentation can contradict the readings only if the readings alone also determine the indentation.
+        // A stated indentation can contradict the readings only if the markers alone determine the indentation too.
         let (indentation, misfits) = match self.estimator.images(reading) {
             Some((fit, images)) => (
                 fit.check_indentation(images, given),

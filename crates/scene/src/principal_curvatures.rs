@@ -116,8 +116,8 @@ pub(crate) fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// Smallest distance of the inverted quantity from 0, in standard deviations, for which means and standard deviations
-/// are reported. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
+/// Means and standard deviations of an inverse quantity are reported only if the inverted quantity is at least this
+/// many standard deviations away from 0. If the estimates are Gaussian, at most one in 30,000 then has the wrong sign.
 const MIN_DEVIATIONS: f64 = 4.0;
 
 /// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign

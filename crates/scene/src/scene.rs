@@ -380,7 +380,7 @@ impl fmt::Display for Need {
 pub struct SceneTrial {
     /// The scene whose trials are run.
     pub scene: Scene,
-    /// Vector instructions that run batches of trials. The results do not depend on them.
+    /// Vector instructions that run batches of trials. The results of trials do not depend on the choice.
     pub arch: Arch,
 }
 

@@ -150,9 +150,9 @@ impl GoodnessOfFit {
         }
     }
 
-    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. If it is, the stated noise may be too small, so that every
-    /// pattern in the residuals would seem significant. Compare patterns with the scatter of the residuals then, not
-    /// with the stated noise.
+    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. A poor fit may mean that the stated noise is too small.
+    /// Compared with this noise, every pattern in the residuals would seem significant. In this case, compare patterns
+    /// with the scatter of the residuals instead.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

@@ -131,7 +131,7 @@ pub enum CalibrationError {
         /// Smallest number of points or parts that a calibration needs.
         needed: usize,
     },
-    /// All points have the same displacement.
+    /// All calibration points have the same displacement.
     #[error(
         "all {count} points have a {what} displacement of {displacement}; a slope needs at least two",
         displacement = Number(*displacement)
@@ -139,9 +139,9 @@ pub enum CalibrationError {
     OneDisplacement {
         /// Kind of displacement: normal or tangential.
         what: &'static str,
-        /// Displacement that all points have, length.
+        /// Displacement that all points have (length).
         displacement: f64,
-        /// Number of points to which the line is fitted.
+        /// Number of points of the fit.
         count: usize,
     },
     /// A number of a calibration point is not finite or too large.
@@ -150,7 +150,7 @@ pub enum CalibrationError {
         /// Index of the point that contains the number, counted from 0.
         point: usize,
     },
-    /// The signal does not change with the displacement.
+    /// The signal of the markers, such as the hue, does not change with the displacement.
     #[error("{what} does not change with the displacement: there is no slope to calibrate")]
     NoSlope {
         /// Name of the signal from which displacements are computed, such as hue or size.
