@@ -99,10 +99,10 @@ impl Pads {
         cap_rad: f64,
     ) -> Result<Self, InvalidSensor> {
         InvalidSensor::unless(
-            radius > 0.0 && radius.is_finite(),
+            radius > 0.0 && (radius * std::f64::consts::TAU).is_finite(),
             "radius",
             radius,
-            "finite and > 0",
+            "> 0 and have a finite circumference",
         )?;
         let fits = pitch > 0.0 && pitch <= radius;
         InvalidSensor::unless(

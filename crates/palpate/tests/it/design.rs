@@ -195,7 +195,7 @@ const QUESTIONS: &str = "
 --target rms_error<=1 --vary a=2..1 | runs downwards
 --target rms_error<=1 --vary a=1..nan | needs a finite number
 --target rms_error<=1 --vary a | is not of the form PATH=LO..HI
---target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1..2 | --vary takes one
+--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1..2 | use --vary for a range
 --target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1,2 | to a single value, but there are 2
 --target rms_error(class)<=1 --vary scene.object.radius=1..2 | a roll has no quantity \"class\" (known: normal_curvature_u,
 --target rms_error<=1 --vary scene.object.radios=1..2 | c.toml: scene.object.radios: `scene.object` has no `radios`; did you mean `radius`? (known: kind, radius)

@@ -62,7 +62,7 @@ proptest! {
         for layout in [PadLayout::Square, PadLayout::Uniform] {
             for offset in [PadOffset::Centred, PadOffset::Random] {
                 let pitch = share * radius;
-                let is_good = radius > 0.0 && radius.is_finite() && pitch > 0.0 && pitch <= radius
+                let is_good = radius > 0.0 && (radius * std::f64::consts::TAU).is_finite() && pitch > 0.0 && pitch <= radius
                     && pitch / radius >= 1e-15 && cap > 0.0 && cap <= std::f64::consts::PI
                     && (layout == PadLayout::Square || is_lattice(pitch / radius));
                 let Some(pads) = made_if(is_good, Pads::new(radius, pitch, layout, offset, cap)) else { continue };
