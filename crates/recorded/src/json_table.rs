@@ -1,4 +1,5 @@
-//! Tables in JSON: one object per line, a list of objects or of rows, or an object with one list per column.
+//! Tables in JSON: one object per line, a list of objects or of rows, an object with one list per column, or an object
+//! that contains a list of objects.
 
 use std::collections::HashMap;
 
@@ -42,7 +43,7 @@ impl<'a> JsonTable<'a> {
             header_line,
         };
         if let Ok(object) = serde_json::from_str(text.all) {
-            if let Some(rows) = records(file, &object)? {
+            if let Some(rows) = records(file, &object)?.or_else(|| nested(&object)) {
                 table.rows = Rows::Records(rows);
             } else if let Some((names, columns)) = columns(file, object)? {
                 table.rows = Rows::Columns(columns);
@@ -108,8 +109,16 @@ impl<'a> JsonTable<'a> {
         for object in self.objects(file) {
             let (object, line) = object?;
             let values: HashMap<String, String> = pairs(file, line, &object)?.into_iter().collect();
-            let of_key = |name: &String| values.get(name).map_or("", String::as_str);
-            let fields: StringRecord = self.names.iter().map(of_key).collect();
+            let mut fields = StringRecord::new();
+            for name in &self.names {
+                let value = values.get(name);
+                let mut keys = values.keys().filter(|_| value.is_none());
+                if let Some(key) = keys.find(|key| is_within(key, name) || is_within(name, key)) {
+                    let message = format!("has `{key}`, but the first row has `{name}`");
+                    return Err(file.fail(line, message));
+                }
+                fields.push_field(value.map_or("", String::as_str));
+            }
             take(Record {
                 line,
                 is_after_gap: !is_list && line > before + 1,
@@ -119,6 +128,45 @@ impl<'a> JsonTable<'a> {
         }
         Ok(())
     }
+}
+
+/// Whether the column `key` contains a part of the value `name`, such as `position.0` of `position`.
+fn is_within(key: &str, name: &str) -> bool {
+    let part = key.strip_prefix(name);
+    part.is_some_and(|part| part.starts_with('.'))
+}
+
+/// Rows of a table, if the object contains a single list of objects (the rows), or if its lists have the same length
+/// and one of them contains a vector for each row. The single values of the object are added to each row. `None` for
+/// other objects.
+fn nested(object: &Map<String, Json>) -> Option<Vec<Json>> {
+    let lists = || {
+        let lists = object.iter();
+        lists.filter_map(|(name, value)| Some((name, value.as_array()?)))
+    };
+    let shared = || {
+        let single = |value: &Json| !value.is_array() && !value.is_object();
+        let values = object.iter().filter(move |(_, value)| single(value));
+        values.map(|(name, value)| (name.clone(), value.clone()))
+    };
+    let has_objects = |list: &[Json]| list.len() > 1 && list.iter().all(Json::is_object);
+    let mut of_objects = lists().filter(|(_, list)| has_objects(list));
+    if let (Some((_, rows)), None) = (of_objects.next(), of_objects.next()) {
+        let row = |row: &Json| shared().chain(row.as_object().cloned().unwrap_or_default());
+        return Some(rows.iter().map(|one| row(one).collect()).collect());
+    }
+    let count = lists().map(|(_, list)| list.len()).max()?;
+    let is_vector = |(_, list): (&String, &Vec<Json>)| list.iter().all(Json::is_array);
+    if count <= MAX_COMPONENTS || lists().any(|(_, list)| list.len() != count) {
+        return None;
+    }
+    let row = |row: usize| {
+        let own = lists().map(|(name, list)| (name.clone(), list[row].clone()));
+        shared().chain(own).collect()
+    };
+    lists()
+        .any(is_vector)
+        .then(|| (0..count).map(row).collect())
 }
 
 /// Names and values of the columns, if the object has one list per column; otherwise `None`.
@@ -272,7 +320,7 @@ impl Iterator for Elements<'_> {
             Ok(element) => element,
             Err(error) => {
                 self.rest = "";
-                return Some(Err(no_json(self.file, line, &error)));
+                return Some(Err(no_json(self.file, line, text, &error)));
             }
         };
         self.advance(elements.byte_offset());
@@ -293,7 +341,23 @@ impl Iterator for Elements<'_> {
 
 const NEEDED: &str = "a list of objects is needed, or an object per line";
 
-fn no_json(file: &RecordedFile, line: usize, error: &serde_json::Error) -> RecordedError {
+fn no_json(
+    file: &RecordedFile,
+    line: usize,
+    text: &str,
+    error: &serde_json::Error,
+) -> RecordedError {
+    let mut lines = text.lines().skip(error.line().saturating_sub(1));
+    let before = error.column().saturating_sub(1);
+    let rest = lines.next().and_then(|line| line.get(before..));
+    let is_no_number = |name: &&str| rest.is_some_and(|rest| rest.starts_with(*name));
+    if let Some(name) = ["NaN", "Infinity"].into_iter().find(is_no_number) {
+        let line = line + error.line().saturating_sub(1);
+        return file.fail(
+            line,
+            format!("`{name}` is no number of JSON; leave such rows out"),
+        );
+    }
     let message = error.to_string();
     let message = message.split(" at line ").next().unwrap_or_default();
     let what = format!(
