@@ -9,12 +9,15 @@ use super::RecordedFile;
 use super::error::{RecordedError, explained};
 use super::finger_assignment::assign_fingers;
 use super::glide_warnings::directions;
+use super::header::bracketed;
 use super::log_warnings::{across, listed};
 use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};
+use super::table_layout::numbered_quaternion;
 use super::text_table::TextTable;
+use palpate_statistics::Number;
 use palpate_study::config::{LengthUnit, SettingError};
-use palpate_study::readings::{Column, GLIDES, quaternion_part, spelt};
+use palpate_study::readings::{Column, GLIDES, Measure, quaternion_part, spelt};
 
 /// Recorded readings of glides.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +95,18 @@ impl GlideRecording {
         let Some((place, name)) = names.find(|(_, name)| is_radius(name)) else {
             return Ok(());
         };
-        let radius = self.extras.row(0).swap_remove(place);
+        let mut radii = (0..self.contacts.len()).map(|row| self.extras.row(row).swap_remove(place));
+        let radius = radii.next().unwrap_or_default();
+        if let Some(other) = radii.find(|other| *other != radius) {
+            return Err(self.source.fail(format!(
+                "column `{name}` has the values {radius} and {other}, but setting `tip_radius` is one radius; write the contacts of other tips into another file"
+            )));
+        }
+        let in_name = bracketed(name).1.or(name.rsplit('_').next());
+        let unit = in_name.and_then(|unit| Measure::Length.unit(unit));
+        let factor = unit.and_then(|unit| unit.to(self.unit?));
+        let converted = factor.and_then(|factor| Some(factor * radius.parse::<f64>().ok()?));
+        let radius = converted.map_or(radius, |radius| Number(radius).to_string());
         Err(self.source.fail(format!(
             "column `{name}` is {radius}, so the positions may be those of round tips instead of contacts; state setting `tip_radius` {radius} for tips (setting `reports`: their lowest point or their centre), or 0 for contacts"
         )))
@@ -101,8 +115,11 @@ impl GlideRecording {
     /// Text of a note for files with unused orientations: the positions may be points of fingertips instead of
     /// contacts.
     pub(super) fn unused_orientation(&self) -> Option<String> {
-        let is_part = |name: &&String| quaternion_part(&spelt(name)).is_some();
-        let name = self.extras.names.iter().find(is_part)?;
+        let names = &self.extras.names;
+        let mut parts = names.iter();
+        let part = parts.position(|name| quaternion_part(&spelt(name)).is_some());
+        let first = part.or_else(|| Some(numbered_quaternion(names)?[0]))?;
+        let name = &names[first];
         Some(format!(
             "orientations (`{name}`) are not used; if the positions are those of round tips instead of contacts, state setting `tip_radius`"
         ))

@@ -136,16 +136,18 @@ impl<'a> NumpyTable<'a> {
     }
 
     /// The table of an `.npz` file. Its columns are the columns of all arrays in the file. Single numbers in the file
-    /// are ignored.
+    /// are ignored, except a radius, which is a column with the same number in all rows.
     fn archive(bytes: &'a [u8]) -> Result<(Self, Vec<String>), String> {
-        let mut arrays = Vec::new();
-        for (name, member) in members(bytes)? {
+        let (mut arrays, mut radii) = (Vec::new(), Vec::new());
+        for (name, member) in zip_archive::members(bytes)? {
             let Some(name) = name.strip_suffix(".npy") else {
                 continue;
             };
             let array = Array::of(member).map_err(|message| format!("array `{name}` {message}"))?;
             if array.shape.iter().any(|&length| length != 1) {
                 arrays.push((name.to_owned(), array));
+            } else if name.contains("radius") {
+                radii.push((name.to_owned(), array));
             }
         }
         // Arrays with more than 9 columns are maps, because a vector has only a few components. Each of several maps of
@@ -165,7 +167,7 @@ impl<'a> NumpyTable<'a> {
         }
         match arrays.len() {
             0 => Err("has no array of more than one number".to_owned()),
-            1 => arrays
+            1 if radii.is_empty() => arrays
                 .pop()
                 .map_or(Err(String::new()), |(_, array)| Self::single(array)),
             _ => {
@@ -180,6 +182,17 @@ impl<'a> NumpyTable<'a> {
                         ));
                     }
                     names.extend(table.add(&name, array)?);
+                }
+                for (name, array) in radii {
+                    let scalar = array.fields[0].1;
+                    table.columns.push(ArrayColumn {
+                        array: table.arrays.len(),
+                        scalar,
+                        start: 0,
+                        stride: 0,
+                    });
+                    table.arrays.push(array.data);
+                    names.push(name);
                 }
                 // NumPy numbers the arrays to which no name is given.
                 let is_numbered = |name: &String| {
