@@ -30,6 +30,15 @@ impl<'a> Heading<'a> {
         }
     }
 
+    /// Whether the name is that of a time.
+    fn is_time(&self) -> bool {
+        let mut words = self.base.split('_').enumerate();
+        words.any(|(place, word)| match word {
+            "t" => place == 0,
+            _ => matches!(word, "time" | "timestamp" | "stamp" | "secs"),
+        })
+    }
+
     /// Splits a name such as `rotation.x` into the name of the quaternion (`rotation`) and its component (`x`).
     fn in_group(&self) -> Option<(&str, Column)> {
         QUATERNION.into_iter().find_map(|column| {
@@ -80,6 +89,15 @@ impl<'a> Header<'a> {
                 headings[index].part = Some(column);
             }
         }
+        // Trajectories have the positions tx, ty and tz. Beside forces, these are torques.
+        let has = |name| headings.iter().any(|heading| heading.base == name);
+        if ["tx", "ty", "tz"].into_iter().all(has) && !["fx", "f_x"].into_iter().any(has) {
+            for heading in &mut headings {
+                if matches!(heading.base.as_str(), "tx" | "ty" | "tz") {
+                    heading.base.replace_range(..1, "p");
+                }
+            }
+        }
         Self { headings, names }
     }
 
@@ -101,16 +119,9 @@ impl<'a> Header<'a> {
 
     /// Name of the file's first column of times; `None` if the file has no times.
     pub(super) fn time(&self) -> Option<&'a str> {
-        let is_time = |heading: &&Heading<'_>| {
-            let mut words = heading.base.split('_').enumerate();
-            words.any(|(place, word)| match word {
-                "t" => place == 0,
-                _ => matches!(word, "time" | "timestamp" | "stamp" | "secs"),
-            })
-        };
-        self.headings
-            .iter()
-            .find(is_time)
+        let mut headings = self.headings.iter();
+        headings
+            .find(|heading| heading.is_time())
             .map(|heading| heading.name)
     }
 
@@ -309,6 +320,13 @@ impl<'a> Header<'a> {
         if of_angle && self.headings.iter().any(is_quaternion) {
             message += "; a quaternion is read from qx,qy,qz,qw, where qw is its scalar part";
         }
+        let is_euler = |heading: &Heading<'_>| {
+            let mut words = heading.base.split('_');
+            words.any(|word| matches!(word, "yaw" | "euler" | "rpy"))
+        };
+        if of_angle && self.headings.iter().any(is_euler) {
+            message += "; Euler angles are not read: convert them to a quaternion or a matrix";
+        }
         let places: Vec<Place> = found.iter().flatten().copied().collect();
         let free = self.free(&places);
         let mut rest = free.clone();
@@ -317,8 +335,12 @@ impl<'a> Header<'a> {
             is_only.then(|| self.only_pairs(missing, &free)).flatten()
         };
         if let Some(mut pairs) = self.proposed(missing, &mut rest) {
+            let other = self.proposed(missing, &mut rest.clone());
             pairs.extend(self.optional(optional, &mut rest));
             message += &format!("; write {}", setting(&pairs));
+            if let Some(other) = other {
+                message += &format!(" or {}", setting(&other));
+            }
         } else if let Some(pairs) = only() {
             message += &format!("; write {} if these are the same", setting(&pairs));
         } else {
@@ -514,10 +536,46 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
             .iter()
             .any(|word| matches!(*word, "trial" | "roll" | "episode"));
     let is_theta = column.name == "angle_rad" && words.contains(&"theta");
-    is_probe
-        || is_theta
-        || column.stem().split('_').all(|word| words.contains(&word))
-        || is_of_axis(column, &words)
+    let is_time = column.measure == Measure::Time && heading.is_time();
+    let is_displacement =
+        column.stem() == "normal_displacement" && matches!(words[..], ["dn" | "dz" | "normal"]);
+    let has_words = match column.stem() {
+        label @ ("finger" | "probe") => is_label(label, &words),
+        "x" | "y" | "z" => words.contains(&column.stem()) && may_be_position(&words),
+        stem => stem.split('_').all(|word| words.contains(&word)),
+    };
+    let is_special = is_probe || is_theta || is_time || is_displacement;
+    is_special || has_words || is_of_axis(column, &words)
+}
+
+/// Whether a name is that of the label of a finger or probe, such as `finger_id`. The columns of a finger's
+/// position also have the word `finger`.
+fn is_label(label: &str, words: &[&str]) -> bool {
+    match words {
+        [.., last] if *last == label => true,
+        [.., before, last] => {
+            *before == label && matches!(*last, "id" | "no" | "nr" | "number" | "index" | "name")
+        }
+        _ => false,
+    }
+}
+
+/// Whether a name with these words may be that of a position. Words that are units, axes or indices do not matter.
+fn may_be_position(words: &[&str]) -> bool {
+    // A position may have the prefix p, and that of a contact c. Another single letter denotes another quantity.
+    let is_letter =
+        |word: &str| word.len() == 1 && !"cpxyz".contains(word) && word.parse::<u8>().is_err();
+    let is_other = |word: &str| OTHERS.split(' ').any(|other| is_start(word, other));
+    let mut words = words
+        .iter()
+        .filter(|word| Measure::Length.unit(word).is_none());
+    words.all(|word| !is_letter(word) && !is_other(word))
+}
+
+/// Whether a word of at least three letters, without the s of a plural, is the start of `whole`.
+fn is_start(word: &str, whole: &str) -> bool {
+    let word = word.strip_suffix('s').unwrap_or(word);
+    word.len() > 2 && whole.starts_with(word)
 }
 
 /// Whether a name in the file means the quantity and the axis of the column `column`. The axis may be a letter or an
@@ -542,17 +600,15 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         _ => "2",
     };
     let says = |quantity: &str| {
-        // Arrays have names in the plural.
-        let is_start = |word: &&str| {
-            let word = word.strip_suffix('s').unwrap_or(word);
-            word.len() > 2 && quantity.starts_with(word)
-        };
-        let is_named = |word: &&str| match *word {
+        let is_named = |word: &str| match word {
             "cop" => quantity == "contact",
             "rotvec" | "rvec" => quantity == "rotation",
+            "n" => quantity == "normal",
             _ => false,
         };
-        rest.iter().any(|word| is_start(word) || is_named(word))
+        // Arrays have names in the plural.
+        rest.iter()
+            .any(|word| is_start(word, quantity) || is_named(word))
     };
     // Some authors call the axes u and v on the probe x and y.
     let other = match axis {
@@ -568,15 +624,9 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         _ => return false,
     };
     let letters: &[&str] = match quantity {
-        "" => {
-            // A position may have the prefix p. Any other single letter denotes another quantity.
-            let is_place = |word: &&str| word.len() > 1 || *word == "p";
-            return !OTHERS.split(' ').any(says)
-                && rest.iter().all(is_place)
-                && matches!(letter, "" | "p");
-        }
+        "" => return may_be_position(rest) && matches!(letter, "" | "p"),
         "rotation" => &["r", "w"],
-        "axis" => &["a"],
+        "axis" => &["a", "u", "k"],
         "contact" => &["", "c"],
         "shift" => &["", "d", "s"],
         "normal" => &["n"],
@@ -586,6 +636,6 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     says(quantity) || (rest.is_empty() && letters.contains(&letter))
 }
 
-/// Words for quantities that have axes but are not positions.
-const OTHERS: &str =
-    "normal rotation shift tangential force torque velocity acceleration linear angular twist";
+/// Words for quantities that have axes but are not measured positions.
+const OTHERS: &str = "normal rotation shift tangential force torque velocity acceleration linear angular twist \
+    wrench gyro euler quaternion orientation error std cmd commanded desired target goal setpoint reference";
