@@ -106,7 +106,7 @@ impl ReadingTable {
                     }
                 });
                 numbers.push(read.map_err(|what| {
-                    let name = header.name(place.index);
+                    let name = table.own_name(place.index, &record.fields[0]);
                     table
                         .file
                         .fail(record.line, format!("column `{name}`: {what}"))

@@ -57,13 +57,15 @@ pub(super) fn without_names(count: usize, layouts: &[Vec<&str>]) -> String {
     )
 }
 
+/// Whether `rostopic echo -p` wrote a log with this header.
+pub(super) fn is_of_rostopic(header: &[String]) -> bool {
+    let fields = header.split_first().filter(|(first, _)| *first == "%time");
+    fields.is_some_and(|(_, fields)| fields.iter().all(|name| name.starts_with("field.")))
+}
+
 /// Header of a log that `rostopic echo -p` wrote. Fields with the same meaning as a column of palpate get palpate's
 /// names. The second result lists the pairs of names. Lengths are in metres, as in all messages of ROS.
 pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<String>, String)> {
-    let (first, fields) = header.split_first()?;
-    if first != "%time" || !fields.iter().all(|name| name.starts_with("field.")) {
-        return None;
-    }
     let headings: Vec<Heading<'_>> = header.iter().map(|name| Heading::of(name)).collect();
     let mut free: Vec<usize> = (1..header.len()).collect();
     let (mut pairs, mut named) = (Vec::new(), header.to_vec());
@@ -152,14 +154,14 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
 }
 
 /// Words that may accompany the number of a finger or probe in a column name.
-const FINGER_WORDS: &str =
-    "finger link fingertip f tip digit probe roll trial contact position pos point sensor";
+const FINGER_WORDS: &str = "finger link fingertip f tip digit probe roll trial contact position pos p point sensor field pose translation transform";
 /// Words that name a finger in a column name.
 const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right";
 
 /// A wide table, if the header has the same columns for several fingers. The first of `columns` must be the column with
 /// the label of the finger; otherwise the result is `None`.
-pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
+/// Lengths without a unit get the unit `length`.
+pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Option<Wide> {
     let (label, columns) = columns.split_first()?;
     if label.measure != Measure::Plain {
         return None;
@@ -205,6 +207,8 @@ pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
     let groups: Vec<Group> = groups.into_iter().map(places).collect::<Option<_>>()?;
     let named = used.iter().map(|&column| {
         let unit = units[column].as_deref().unwrap_or_default();
+        let is_bare = unit.is_empty() && columns[column].measure == Measure::Length;
+        let unit = if is_bare { length } else { unit };
         match unit.is_empty() {
             true => columns[column].stem().to_owned(),
             false => format!("{} [{unit}]", columns[column].stem()),
@@ -262,10 +266,10 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     let names = words.iter().filter(|word| is_name(word)).count();
     let others = words
         .iter()
-        .filter(|word| is_one_of(FINGER_WORDS, word))
+        .filter(|word| is_one_of(FINGER_WORDS, word.strip_suffix('s').unwrap_or(word)))
         .count();
     let is_finger = numbers + names == 1 && others + 1 == words.len();
-    words.retain(|word| !matches!(word.as_str(), "position" | "pos" | "point" | "contact"));
+    words.retain(|word| !is_one_of("position pos point contact field", word));
     is_finger.then(|| (column, unit, words.join("_")))
 }
 

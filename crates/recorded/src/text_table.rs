@@ -14,7 +14,7 @@ use super::log_warnings::listed;
 use super::numpy::NumpyTable;
 use super::table_format::Delimiter;
 use super::table_layout::{
-    Wide, names_by_order, numbered_quaternion, of_matrix, of_rostopic, wide,
+    Wide, is_of_rostopic, names_by_order, numbered_quaternion, of_matrix, of_rostopic, wide,
 };
 
 const MAX_LINES: usize = 5_000_000;
@@ -121,16 +121,29 @@ impl<'a> TextTable<'a> {
         if is_named {
             return Ok(());
         }
-        if let Some((header, pairs)) = of_rostopic(&self.header, columns) {
+        let is_ros = is_of_rostopic(&self.header);
+        let length = if is_ros { "m" } else { "" };
+        if let Some(wide) = wide(&self.header, columns, length) {
+            let header = std::mem::replace(&mut self.header, wide.header.clone());
+            self.wide = Some((header, wide));
+        } else if is_ros && let Some((header, pairs)) = of_rostopic(&self.header, columns) {
             self.header = header;
             self.note = Some(format!(
                 "a log of ROS, whose lengths are in metres, is read by setting `columns` '{pairs}'"
             ));
-        } else if let Some(wide) = wide(&self.header, columns) {
-            let header = std::mem::replace(&mut self.header, wide.header.clone());
-            self.wide = Some((header, wide));
         }
         Ok(())
+    }
+
+    /// Name of a column as the file has it. For a wide table, `label` is the first field of the row.
+    pub(super) fn own_name(&self, index: usize, label: &str) -> &str {
+        let own = self.wide.as_ref().and_then(|(header, wide)| {
+            let group = wide.groups.iter().find(|group| group.name == label)?;
+            let place = index.checked_sub(1)?;
+            let mut places = group.places.iter().chain(&wide.shared);
+            header.get(*places.nth(place)?)
+        });
+        own.unwrap_or(&self.header[index])
     }
 
     /// Column names of a quaternion whose components are only numbered in the file. In the header, its scalar part is
