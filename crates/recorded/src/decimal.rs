@@ -17,7 +17,7 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
             Err(format!("must be finite, is {text}; leave such rows out"))
         }
         Ok(_) => Err(format!("must be finite, is {text}")),
-        Err(_) if text.is_empty() => Err("is empty".to_owned()),
+        Err(_) if text.is_empty() => Err("is empty; leave such rows out".to_owned()),
         Err(_) => Err(format!("`{text}` is not a number")),
     }
 }

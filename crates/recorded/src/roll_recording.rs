@@ -233,7 +233,10 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         Kind::Contacts => (&ROLL_SERIES[1..2], &CONTACTS[..]),
     };
     let tip = &GLIDES[1..4];
-    if !header.offers(contacts) && (tip.iter().all(has) || header.offers(tip)) {
+    // The columns x, y, z and w are a quaternion instead of a position.
+    let is_quaternion = has(&tip[0]) && header.own_name(&tip[0]) == header.own_name(&QUATERNION[0]);
+    let has_tip = tip.iter().all(has) || header.offers(tip);
+    if has_tip && !is_quaternion && !header.offers(contacts) {
         return fail(
             "the file has positions, as of a fingertip, but no contacts on the probe; an estimate from a glide with setting `tip_radius`, and setting `reports` centre, needs only the positions of the tip's centre".to_owned(),
         );
@@ -242,6 +245,11 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     let columns = [probe, time, form.columns(), contacts].concat();
     let may = &ROLLS[..usize::from(!names_probes)];
     let sheet = ReadingTable::read(&table, &columns, may)?;
+    if kind != Kind::Rows
+        && let Some(hint) = header.unread(may, &[])
+    {
+        return fail(format!("no column `probe` separates the rolls; {hint}"));
+    }
     let first = probe.len();
     let (probes, counted) = match names_probes {
         true => {
