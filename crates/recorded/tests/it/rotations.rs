@@ -310,6 +310,18 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let series = table(header, Some(UnitQuaternion::identity()), quaternion);
     let error = roll(&series, "", None).unwrap_err();
     assert!((mean(&followed(&series)) - 0.025).abs() < 1e-9, "{error}");
+    // A column that counts the rolls must be named, because the times of these rolls increase.
+    let start = Some(UnitQuaternion::identity());
+    let counted = table(
+        "trial,stamp,qx,qy,qz,qw,contact_u,contact_v",
+        start,
+        quaternion,
+    );
+    let error = roll(&counted, "", None).unwrap_err();
+    assert_eq!(hint(&error), "t_s=stamp,probe=trial");
+    let error = roll(&counted, "t_s=stamp", None).unwrap_err();
+    assert_eq!(hint(&error), "probe=trial");
+    assert!((mean(&followed(&counted)) - 0.025).abs() < 1e-9, "{error}");
     // Positions of a tip without contacts on the probe are for another estimate.
     let poses = table(
         "probe,time_s,x,y,z,qx,qy,qz,qw,seen,valid",

@@ -2,7 +2,7 @@
 //! a setting, the file must be readable with this setting.
 
 use palpate_recorded::{
-    Form, GlideOptions, RecordedFile, column_names, estimate_glide, parse_glide,
+    Form, GlideOptions, RecordedFile, TipReports, column_names, estimate_glide, parse_glide,
 };
 use serde_json::Value;
 
@@ -85,6 +85,18 @@ fn files_of_other_programs_hold_the_same_contacts() {
     };
     let names = BALL.lines().next().unwrap().replace(',', "\",\"");
     let list = table("", ",", &ALL).trim_end().replace('\n', "],[");
+    let vectors = |at: [usize; 3]| {
+        let vector = |row: Vec<f64>| at.map(|at| row[at].to_string()).join(",");
+        let vectors: Vec<String> = rows().into_iter().map(vector).collect();
+        format!("[[{}]]", vectors.join("],["))
+    };
+    let fingers: Vec<String> = rows().iter().map(|row| row[0].to_string()).collect();
+    let vectors = format!(
+        "{{\"finger\":[{}],\"position\":{},\"normal\":{},\"rate\":100}}",
+        fingers.join(","),
+        vectors([1, 2, 3]),
+        vectors([4, 5, 6])
+    );
     let numbered = objects("\n");
     let numbered = numbered.lines().enumerate();
     let numbered: Vec<String> = numbered
@@ -104,6 +116,7 @@ fn files_of_other_programs_hold_the_same_contacts() {
             "  ",
             &ALL,
         ),
+        format!("{{\"rate\":100,\"contacts\":[{}]}}", objects(",")),
         format!("[{}]", objects(",")),
         format!("[\n  {}\n]\n", objects(",\n  ")),
         objects("\n"),
@@ -122,6 +135,7 @@ fn files_of_other_programs_hold_the_same_contacts() {
     for contents in [
         &include_bytes!("../data/glide-ball25.npz")[..],
         include_bytes!("../data/glide-record-array.npy"),
+        vectors.as_bytes(),
     ] {
         let found = hinted(contents);
         assert_eq!(
@@ -176,6 +190,70 @@ fn files_of_the_field_give_their_answers() {
     assert_eq!(glide(&optional, hint(&said)).unwrap()["with_normals"], true);
 }
 
+/// The proposed columns are positions and normals, and never other quantities along the same axes.
+#[test]
+fn columns_are_proposed_by_their_quantity() {
+    let contacts = |place: &str| format!("x={place}x,y={place}y,z={place}z");
+    for (header, place, more) in [
+        (
+            "contact.normal.x,contact.normal.y,contact.normal.z,contact.position.x,contact.position.y,contact.position.z",
+            "contact.position.",
+            ",normal_x=contact.normal.x,normal_y=contact.normal.y,normal_z=contact.normal.z",
+        ),
+        ("vel_x,vel_y,vel_z,pos_x,pos_y,pos_z", "pos_", ""),
+        ("f_x,f_y,f_z,p_x,p_y,p_z", "p_", ""),
+        ("fx,fy,fz,tx,ty,tz,px,py,pz", "p", ""),
+        ("tx,ty,tz,qx,qy,qz,qw", "t", ""),
+        ("cmd_x,cmd_y,cmd_z,tip_x,tip_y,tip_z", "tip_", ""),
+        (
+            "n_x,n_y,n_z,c_x,c_y,c_z",
+            "c_",
+            ",normal_x=n_x,normal_y=n_y,normal_z=n_z",
+        ),
+    ] {
+        let row = header.split(',').map(|_| "1").collect::<Vec<_>>();
+        let error = glide(format!("{header}\n{}\n", row.join(",")), "").unwrap_err();
+        assert_eq!(hint(&error), contacts(place) + more, "{header}");
+    }
+    let two = "old_tip_x,old_tip_y,old_tip_z,new_tip_x,new_tip_y,new_tip_z\n1,1,1,2,2,2\n";
+    let error = glide(two, "").unwrap_err();
+    let both =
+        ["old_tip_", "new_tip_"].map(|place| format!("setting `columns` '{}'", contacts(place)));
+    assert!(error.ends_with(&both.join(" or ")), "{error}");
+}
+
+/// The radius of a tip is a single number beside the arrays, or a column with a unit.
+#[test]
+fn poses_of_tips_need_their_radius() {
+    let poses = include_bytes!("../data/glide-tip-poses.npz");
+    let columns = hint(&glide(poses, "").unwrap_err()).to_owned();
+    let error = glide(poses, &columns).unwrap_err();
+    assert!(
+        error.contains("state setting `tip_radius` 5 for tips"),
+        "{error}"
+    );
+    let form = Form {
+        columns: column_names(&columns).unwrap(),
+        ..Form::default()
+    };
+    let file = RecordedFile::new("r", poses.to_vec()).written(form);
+    let options = GlideOptions {
+        tip_radius: Some(5.0),
+        reports: Some(TipReports::Centre),
+        ..GlideOptions::default()
+    };
+    let (estimate, _) = estimate_glide(&parse_glide(file).unwrap(), &options).unwrap();
+    let estimate = serde_json::to_value(estimate).unwrap();
+    assert!((mean(&estimate) - 0.04).abs() < 0.001, "{estimate}");
+    let error = glide("x_mm,y_mm,z_mm,tip_radius_m\n1,2,3,0.005\n", "").unwrap_err();
+    assert!(
+        error.contains("state setting `tip_radius` 5 for tips"),
+        "{error}"
+    );
+    let error = glide("x,y,z,tip_radius\n1,2,3,5\n1,3,3,6\n", "").unwrap_err();
+    assert!(error.contains("has the values 5 and 6"), "{error}");
+}
+
 /// Each row is for one time. It contains the columns of three fingers side by side.
 #[test]
 fn wide_tables_hold_several_fingers() {
@@ -218,6 +296,16 @@ fn wide_tables_hold_several_fingers() {
             ["f0", "f1", "f2"],
             &full,
         ),
+        repeated(
+            &|finger, column| format!("{finger}_pose_position_{column}"),
+            ["th_tip", "ff_tip", "mf_tip"],
+            &full,
+        ),
+        repeated(
+            &|finger, column| format!("{finger}{column}"),
+            ["p1", "p2", "p3"],
+            &letters,
+        ),
     ] {
         let found =
             glide(wide(&header, &ALL[1..]), "").unwrap_or_else(|error| panic!("{error}: {header}"));
@@ -241,6 +329,23 @@ fn wide_tables_hold_several_fingers() {
         found["warnings"]
             .to_string()
             .contains("1 contacts without numbers are left out")
+    );
+    let wrong = table.replacen(first[5], "east", 1);
+    assert_eq!(
+        glide(wrong, "").unwrap_err(),
+        "r:2: column `f2_y`: `east` is not a number"
+    );
+    // Several poses in one message of ROS, in metres.
+    let header = repeated(
+        &|finger, column| format!("field.poses{finger}.position.{column}"),
+        ["0", "1", "2"],
+        &["x", "y", "z"],
+    );
+    let log = wide(&header.replace("time_s", "%time"), &ALL[1..4]);
+    let found = glide(&log, "").unwrap();
+    assert_eq!(
+        (&found["fingers"], &found["length_unit"]),
+        (&3.into(), &"m".into())
     );
     let short = table.replacen(&format!(",{}", first[9]), "", 1);
     assert_eq!(
@@ -306,6 +411,14 @@ fn damaged_files_are_refused_with_the_reason() {
         (
             b"{\"x\":[1,2],\"y\":[1]}".to_vec(),
             "columns of different lengths: `x` has 2 values, `y` has 1",
+        ),
+        (
+            b"[{\"x\":1,\"y\":2,\"z\":3},\n{\"x\":1,\"y\":NaN,\"z\":3}]".to_vec(),
+            "r:2: `NaN` is no number of JSON; leave such rows out",
+        ),
+        (
+            b"{\"x\":1,\"y\":2,\"z\":3}\n{\"x\":[1],\"y\":2,\"z\":3}".to_vec(),
+            "r:2: has `x.0`, but the first row has `x`",
         ),
     ] {
         let error = glide(&contents, "").unwrap_err();
