@@ -121,7 +121,8 @@ fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], Pr
     Ok([fit, alone])
 }
 
-/// Force and peak pressure of the estimated press; `None` without Young's modulus.
+/// Force and peak pressure of the estimated press; `None` without Young's modulus and for a Gaussian. Returns an error
+/// if Young's modulus is so large that they overflow.
 pub(super) fn force_and_pressure(
     body: &Body,
     estimate: &PressEstimate,
@@ -142,10 +143,16 @@ pub(super) fn force_and_pressure(
             [contact.force(young), contact.peak_pressure(young)]
         }
     };
-    let sound = |number: Option<f64>| number.filter(|number| number.is_finite());
+    let is_sound = |number: Option<f64>| number.is_some_and(f64::is_finite);
+    if body.c().is_none() && ![force, pressure].into_iter().all(is_sound) {
+        return Err(PressError::BadSetting(BadSetting {
+            setting: "young",
+            value: young,
+            expected: "smaller: force or peak pressure overflow",
+        }));
+    }
     let force_unit = format!("unit of young x {}^2", unit.as_str());
-    let force = sound(force).map(|force| Value::bare(force, force_unit));
-    let pressure = sound(pressure);
+    let force = force.map(|force| Value::bare(force, force_unit));
     Ok([force, pressure.map(|one| Value::bare(one, "unit of young"))])
 }
 

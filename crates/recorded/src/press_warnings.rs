@@ -169,6 +169,10 @@ const MIN_EXTENT: f64 = 5e-3;
 /// warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
+/// Smallest accepted ratio of the largest displacement along the skin to the largest normal displacement. A smaller
+/// ratio causes a warning about units.
+const MIN_TANGENTIAL: f64 = 2e-3;
+
 /// Text about a likely mistake of sign or unit in the readings; `None` if there is none.
 pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option<String> {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
@@ -177,6 +181,8 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     let extent = distances.fold(0.0, f64::max) * options.radial_scale;
     let sizes = recorded.normal.iter().map(|one| one.abs());
     let largest = sizes.fold(0.0, f64::max);
+    let along = recorded.tangential.iter().flatten().flatten();
+    let along = along.fold(0.0, |most: f64, one| most.max(one.abs()));
     let [far, moved, sensor] = [extent, largest, radius].map(Number::rounded);
     let sensor = format!("the sensor's radius, {sensor} {unit}");
     let signed = recorded.normal.iter();
@@ -199,6 +205,10 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
         ),
         () if 0.0 < largest && largest < MIN_DISPLACEMENT * radius => format!(
             "no marker is displaced by more than {moved} {unit}, much less than {sensor}: are the displacements in m and the rest in mm?"
+        ),
+        () if 0.0 < along && along < MIN_TANGENTIAL * largest => format!(
+            "no marker is displaced along the skin by more than {}, much less than the normal displacements of up to {moved} {unit}: are they in m and the rest in mm?",
+            Number::rounded(along)
         ),
         () if has_baseline && signed > 1.0 && outward >= MIN_OUTWARD * signed => {
             "the displacements point outward, but inward displacements must be positive: is the \
