@@ -264,10 +264,14 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         .filter(|word| word.parse::<u32>().is_ok())
         .count();
     let names = words.iter().filter(|word| is_name(word)).count();
-    let others = words
-        .iter()
-        .filter(|word| is_one_of(FINGER_WORDS, word.strip_suffix('s').unwrap_or(word)))
-        .count();
+    // Arrays have names in the plural.
+    let is_other = |word: &&String| {
+        let one = word.strip_suffix('s').unwrap_or(word);
+        [word.as_str(), one]
+            .iter()
+            .any(|word| is_one_of(FINGER_WORDS, word))
+    };
+    let others = words.iter().filter(is_other).count();
     let is_finger = numbers + names == 1 && others + 1 == words.len();
     words.retain(|word| !is_one_of("position pos point contact field", word));
     is_finger.then(|| (column, unit, words.join("_")))

@@ -297,7 +297,7 @@ fn wide_tables_hold_several_fingers() {
             &full,
         ),
         repeated(
-            &|finger, column| format!("{finger}_pose_position_{column}"),
+            &|finger, column| format!("{finger}/pose/pos/{column}"),
             ["th_tip", "ff_tip", "mf_tip"],
             &full,
         ),
