@@ -139,7 +139,7 @@ impl<'a> NumpyTable<'a> {
     /// are ignored, except a radius, which is a column with the same number in all rows.
     fn archive(bytes: &'a [u8]) -> Result<(Self, Vec<String>), String> {
         let (mut arrays, mut radii) = (Vec::new(), Vec::new());
-        for (name, member) in zip_archive::members(bytes)? {
+        for (name, member) in members(bytes)? {
             let Some(name) = name.strip_suffix(".npy") else {
                 continue;
             };
