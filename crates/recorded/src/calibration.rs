@@ -16,7 +16,7 @@ use super::reading_table::{ReadingTable, header};
 use super::source;
 use super::text_table::TextTable;
 
-/// A calibration point, with its series and line in the file.
+/// A calibration point, with the number of its series and its line in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Located<P> {
     point: P,
@@ -65,7 +65,7 @@ const MAX_TURN: f64 = 0.5;
 /// Reads a table of stated displacements and measured changes of a marker's image. For normal displacements, the
 /// columns are `normal_displacement`, and `hue_turns`, `growth` (change of the logarithm of the marker's diameter) or
 /// both. For tangential displacements, they are `tangential_displacement` and `centroid_shift_px`. A table may contain
-/// both kinds. The columns `series` and `marker` are optional.
+/// both kinds. In addition, the table may contain the columns `series` and `marker`.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -157,8 +157,8 @@ pub struct KnownDisplacements {
     /// Displacement of the marker along the skin in each pressed frame (length); `None` if it is not stated. Only the
     /// magnitudes are used.
     pub tangential: Option<Vec<f64>>,
-    /// Feature from which normal displacements are computed. If normal displacements are stated, the marker with the
-    /// largest change of this feature is taken as the marker under the contact.
+    /// Feature of a marker's image from which normal displacements are computed. If normal displacements are stated,
+    /// the marker with the largest change of this feature is taken as the marker under the contact.
     pub from: NormalFrom,
     /// Scale of the camera, pixels per radian. If it is `None`, shifts in px are not corrected for the lens.
     pub px_per_rad: Option<f64>,
@@ -254,7 +254,7 @@ fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     }
 }
 
-/// Calibrates a sensor by a fit to the points of all files together.
+/// Calibrates a sensor by a fit to the calibration points of all files together.
 ///
 /// # Errors
 /// [`RecordedError::Line`] if a point of a file is wrong. [`RecordedError::Readings`] if the files contradict each
@@ -293,8 +293,9 @@ pub fn calibrate(
     })
 }
 
-/// Number of points that repeat an earlier point. Normal and tangential points are counted separately, and the larger
-/// number is returned. It is 0 for a kind of which less than half of the points are repeated.
+/// Number of calibration points that repeat an earlier point. The points of normal and of tangential displacements are
+/// counted separately, and the larger number is returned. If less than half of the points of a kind are repeated, their
+/// number counts as 0.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);
@@ -342,7 +343,7 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
 
 struct Pooled<'a, P> {
     points: Vec<P>,
-    /// Name of the file, number of the series and line of each point.
+    /// For each point: the name of the file, the number of the series, and the line in the file.
     sources: Vec<(&'a str, Option<u64>, Option<usize>)>,
 }
 
@@ -359,8 +360,8 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         Self { points, sources }
     }
 
-    /// Number of points whose `numbers` repeat an earlier point of the same series. Points at rest, whose first four
-    /// numbers are 0, are not counted. The result is 0 if less than half of all points are repeated.
+    /// Number of points whose `numbers` equal those of an earlier point of the same series. Points at rest, whose first
+    /// four numbers are 0, are not counted. The result is 0 if less than half of all points are repeated.
     fn copies(&self, numbers: impl Fn(&P) -> [f64; 5]) -> usize {
         let all = self.points.iter().zip(&self.sources);
         let moved = all.filter_map(|(point, (_, series, _))| {

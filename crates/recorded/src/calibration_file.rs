@@ -39,7 +39,7 @@ struct NormalPart {
     from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Smallest and largest stated displacement of the fitted points.
+    /// Smallest and largest stated displacement of the points of the fit.
     range: [f64; 2],
     per_marker: bool,
     line: Line,
@@ -63,7 +63,7 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
     format!("{HEADER}{}", body.replace("= -0.0\n", "= 0.0\n"))
 }
 
-/// Reads a calibration and its unit of length.
+/// Reads a calibration and its unit of length from a file.
 ///
 /// # Errors
 /// [`RecordedError::File`] that states what is wrong and where.

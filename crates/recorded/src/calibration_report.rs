@@ -8,8 +8,8 @@ use super::source::COPIES;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
-/// A calibration that was fitted to the points of all series, and the straight lines that were fitted to each series
-/// alone.
+/// The result of [`calibrate`](super::calibrate): the calibration that was fitted to the points of all series, and the
+/// straight lines that were fitted to each series alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationReport {
     /// The calibration that was fitted to the points of all series together.
@@ -51,15 +51,16 @@ impl Fitted {
     }
 }
 
-/// Largest accepted rms residual of a calibration, relative to the largest displacement. A larger residual causes a
-/// warning.
+/// Largest accepted rms residual of a calibration, relative to the largest displacement. If the residual is larger,
+/// there is a warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
-/// Largest accepted increase of R² when an intercept is added to the fitted line. A larger increase causes a warning.
+/// Largest accepted increase of R² when an intercept is added to the fitted line. If the increase is larger, there is a
+/// warning.
 const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
-/// Largest accepted relative difference between the slopes of the lines that are fitted to single series. A larger
-/// difference causes a warning.
+/// Largest accepted relative difference between the slopes of the lines that are fitted to single series. If the
+/// difference is larger, there is a warning.
 const MAX_SPREAD: f64 = 0.2;
 
 impl CalibrationReport {
@@ -209,7 +210,7 @@ const fn feature(from: NormalFrom) -> &'static str {
 
 struct Words {
     title: String,
-    /// Unit of the signal with a slash, such as `turns/`; empty if the signal is a length.
+    /// Unit of the calibrated signal with a slash, such as `turns/`; empty if the signal is a length.
     signal: &'static str,
     unit: LengthUnit,
 }

@@ -16,7 +16,7 @@ use super::study_options::press_of;
 const MIN_GROUND: u8 = 40;
 /// Largest accepted share of saturated pixels (green level 255) in the centre of a frame.
 const MAX_SATURATED: f64 = 0.5;
-/// The frame determines an odd term of the lens if the term's standard error is at most this share of the term's prior
+/// An odd term of the lens counts as determined by the frame if its standard error is at most this share of its prior
 /// standard deviation.
 const MAX_TERM_SHARE: f64 = 0.5;
 
@@ -53,7 +53,7 @@ fn is_determined(camera: &CameraEstimate) -> bool {
 pub(super) struct MarkersAtRest {
     pub(super) camera: CameraEstimate,
     pub(super) missing: Option<Warning>,
-    /// Image of each marker of the layout; `None` if the marker is not completely in the frame.
+    /// Image of each marker of the layout; `None` if the marker is not completely visible in the frame.
     pub(super) pictures: Vec<Option<Seen>>,
     /// Index of each marker of the layout in the list of markers found in the frame; `None` if the marker was not
     /// found.

@@ -1,4 +1,4 @@
-//! The camera's parameters and their uncertainty, as they are known before frames are fitted.
+//! The prior of the camera: its parameters and their uncertainty before the fit to the frames.
 
 use nalgebra::{DMatrix, DVector};
 use palpate_chromatouch::{Departure, OddTerms};
@@ -14,12 +14,12 @@ use super::press_options::PictureOptions;
 use palpate_estimators::departure_stds;
 
 /// Largest accepted difference between the prior and the estimate from the frame at rest, for a single camera
-/// parameter, in standard deviations. A larger difference causes a warning.
+/// parameter, in standard deviations. If the difference is larger, there is a warning.
 const MAX_PULL: f64 = 6.0;
 /// Largest accepted joint χ² of the differences between the prior and the estimate from the frame at rest, for all
 /// camera parameters together. If it is larger, the camera contradicts the frame, which is an error.
 const MAX_CHI_SQUARED: f64 = 200.0;
-/// Largest joint χ² of the differences between prior and estimate that causes no warning, for 9, 10 or 11 camera
+/// Largest joint χ² of the differences between prior and estimate for which there is no warning, for 9, 10 or 11 camera
 /// parameters. For a correct camera, χ² exceeds this value with a probability of 1/10,000.
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
 /// Number of camera parameters without the two odd terms of the lens, which a frame may not determine.
@@ -53,7 +53,7 @@ pub(super) struct CameraPrior<'a> {
 }
 
 impl<'a> CameraPrior<'a> {
-    /// Prior of the camera's parameters from the calibration file or, without a file, from the study.
+    /// Builds the prior from the calibration file of the camera or, if there is no such file, from the study.
     pub(super) fn of(
         nominal: &NominalSensor<'_>,
         options: &'a PictureOptions,
@@ -141,8 +141,8 @@ impl<'a> CameraPrior<'a> {
         let is_alone = pull(worst) > MAX_PULL;
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // The warning states both values. Round both to a tenth of their difference, because they could look equal
-        // after coarser rounding.
+        // The warning states both values of the parameter, rounded to a tenth of their difference. After coarser
+        // rounding, they could look equal.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
             let value = Number::known_to(value, digit);

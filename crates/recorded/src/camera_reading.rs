@@ -110,11 +110,11 @@ impl FrameReader {
 
 type ImageReading = (CameraReading, TrackedPress);
 
-/// Scatter of the markers at rest above which the frames are read again with linearised pixels, because they may be
-/// encoded by sRGB. With the wrong encoding, the scatter exceeds 100.
+/// If the scatter of the markers at rest is above this value, the frames are read again with linearised pixels, because
+/// the pixels may be encoded by sRGB. If the encoding is wrong, the scatter exceeds 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
-/// Scatter of the markers at rest (ratio of their residuals to their noise); infinite if `read` is an error.
+/// Scatter of the markers at rest (ratio of the markers' residuals to their noise); infinite if `read` is an error.
 fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     let Ok((_, press)) = read else {
         return f64::INFINITY;
@@ -124,8 +124,9 @@ fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     scatter.map_or(1.0, |warning| warning.numbers["ratio"])
 }
 
-/// Estimates the press again from frames with linearised pixels. Returns the estimate only if these frames fit the
-/// sensor at rest and the original frames do not. `scatter` is the scatter at rest of the original frames.
+/// Estimates the press again from frames with linearised pixels. Returns this estimate only if the markers at rest
+/// agree with the sensor in the linearised frames, but not in the original frames. `scatter` is the scatter at rest of
+/// the original frames.
 fn linearised(
     frames: [&Frame; 2],
     options: &PictureOptions,
@@ -197,7 +198,7 @@ fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     Warning::new("srgb-frames", text, [])
 }
 
-/// Relative standard error of the calibrated slope above which there is a warning.
+/// Largest relative standard error of the calibration's slope for which there is no warning.
 const MAX_SLOPE_SHARE: f64 = 0.05;
 
 /// Relative standard error of a calibration's slope of normal displacements; 0 if the calibration does not state it.
@@ -207,8 +208,8 @@ fn slope_share(calibration: &Calibration) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// Largest accepted ratio between the stated and the calibrated scale of a camera, or the inverse ratio if it is
-/// larger. Above this limit, there is a warning.
+/// The scale of a camera may be stated and calibrated. If the ratio of the two scales (the larger divided by the
+/// smaller) exceeds this value, there is a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
 #[derive(Clone, Debug)]
@@ -305,8 +306,8 @@ impl CameraReading {
         })
     }
 
-    /// Readings from displacements that were computed by a fit to the images, in the order of the tracks. `radius` is
-    /// the radius of the skin.
+    /// Readings of the markers' displacements, which a fit to the images computed. They are in the order of the tracks.
+    /// `radius` is the radius of the skin.
     pub(super) fn of(
         frames: &FramePair,
         displaced: &[Displaced],
@@ -335,7 +336,8 @@ impl CameraReading {
         }
     }
 
-    /// Warning about a misfit of the press. For an outlier, it states the marker's row in the table.
+    /// Warning about a misfit of the press. If the misfit is an outlier, the warning states the marker's row in the
+    /// table.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
         misfit_warning(misfit, &self.source, self.unit)
     }
@@ -351,9 +353,9 @@ impl CameraReading {
         }
     }
 
-    /// Displacements on a grid over the bounding rectangle of the markers. Grid points outside of the markers' convex
-    /// hull are omitted. The displacements are filtered by a Gaussian with the standard deviation `filter_std`, length
-    /// along the skin.
+    /// Displacements on a grid over the bounding rectangle of the markers. The table has no rows for grid points
+    /// outside of the markers' convex hull. The displacements are filtered by a Gaussian with the standard deviation
+    /// `filter_std`, length along the skin.
     fn grid(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
         let smooth = self.field.smoothed(filter_std / self.radius);
         let smooth = smooth.map_err(|error| self.source.fail(error.to_string()))?;

@@ -24,7 +24,7 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
 
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
-    /// First number in the table with a comma that can only be a decimal comma.
+    /// First number in the table whose comma can only be a decimal comma.
     comma: Option<String>,
     /// First number in the table with a decimal point.
     point: Option<String>,
@@ -41,8 +41,8 @@ impl DecimalSign {
         first.get_or_insert_with(|| text.to_owned());
     }
 
-    /// The decimal sign of the table, or an error if this sign is ambiguous. The message quotes `odd`, a number of the
-    /// table that contains a comma.
+    /// The decimal sign of the table, or an error if this sign is ambiguous. The error message quotes `odd`, a number
+    /// of the table that contains a comma.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),

@@ -7,7 +7,7 @@ use super::header::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 
-/// Largest number of rows from which the delimiter is found if the header does not determine it.
+/// Largest number of rows in which the delimiter is searched if the header does not determine it.
 const DECIDING_ROWS: usize = 100;
 
 /// A table in which a delimiter separates the fields of a line, such as a CSV file.
@@ -184,7 +184,8 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
     Ok(possible.first().copied().unwrap_or(Delimiter::Comma))
 }
 
-/// Whether the first row consists of numbers separated by spaces, as many as the header has names.
+/// Whether the row `row` consists of `names` numbers that are separated by spaces; `names` is the number of names in
+/// the header.
 fn has_spaces(names: usize, row: &str) -> bool {
     let mut numbers = row.split_whitespace();
     let is_spaced = !row.contains('\t') && names > 1 && row.split_whitespace().count() == names;

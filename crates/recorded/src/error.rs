@@ -36,7 +36,7 @@ pub enum RecordedError {
         /// Description of the problem, with the wrong value.
         message: String,
     },
-    /// The numbers in the file are valid, but no estimate can be computed from them.
+    /// The numbers in a file are valid, but no estimate can be computed from these numbers.
     #[error("{file}: {message}")]
     Readings {
         /// Name of the file.

@@ -20,7 +20,7 @@ pub struct RecordedFile {
 }
 
 impl RecordedFile {
-    /// A file with bytes that are already in memory.
+    /// A recorded file whose bytes are already in memory.
     pub fn new(name: impl Into<String>, bytes: Vec<u8>) -> Self {
         Self {
             name: name.into(),
@@ -54,7 +54,7 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// The same file, but its table is read in the form `form`.
+    /// The same file with the settings `form`, which describe the form of its table.
     #[must_use]
     pub fn written(self, form: Form) -> Self {
         Self { form, ..self }
@@ -71,8 +71,8 @@ impl RecordedFile {
         RecordedError::line(&self.name, line, message)
     }
 
-    /// The file's UTF-8 text, without the byte order mark. If the file is empty, the error states `needed`, the
-    /// expected contents.
+    /// The file's UTF-8 text, without the byte order mark. If the file is empty, the error message states the expected
+    /// contents `needed`.
     pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
         let bytes = self.bytes.as_slice();
         let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;

@@ -3,10 +3,11 @@
 use nalgebra::Point3;
 use palpate_statistics::Number;
 
-/// Smallest length of a step (from one contact to the next) between two fingers, as a multiple of the median length of
-/// all steps.
+/// A step (from one contact to the next) can separate two fingers only if it is at least this many times as long as the
+/// median of all steps.
 const MIN_JUMP: f64 = 3.0;
-/// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger.
+/// Steps separate the fingers only if the shortest step between two fingers is at least this many times as long as the
+/// longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;
 /// Advice at the end of notes that contacts may be assigned to the wrong fingers.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
@@ -68,8 +69,8 @@ pub(super) fn assign_fingers(
     }
 }
 
-/// Divides `rows` rows into parts. `starts` contains the first row of every part except the first. Returns the part of
-/// each row, and the number of parts.
+/// Divides `rows` rows into parts. `starts` contains the first row of every part except the first. Returns the index of
+/// each row's part, and the number of parts.
 pub(super) fn parted(rows: usize, starts: &[usize]) -> (Vec<usize>, usize) {
     let mut part = 0;
     let mut starts = starts.iter().filter(|&&start| start > 0).peekable();

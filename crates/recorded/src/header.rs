@@ -117,7 +117,7 @@ impl<'a> Header<'a> {
         Some(self.name(place.index))
     }
 
-    /// Name of the file's first column of times; `None` if the file has no times.
+    /// Name of the file's first column of times; `None` if the file has no column of times.
     pub(super) fn time(&self) -> Option<&'a str> {
         let mut headings = self.headings.iter();
         headings
@@ -357,8 +357,8 @@ impl<'a> Header<'a> {
         (0..self.headings.len()).filter(is_free).collect()
     }
 
-    /// Note about unread columns whose names resemble optional columns. It states the value of the setting `columns`
-    /// with which palpate reads them. `None` if there are no such columns.
+    /// Note about unread columns whose names resemble optional columns. The note states the value of the setting
+    /// `columns` with which palpate reads these columns. `None` if there are no such columns.
     pub(super) fn unread(&self, may: &[Column], places: &[Place]) -> Option<String> {
         let pairs = self.optional(may, &mut self.free(places));
         (!pairs.is_empty()).then(|| {
@@ -503,7 +503,7 @@ fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, 
     }
 }
 
-/// Whether a column's name looks like a component of a quaternion, including numbered components such as `q0`.
+/// Whether a column's name looks like a component of a quaternion, including numbered components (`q0`).
 fn is_quaternion(heading: &Heading<'_>) -> bool {
     let number = heading.base.strip_prefix('q').map(str::parse::<u8>);
     heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
@@ -616,8 +616,8 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         "v" if says(quantity) => "y",
         axis => axis,
     };
-    // `letter` is what precedes the axis in the last word, for example `r` in `rx`. It is empty for a plain axis or an
-    // index.
+    // `letter` is what precedes the axis in the last word, for example `r` in `rx`. The text is empty if the word is
+    // only an axis or an index.
     let letter = match last.strip_suffix(axis).or(last.strip_suffix(other)) {
         Some(letter) if letter.len() <= 1 => letter,
         _ if *last == index && !rest.is_empty() => "",

@@ -25,8 +25,8 @@ const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are correct
 
 /// Factor by which all uncertainties of estimates from JPEG frames are multiplied. The compression changes all markers
 /// in a similar way, so its errors do not average out. The factor was found by experiments. With a factor of 2, 19 of
-/// 20 intervals from frames of quality 92 and 95 contained the true curvature. However, only 6 of 12 intervals from
-/// frames with subsampled colours contained it. With a factor of 3, all intervals contained it.
+/// 20 intervals from frames of quality 92 and 95 contained the true curvature. However, of 12 intervals from frames
+/// with subsampled colours, only 6 contained the curvature. With a factor of 3, all intervals contained it.
 const JPEG_FACTOR: f64 = 3.0;
 const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all markers in a similar way, so all \
      uncertainties are tripled; a format without loss, such as PNG, avoids this";
@@ -281,8 +281,8 @@ impl Scene<'_> {
     }
 }
 
-/// A fit of a press to images of the markers. If the residuals are larger than the stated errors explain, these stated
-/// errors are multiplied by a factor, the scatter.
+/// A fit of a press to images of the markers. If the residuals are larger than the stated errors explain, the stated
+/// errors are multiplied by a factor, which is called the scatter.
 struct ScaledFit {
     method: ImageEstimator,
     pictures: MarkerImages,
@@ -300,8 +300,7 @@ impl ScaledFit {
     /// Fits the press to the markers at rest and pressed. All stated errors are multiplied by `of_jpeg`, which is above
     /// 1 for JPEG frames.
     ///
-    /// # Errors
-    /// The error of the fit, together with the scatter at rest.
+    /// # Errors The error of the fit, together with the scatter of the markers at rest.
     fn of(
         fit: ImageFit<ImageModel>,
         rest: &[Option<Seen>],

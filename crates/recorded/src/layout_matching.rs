@@ -43,11 +43,11 @@ const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
 /// Largest accepted reduced χ² of the fit to the markers at rest. If it is larger, the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
-/// Largest reduced χ² of the fit for which the uncertainties are not increased. If it is larger, they are multiplied by
-/// its square root.
+/// Largest reduced χ² of the fit for which the uncertainties are not increased. If the reduced χ² is larger, the
+/// uncertainties are multiplied by its square root.
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
-/// Start values of the camera's height that are tried in addition to the nominal height, as differences from it in
-/// prior standard deviations.
+/// Start values of the camera's height that are tried in addition to the nominal height. They are differences from the
+/// nominal height, in prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height (its position toward the apex) in a [`Departure`].
 const HEIGHT: usize = 9;
@@ -305,9 +305,9 @@ pub(super) fn scatter(reduced: f64) -> f64 {
     }
 }
 
-/// Repeats the fit, each time starting from the optics of the previous fit. Changes of the odd terms, the scale and the
-/// camera height almost compensate each other. Therefore a single fit from distant start values stops before it reaches
-/// the smallest χ².
+/// Repeats the fit, where each fit starts from the optics of the previous fit. Changes of the odd terms, the scale and
+/// the camera height almost compensate each other. Therefore a single fit from distant start values stops before it
+/// reaches the smallest χ².
 fn settled(
     nominal: &NominalSensor<'_>,
     (mut rest, mut optics): (Rest, Optics),
@@ -357,7 +357,8 @@ fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f6
     })
 }
 
-/// Estimated differences between the camera parameters and their nominal values. All other entries of the result are 0.
+/// Estimated differences between the camera parameters and their nominal values. In the result, all parameters that do
+/// not belong to the camera are 0.
 fn of_camera(rest: &Rest) -> Result<Departure, String> {
     let mut numbers = [0.0; Departure::NUMBERS];
     for number in CAMERA {
@@ -421,8 +422,9 @@ fn missing_markers(
     Ok((wanted - there).saturating_sub(cut))
 }
 
-/// Matches found markers with expected positions. A found marker belongs to its nearest expected position. For each
-/// expected position, returns the index of the nearest marker that belongs to it; `None` if no marker belongs to it.
+/// Matches found markers with expected positions. Each found marker belongs to the expected position that is nearest to
+/// it. For each expected position, returns the index of the nearest marker that belongs to it; `None` if no marker
+/// belongs to it.
 pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Option<usize>> {
     let mut nearest = vec![None; expected.len()];
     let mut distances = vec![f64::INFINITY; expected.len()];

@@ -20,8 +20,8 @@ use super::source::ReadingSource;
 use super::text_table::TextTable;
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// Lower limit of the forces' standard deviation, relative to the largest force. A smaller value would be below the
-/// rounding errors.
+/// Lower limit of the forces' standard deviation, relative to the largest force. A smaller standard deviation would be
+/// below the rounding errors.
 const LEAST_NOISE: f64 = 1e-10;
 
 /// Confidence level of the test whether the force grows with the power 3/2 of the indentation. Readings of a Hertzian
@@ -101,9 +101,9 @@ pub struct LoadEstimate {
     /// Exponent n of the power law F ∝ δⁿ that fits the forces F best, where δ is the indentation. It is found by one
     /// linear step from n = 3/2, which is the exponent of a Hertzian contact.
     exponent: Value,
-    /// Standard deviation of the noise of each force, N; stated, or estimated from the residuals.
+    /// Standard deviation of the noise of each force, N. It is stated by the user or estimated from the residuals.
     force_std_n: f64,
-    /// p-value of the goodness of fit; `None` if the noise is not stated.
+    /// p-value of the goodness of fit; `None` if the noise of the forces is not stated.
     p_value: Option<f64>,
     warnings: Vec<Warning>,
 }
@@ -285,8 +285,8 @@ pub fn estimate_force(
 }
 
 /// Ends of the 95 % interval of a quotient, divided by the quotient (Fieller's theorem). `above` and `below` are the
-/// relative half-widths of the intervals of numerator and denominator. The upper end is `None` if the denominator may
-/// be 0.
+/// half-widths of the intervals of the numerator and of the denominator, each relative to its value. The upper end is
+/// `None` if the denominator may be 0.
 fn quotient(above: f64, below: f64) -> (f64, Option<f64>) {
     let [numerator, denominator] = [above, below].map(|share| 1.0 - share * share);
     let root = (1.0 - numerator * denominator).max(0.0).sqrt();

@@ -17,18 +17,20 @@ const LISTED_ROWS: usize = 10;
 /// independent contact.
 const MIN_CORRELATION: f64 = 1.5;
 const MIN_PROBABILITY: f64 = 0.9;
-/// Smallest p-value of the fit of a stated shape that causes no warning.
+/// If the p-value of the fit of a stated shape is below this value, there is a warning.
 const MIN_P_VALUE: f64 = 0.005;
 const GROUP_ITERATIONS: usize = 5;
 
-/// Smallest gap between two groups of contacts that causes a warning, relative to the width of the wider group.
+/// Two groups of contacts cause a warning only if the gap between the groups, relative to the width of the wider group,
+/// is at least this large.
 const MIN_GAP_RATIO: f64 = 0.5;
-/// The same, relative to the largest gap within a group. Within a group, the gaps are between strokes.
+/// Two groups of contacts cause a warning only if the gap between the groups, relative to the largest gap within a
+/// group, is at least this large. The gaps within a group are gaps between strokes.
 const MIN_GAPS_RATIO: f64 = 2.0;
-/// Smallest width of a group that is not a line, relative to its radius.
+/// A group of contacts counts as a line if its width, relative to its radius, is below this value.
 const MIN_WIDTH_RATIO: f64 = 0.3;
 
-/// Text that lists the first of the rows `rows`.
+/// Text that lists the rows `rows`; if there are many, only the first of them.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     let more = rows.len().saturating_sub(LISTED_ROWS);
     let mut listed: Vec<String> = rows.take(LISTED_ROWS).collect();
@@ -98,8 +100,8 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups, and the gap between the groups is wider than the gaps within them. Two
-/// single strokes may be farther apart, because they may belong to two fingers.
+/// Warning if the contacts form two groups, and the gap between the groups is wider than the gaps within each group.
+/// Two single strokes may be farther apart, because they may belong to two fingers.
 pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warning> {
     let place = |contact: &Contact| contact.position.coords;
     let farthest = |from: Vector3<f64>| {

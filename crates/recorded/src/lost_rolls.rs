@@ -16,8 +16,8 @@ use super::roll_warnings::units;
 /// A contact shift of zero counts as lost if the predicted shift is larger than this multiple of the root mean square
 /// residual.
 const MIN_RESIDUALS: f64 = 8.0;
-/// Relative tolerance for rounded numbers in files, in the test whether the shifts of the contacts are multiples of the
-/// pads' pitch.
+/// Relative tolerance in the test whether the shifts of the contacts are multiples of the pads' pitch. A tolerance is
+/// needed because files contain rounded numbers.
 const ROUNDING: f64 = 1e-6;
 const MAX_SHARE: f64 = 0.2;
 

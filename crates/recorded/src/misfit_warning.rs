@@ -4,7 +4,7 @@ use palpate_statistics::{Misfit, Number, StatedQuantity};
 
 use palpate_study::Warning;
 
-/// Words by which the warnings name readings, such as shifts or displacements.
+/// Words with which the warnings name the readings of an estimate, such as shifts or displacements.
 pub(super) struct ReadingWords<'w> {
     pub(super) reading: &'w dyn Fn(usize) -> String,
     /// Plural noun for the readings to which the stated noise refers, for example `shifts`.

@@ -36,8 +36,7 @@ pub(super) struct NominalSensor<'a> {
     pub(super) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
     pixel_std: f64,
-    /// Change of each marker's image at rest by uneven light and blur; empty if the sensor has neither uneven light nor
-    /// blur.
+    /// Change of each marker's image at rest that is due to uneven light and blur; empty if the sensor has neither.
     blemished: Vec<[f64; 4]>,
 }
 
@@ -96,8 +95,8 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// This sensor, with the effect of uneven light and blur on the images of its markers at rest. The effect is found
-    /// by simulated frames.
+    /// This sensor, with the effect of uneven light and blur on the images of its markers at rest. The effect is
+    /// computed from simulated frames.
     ///
     /// # Errors
     /// [`FieldError`] if light or blur hide the markers.

@@ -55,7 +55,7 @@ pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     canvas.into_picture()
 }
 
-/// Radius (px) of the circle around a marker, with a small gap between marker and circle.
+/// Radius (px) of the circle around a marker, with a small gap between the marker and the circle.
 fn radius(marker: &Marker) -> f64 {
     let area = f64::from(marker.pixels).max(4.0);
     1.2 * (area / std::f64::consts::PI).sqrt()

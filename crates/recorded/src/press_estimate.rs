@@ -159,8 +159,8 @@ pub(super) fn force_and_pressure(
 pub(super) const GIVE_INDENTATION: &str =
     "state setting `indentation` if the indentation is measured";
 
-/// Converts the error of a fit. The message states the line of the wrong marker, if there is one, and a possible cause:
-/// a stated indentation that contradicts the readings, or a likely mistake of sign or unit.
+/// Converts the error of a fit. If a single marker is wrong, the message states its line. The message also states a
+/// possible cause: a stated indentation that contradicts the readings, or a likely mistake of sign or unit.
 fn refused(
     recorded: &PressRecording,
     options: &PressOptions,
@@ -170,7 +170,8 @@ fn refused(
     let mut sizes: Vec<f64> = recorded.normal.iter().map(|one| one.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let largest = sizes.last().copied().unwrap_or(0.0);
-    // Displacements are distinct from the noise if at least three of them exceed five times the median.
+    // Displacements are distinct from the noise if at least three displacements exceed five times the median
+    // displacement.
     let third = sizes.iter().rev().nth(2);
     let are_distinct = third.is_some_and(|third| *third > 5.0 * sizes[sizes.len() / 2]);
     let mut message = match error {

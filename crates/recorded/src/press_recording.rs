@@ -24,7 +24,7 @@ pub struct PressRecording {
 
 impl PressRecording {
     /// A press of the markers at `positions` on the skin. `normal` contains their inward displacements, and
-    /// `tangential` their displacements along the skin, if they were measured. Lengths are in `unit`.
+    /// `tangential` their displacements along the skin (if measured). Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::PressRecording;

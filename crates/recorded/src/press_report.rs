@@ -9,7 +9,8 @@ use serde::Serialize;
 
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// Radius of the object. For a flat object it is infinite; JSON cannot express this, so some values are then `null`.
+/// Radius of the object. The radius of a flat object is infinite. JSON cannot express infinity, so some values are then
+/// `null`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Radius {
     value: Option<f64>,
@@ -30,7 +31,8 @@ pub(super) struct Principal {
     /// Angle from the x axis to the direction of the smaller curvature (for a cylinder, its axis), degrees, from −90 to
     /// 90.
     axis_deg: f64,
-    /// Standard error of `axis_deg`, degrees. It is at most 52, which is the value for a completely unknown axis.
+    /// Standard error of `axis_deg`, degrees. The standard error is at most 52, which is its value for a completely
+    /// unknown axis.
     axis_std_deg: f64,
     /// Semi-axes of the contact ellipse (length), the longer semi-axis first.
     semi_axes: [f64; 2],
@@ -95,8 +97,8 @@ pub struct PressReport {
     pub(super) contact_std: [Option<f64>; 2],
     /// Fitted offset that is added to all normal displacements; `null` if it is not fitted.
     pub(super) baseline: Option<Value>,
-    /// Fitted factor by which all normal displacements are multiplied; `null` if it is not fitted. For a Gaussian, it
-    /// is the ratio of the Gaussian's amplitude to the indentation.
+    /// Fitted factor by which all normal displacements are multiplied; `null` if it is not fitted. For a Gaussian, the
+    /// factor is the ratio of the Gaussian's amplitude to the indentation.
     pub(super) gain: Option<Value>,
     /// Markers that were left out of the fit, because their readings contradict the readings of the other markers.
     pub(super) wrong_markers: Vec<Row>,
@@ -189,7 +191,7 @@ impl Radius {
     fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
         let [low, high] = [curvature.interval.low, curvature.interval.high];
-        // If the interval of the curvature has no bound, the radius may be arbitrarily small.
+        // If the interval of the curvature has no bound, the radius may be arbitrarily small, so its lower end is 0.
         let sharpest = |end: Option<f64>| end.map_or(Some(0.0), |end| finite(end.recip().abs()));
         let flattest = |end: Option<f64>, is_beyond: bool| {
             end.filter(|_| is_beyond)

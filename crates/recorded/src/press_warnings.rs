@@ -12,7 +12,8 @@ use super::press_recording::PressRecording;
 use super::press_report::Row;
 use super::source::ReadingSource;
 
-/// Assumed standard deviation of an indentation that is stated without one, relative to the indentation.
+/// If an indentation is stated without a standard deviation, this standard deviation, relative to the indentation, is
+/// assumed.
 const INDENTATION_SHARE: f64 = 0.02;
 
 /// The stated indentation with its standard deviation. If the standard deviation is not stated, it is assumed, with a
@@ -153,7 +154,7 @@ pub(super) fn large_contact(
     )
 }
 
-/// Share of the variance of the normal displacements that the fit explains, below which there is a warning.
+/// If the fit explains less than this share of the variance of the normal displacements, there is a warning.
 const MIN_R_SQUARED: f64 = 0.5;
 
 /// Smallest normal displacement whose sign is checked, as a share of the largest displacement.
@@ -162,11 +163,11 @@ const MIN_SIGNED: f64 = 0.2;
 /// the sign.
 const MIN_OUTWARD: f64 = 0.9;
 
-/// Smallest accepted extent of the markers, relative to the sensor's radius. A smaller extent causes a warning about
-/// units.
-const MIN_EXTENT: f64 = 5e-3;
-/// Smallest accepted value of the largest displacement, relative to the sensor's radius. A smaller value causes a
+/// Smallest accepted extent of the markers, relative to the sensor's radius. If the extent is smaller, there is a
 /// warning about units.
+const MIN_EXTENT: f64 = 5e-3;
+/// Smallest accepted value of the largest displacement, relative to the sensor's radius. If the value is smaller, there
+/// is a warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
 /// Smallest accepted ratio of the largest displacement along the skin to the largest normal displacement. A smaller

@@ -30,8 +30,8 @@ pub(super) struct ReadingTable {
 }
 
 impl ReadingTable {
-    /// Reads the columns `columns` of a table. The file may contain them in any order and among other columns. All of
-    /// them are required. If some are missing, the error also names the optional columns `may`.
+    /// Reads the columns `columns` of a table. The file may contain them in any order and among other columns. All
+    /// these columns are required. If some are missing, the error also names the optional columns `may`.
     pub(super) fn read(
         table: &TextTable<'_>,
         columns: &[Column],
@@ -63,7 +63,7 @@ impl ReadingTable {
         let mut labels = Labels::default();
         table.each(|record| {
             let (found, expected) = (record.fields.len(), table.header.len());
-            // A row may end in a delimiter. The empty field after it does not count.
+            // A row may end in a delimiter. The empty field after the last delimiter does not count.
             let is_ended = found == expected + 1 && record.fields[expected].is_empty();
             // NumPy writes a footer as a comment line, which is not a row.
             if found != expected
@@ -153,7 +153,7 @@ impl ReadingTable {
         RecordedError::line(&self.source.name, line, message)
     }
 
-    /// Converts the number of a probe or finger, which must be a whole number and at least 0.
+    /// Converts the number of a probe or finger to an integer. Returns an error unless it is whole and at least 0.
     pub(super) fn index(
         &self,
         line: usize,

@@ -106,7 +106,7 @@ struct RollReport {
     radius: Radius,
     /// Text that states the source of the standard errors.
     std_from: &'static str,
-    /// Number of terms of the model for the curvature along a roll. Only methods for time series have it.
+    /// Number of terms of the model for the curvature along a roll. Only methods for time series have this model.
     #[serde(skip_serializing_if = "Option::is_none")]
     terms: Option<usize>,
     /// Smallest and largest value of each curvature that is compatible with the readings, if the rotations and the pads

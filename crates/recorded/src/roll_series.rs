@@ -161,7 +161,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
     explained(message, error.name())
 }
 
-/// Checks that the distances between the pads are possible in a lattice with the stated pitch.
+/// Checks that the distances between the active pads are possible in a lattice with the stated pitch.
 fn all_on_lattice(
     recorded: &RollRecording,
     readings: &SeriesReadings,

@@ -77,12 +77,12 @@ pub(super) struct ShapeReport {
     axis: Option<[f64; 3]>,
     axis_std_deg: Option<f64>,
     rms_misfit: Value,
-    /// P-value of the shape: the probability of a worse fit if the contacts lie on this shape.
+    /// P-value of the shape: the probability that noise causes a worse fit if the contacts lie on this shape.
     shape_p_value: f64,
 }
 
 impl ShapeReport {
-    /// `is_open` states that the contacts do not determine the size of the shape.
+    /// Report of the fitted shape. `is_open` states that the contacts do not determine the size of the shape.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
         let size = |size: &SizeEstimate, power: Unit| match is_open {
             true => Value::open(power, unit),

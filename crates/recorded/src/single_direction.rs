@@ -10,9 +10,11 @@ use serde::Serialize;
 
 use super::value::Value;
 
-/// Rolls have a single direction if the ratio of the rms rotations across and along this direction is below this value.
+/// Rolls have a single direction if the rms rotation across this direction, divided by the rms rotation along it, is
+/// below this value.
 const MAX_SPREAD: f64 = 0.05;
-/// Rotation of the additional roll across the recorded rolls, relative to the rms rotation of the recorded rolls.
+/// Rotation of the invented roll, which is perpendicular to the recorded rolls, relative to the rms rotation of the
+/// recorded rolls.
 const ACROSS_SHARE: f64 = 0.1;
 
 /// Normal curvature along the path of the contact.
@@ -29,8 +31,8 @@ pub struct DirectedCurvature {
 /// perpendicular to the recorded rolls, and its shift is the shift of a roll on a plane.
 ///
 /// Let g be the direction in which the probe is driven, and b the path of the contact per radian. The relative
-/// curvature along b is b·g/(|b|²|g|). This curvature does not depend on the curvature across b, so the additional roll
-/// has no effect on it.
+/// curvature along b is b·g/(|b|²|g|). This curvature does not depend on the curvature across b, so the invented roll
+/// has no effect on the curvature along b.
 pub(super) fn single_direction(
     readings: &[ProbeReading],
     probe_radius: f64,
@@ -43,7 +45,8 @@ pub(super) fn single_direction(
         let drive = drive(&(reading.rotation / largest));
         moment += drive * drive.transpose();
     }
-    // If q is the ratio of the eigenvalues, the determinant divided by the squared trace is q/(1 + q)².
+    // If q is the ratio of the eigenvalues of a 2 × 2 matrix, the determinant of the matrix divided by its squared
+    // trace is q/(1 + q)².
     const RATIO: f64 = MAX_SPREAD * MAX_SPREAD;
     let (trace, determinant) = (moment.trace(), moment.determinant());
     let is_single = determinant * (1.0 + RATIO) * (1.0 + RATIO) < RATIO * trace * trace;

@@ -16,7 +16,7 @@ pub(super) struct ReadingSource {
     /// Row (from 0) of each reading in the file. Empty if no row was left out, because the index of a reading is then
     /// its row.
     pub(super) rows: Vec<usize>,
-    /// Warnings about columns that were not found by their names, or that are not read.
+    /// Warnings about columns of the file that were not found by their names, or that are not read.
     pub(super) notes: Vec<Warning>,
 }
 
@@ -71,7 +71,8 @@ impl ReadingSource {
         }
     }
 
-    /// Unit of lengths that the header of the file or the setting `length_unit` states.
+    /// Unit of lengths that the header of the file or the setting `length_unit` states. It is an error if they state
+    /// different units.
     pub(super) fn unit(
         &self,
         header: Option<LengthUnit>,

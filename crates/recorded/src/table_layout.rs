@@ -64,7 +64,8 @@ pub(super) fn is_of_rostopic(header: &[String]) -> bool {
 }
 
 /// Header of a log that `rostopic echo -p` wrote. Fields with the same meaning as a column of palpate get palpate's
-/// names. The second result lists the pairs of names. Lengths are in metres, as in all messages of ROS.
+/// names. The second result lists the pairs of names (in the file, and of palpate). Lengths are in metres, as in all
+/// messages of ROS.
 pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<String>, String)> {
     let headings: Vec<Heading<'_>> = header.iter().map(|name| Heading::of(name)).collect();
     let mut free: Vec<usize> = (1..header.len()).collect();
@@ -87,8 +88,8 @@ pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<
     (!pairs.is_empty()).then(|| (named, pairs.join(",")))
 }
 
-/// Indices of the columns of a quaternion whose components are only numbered, such as `q0` to `q3`, in the order of
-/// their numbers.
+/// Indices of the columns of a quaternion whose components have only numbers as names, such as `q0` to `q3`, in the
+/// order of their numbers.
 pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
     let is_quaternion =
         |start: &[String]| quaternion_part(&format!("{}_x", start.join("_"))).is_some();

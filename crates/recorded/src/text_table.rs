@@ -1,4 +1,4 @@
-//! Reads tables as rows of text fields, whatever their file format is.
+//! Reads tables of any file format as rows of text fields.
 
 use std::cell::RefCell;
 
@@ -50,9 +50,9 @@ pub(super) struct TextTable<'a> {
 }
 
 impl<'a> TextTable<'a> {
-    /// Recognises the format of a file and reads the header. `orders` contains lists of columns, by which columns
-    /// without names are named. The first list contains the required columns. A wide table may have the columns of the
-    /// last list.
+    /// Recognises the format of a file and reads the header. `orders` contains lists of columns; if the columns of the
+    /// file have no names, they get the names of such a list. The first list contains the required columns. A wide
+    /// table may have the columns of the last list.
     pub(super) fn of(file: &'a RecordedFile, orders: &[&[Column]]) -> Result<Self, RecordedError> {
         let (format, header, header_line) = match NumpyTable::of(file) {
             Some(table) => {
@@ -246,7 +246,8 @@ impl<'a> TextTable<'a> {
                     .into_iter()
                     .chain(numbers())
                     .chain(shared);
-                // Keep fields that exceed the header, so that the reader rejects the row.
+                // If a row has more fields than the header, keep the additional fields, so that the reader rejects the
+                // row.
                 let more = record.fields.iter().skip(header.len());
                 take(Record {
                     fields: &fields.chain(more).collect(),

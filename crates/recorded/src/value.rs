@@ -54,7 +54,7 @@ impl Value {
         self.value.unwrap_or(f64::NAN)
     }
 
-    /// A value with a 95 % interval that extends `half_width` standard errors to both sides.
+    /// A value whose 95 % interval extends `half_width` standard errors to both sides.
     pub(super) fn within(
         value: f64,
         std: Option<f64>,

@@ -69,7 +69,7 @@ impl Default for Truth {
 }
 
 impl Truth {
-    /// The nominal camera, but its lens has the true odd terms instead of the nominal odd terms.
+    /// The nominal camera with one difference: its lens has the true odd terms.
     fn lens(&self) -> Camera {
         Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
     }
@@ -154,7 +154,8 @@ fn one_frame_locates_the_camera() {
         assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
         // Of 77 markers, one or two are cut by the rim of the frame and not used.
         assert!(estimate.residuals_px.len() >= 75, "{estimate:?}");
-        // The frame must determine the camera much better than the priors do, which are 2 mm, 5 degrees and 10 %.
+        // The frame must determine the camera much better than the priors do, whose standard deviations are 2 mm, 5
+        // degrees and 10 %.
         assert!(
             estimate.place_std.iter().all(|std| *std < 0.3),
             "{estimate:?}"
@@ -176,8 +177,8 @@ fn one_frame_locates_the_camera() {
         let variance = estimate.covariance[3][3];
         assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // The limits of the scatter are wide, because the sum contains only three frames with seven correlated numbers
-    // each.
+    // The limits of the scatter are wide, because only three frames are used and the seven numbers of a frame are
+    // correlated.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }

@@ -20,7 +20,8 @@ fn kind<T>(result: Result<T, RecordedError>) -> &'static str {
     }
 }
 
-/// Mean curvature from four rolls of a probe. `shift` is the shift of the contact in two of the rolls.
+/// Mean curvature estimated from four rolls of a probe with the radius `radius`. `shift` is the shift of the contact in
+/// two of the rolls.
 fn roll(shift: &str, radius: f64) -> Result<f64, RecordedError> {
     let other = if radius.is_normal() { -radius } else { -1.0 };
     let text = format!(
@@ -31,7 +32,7 @@ fn roll(shift: &str, radius: f64) -> Result<f64, RecordedError> {
     Ok(mean_curvature(&estimate))
 }
 
-/// Mean curvature from 36 contacts on a paraboloid. `height` replaces the height of one contact.
+/// Mean curvature estimated from 36 contacts on a paraboloid. `height` replaces the height of one contact.
 fn glide(height: Option<&str>, scale: f64) -> Result<f64, RecordedError> {
     let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
     for index in 0..36_u32 {

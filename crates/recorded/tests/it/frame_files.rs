@@ -1,4 +1,4 @@
-//! Frames in the file formats and encodings of other cameras.
+//! Estimates from frames in several file formats and pixel encodings, as different cameras write them.
 
 use std::io::Cursor;
 use std::sync::LazyLock;
@@ -46,7 +46,7 @@ fn frame(bytes: &[u8]) -> Result<Frame, String> {
     frame.map_err(|error| error.to_string())
 }
 
-/// The estimate for the pressed object. The camera is calibrated from the frame `rest.jpg`.
+/// The estimate from a frame at rest and a pressed frame. The camera is calibrated from the frame `rest.jpg`.
 fn estimate(frames: [Frame; 2]) -> serde_json::Value {
     read(frames).unwrap()
 }
@@ -137,7 +137,7 @@ fn frames_that_are_encoded_by_srgb_are_found_at_rest() {
     let stated = estimate([REST, PRESSED].map(|bytes| encoded(bytes).linearised()));
     assert!(!codes_if_right(&stated).contains(&"srgb-frames"));
     assert_eq!(found["object_curvature"], stated["object_curvature"]);
-    // A calibration from frames has the hue at rest.
+    // A calibration that was made from frames contains the hue of the markers at rest.
     let [rest, pressed] = [REST, PRESSED].map(|bytes| frame(bytes).unwrap());
     let known = KnownDisplacements {
         normal: Some(vec![0.0, 1.0]),

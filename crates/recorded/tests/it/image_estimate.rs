@@ -268,7 +268,7 @@ fn cameras_with_extreme_numbers_return_finite_numbers_or_an_error() {
             };
             let mut options = options(&study);
             options.camera = Some(("camera.toml".to_owned(), camera));
-            // JSON contains only finite numbers, so an estimate needs no further check.
+            // JSON contains only finite numbers. So if there is an estimate, its numbers are finite.
             match estimate(&frames, &options) {
                 Ok(report) => assert!(report["object_curvature"]["value"].is_number(), "{report}"),
                 Err(said) => assert!(

@@ -4,8 +4,8 @@ use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
 use palpate_sensing::{Channel, Stream};
 use serde_json::Value;
 
-/// A log of `count` rolls by 0.5 rad. A probe with a radius of 10 mm rolls on a ball with a radius of 25 mm. The
-/// entries of `lost` replace the shifts of some rolls.
+/// A log of `count` rolls by 0.5 rad. A probe with a radius of 10 mm rolls on a ball with a radius of 25 mm. Each entry
+/// of `lost` is the index of a roll, and the shift that replaces the shift of this roll.
 fn log(count: usize, std: f64, pitch: f64, lost: &[(usize, [f64; 2])]) -> String {
     let mut stream = Stream::new(25, 0, Channel::WristContact);
     let mut text = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n".to_owned();

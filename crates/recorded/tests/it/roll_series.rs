@@ -16,7 +16,8 @@ fn rows(samples: u32) -> Vec<[f64; 6]> {
     let mobility = 1.0 / (1.0 / probe + 1.0 / object);
     let mut rows = Vec::new();
     for number in 0..4 {
-        // The four directions are turned by 0.25 rad, so that no roll is parallel to the edges of the pads.
+        // The four directions are rotated by 0.25 rad from the axes, so that no roll is parallel to the edges of the
+        // pads.
         let (v, u) = libm::sincos(0.25 + f64::from(number) * std::f64::consts::FRAC_PI_2);
         for sample in 0..=samples {
             let time = f64::from(sample) / f64::from(samples);

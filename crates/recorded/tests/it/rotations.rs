@@ -139,8 +139,8 @@ const FORMS: [(&str, Write); 22] = [
     ("axis_x,axis_y,axis_z,angle_rad", axis_angle),
 ];
 
-/// Computes the estimate. If this fails, uses the setting that the error message proposes, and computes the estimate
-/// again.
+/// Computes the estimate from the text of a table. If this fails, uses the setting that the error message proposes, and
+/// computes the estimate again.
 fn followed(table: &str) -> Value {
     roll(table, "", None).unwrap_or_else(|message| {
         let found = roll(table, hint(&message), None);
@@ -171,7 +171,7 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     for (names, write) in FORMS {
         let rows = table(&format!("probe,{names},shift_u_mm,shift_v_mm"), None, write);
         same(followed(&rows), &rows);
-        // Without its header, the table is like an array.
+        // Without its header, the table contains only numbers, like an array.
         let bare = |table: &str| table.split_once('\n').unwrap().1.to_owned();
         same(followed(&bare(&rows)), &bare(&rows));
         let header = format!("probe,time_s,{names},contact_u_mm,contact_v_mm");
