@@ -606,7 +606,8 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
             "n" => quantity == "normal",
             _ => false,
         };
-        // Arrays have names in the plural.
+        // A quantity may have a short name or a plural name, such as `rot` or `rotations`. Therefore remove a final s,
+        // and accept the beginning of the quantity's name.
         rest.iter()
             .any(|word| is_start(word, quantity) || is_named(word))
     };

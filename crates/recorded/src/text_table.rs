@@ -146,8 +146,8 @@ impl<'a> TextTable<'a> {
         own.unwrap_or(&self.header[index])
     }
 
-    /// Column names of a quaternion whose components are only numbered in the file. In the header, its scalar part is
-    /// assumed to be the last component.
+    /// Column names of a quaternion whose components have only numbers as names in the file. In the header, its scalar
+    /// part is assumed to be the last component.
     pub(super) const fn numbered_quaternion(&self) -> Option<&[String; 4]> {
         self.numbered_quaternion.as_ref()
     }
