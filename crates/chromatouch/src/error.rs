@@ -45,7 +45,7 @@ pub enum LayoutError {
         cap_deg = Number(*cap_deg), pitch = Number(*pitch)
     )]
     NoMarker {
-        /// Distance between neighbouring markers, length.
+        /// Distance between neighbouring markers (length).
         pitch: f64,
         /// Polar angle of the rim of the cap that contains the markers, degrees.
         cap_deg: f64,

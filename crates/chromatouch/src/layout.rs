@@ -40,14 +40,14 @@ pub enum Layout {
     /// Markers that are spread evenly over a spherical cap around the apex. On average, there is one marker per area of
     /// pitch².
     Lattice {
-        /// Distance between neighbouring markers, length.
+        /// Distance between neighbouring markers (length).
         pitch: f64,
         /// Polar angle of the cap's rim, degrees.
         cap_deg: f64,
     },
     /// Markers in rows along x and columns along y, with the apex in the middle.
     Grid {
-        /// Distance between neighbouring markers, length.
+        /// Distance between neighbouring markers (length).
         pitch: f64,
         /// Distances (length) between the outermost markers of the grid, along x and along y.
         size: [f64; 2],

@@ -44,7 +44,7 @@ struct FlatPlace {
     /// Distance (length) from the gore's middle meridian; positive counter-clockwise around the apex.
     across: f64,
     from_apex: f64,
-    /// Coordinates (x, y) on the assembled pattern, length. The apex is at the origin, and the skin is viewed from
+    /// Coordinates (x, y) on the assembled pattern (length). The apex is at the origin, and the skin is viewed from
     /// outside.
     assembled: [f64; 2],
 }
@@ -164,7 +164,7 @@ pub enum PatternError {
         second: usize,
         /// Distance (length) between the centres of the two markers' discs on the flat pattern.
         distance: f64,
-        /// Diameter of the larger disc of each marker, length.
+        /// Diameter of the larger disc of each marker (length).
         diameter: f64,
     },
     /// A disc would be cut, because it crosses the edge of its gore. The disc at the apex is an exception.
@@ -178,7 +178,7 @@ pub enum PatternError {
         marker: usize,
         /// Distance (length) from the disc's centre to the nearest edge of the gore.
         distance: f64,
-        /// Diameter of the larger disc of the marker, length.
+        /// Diameter of the larger disc of the marker (length).
         diameter: f64,
     },
     /// The drawing is too small or too large for a file in millimetres.

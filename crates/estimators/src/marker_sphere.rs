@@ -13,9 +13,9 @@ pub const LAYOUT: &str = "scene.probe.layout";
 /// A soft sphere with markers under its skin. If the radius is infinite, the sensor is a flat pad.
 #[derive(Clone, Debug)]
 pub struct MarkerSphere<'a> {
-    /// Radius of the skin, length.
+    /// Radius of the skin (length).
     pub radius: f64,
-    /// Depth of the markers under the skin, length; for markers with two discs, the mean of their depths.
+    /// Depth of the markers under the skin (length); for markers with two discs, the mean of their depths.
     pub marker_depth: f64,
     /// Arrangement of the markers under the skin.
     pub layout: Layout,

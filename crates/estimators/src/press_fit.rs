@@ -22,7 +22,7 @@ pub struct PressFitSetup<'a> {
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
     /// The markers under the skin.
     pub markers: &'a Markers,
-    /// Depth of the markers under the skin, length.
+    /// Depth of the markers under the skin (length).
     pub marker_depth: f64,
     /// Indentation (length) of a press on a plane, by which the width c of the Gaussian model is calibrated. `None` if
     /// the indentation is not stated.

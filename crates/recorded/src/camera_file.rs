@@ -19,7 +19,7 @@ pub struct CameraEstimate {
     /// Position of the camera relative to the sensor's centre (length). The first two coordinates are parallel to the
     /// chart axes at the apex; the third is toward the apex.
     pub place: [f64; 3],
-    /// Standard errors of the camera's position `place`, length.
+    /// Standard errors of the camera's position `place` (length).
     pub place_std: [f64; 3],
     /// Rotation of the camera about the same three axes as in `place` (degrees).
     pub turn_deg: [f64; 3],

@@ -14,7 +14,7 @@ pub struct Displaced {
     /// Displacement along the skin (length). Its components are along the axes of the apex, parallel-transported along
     /// the meridian to the place.
     pub tangential: [f64; 2],
-    /// Inward displacement of the skin at the place, length.
+    /// Inward displacement of the skin at the place (length).
     pub normal: f64,
 }
 

@@ -18,23 +18,23 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 /// Smallest allowed ratio of a disc's radius to its distance from the sensor's centre.
 const MIN_HALF_WIDTH: f64 = 1e-9;
 
-/// Depths of a marker's two discs under the skin, length.
+/// Depths of a marker's two discs under the skin (length).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscDepths {
-    /// Depth of the magenta disc under the skin, length.
+    /// Depth of the magenta disc under the skin (length).
     pub magenta: f64,
-    /// Depth of the yellow disc under the skin, length.
+    /// Depth of the yellow disc under the skin (length).
     pub yellow: f64,
 }
 
 /// Displacement of one disc in a press. By default, all components are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DiscMotion {
-    /// Displacement of the disc toward the sensor's centre, length.
+    /// Displacement of the disc toward the sensor's centre (length).
     pub normal: f64,
-    /// Displacement along the skin, length. It is the length of the arc around the sensor's centre along which the disc
-    /// moves. Its components are along the marker's axes, which are the axes of the apex after parallel transport along
-    /// the meridian to the marker.
+    /// Displacement along the skin (length). It is the length of the arc around the sensor's centre along which the
+    /// disc moves. Its components are along the marker's axes, which are the axes of the apex after parallel transport
+    /// along the meridian to the marker.
     pub tangential: [f64; 2],
     /// Relative increase of the disc's diameter. It is due to the strain of the skin. The model assumes that the disc
     /// stays a circle.
@@ -249,7 +249,7 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Chart coordinates of the markers on the skin, length.
+    /// Chart coordinates of the markers on the skin (length).
     pub fn places(&self) -> &[[f64; 2]] {
         &self.places
     }

@@ -13,7 +13,7 @@ pub struct Departure {
     pub centre_px: [f64; 2],
     /// Relative difference of the focal length in pixels per radian.
     pub px_per_rad: f64,
-    /// Shift of the camera, length: along the x and y axes of the apex, and toward the apex.
+    /// Shift of the camera (length): along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
     /// Rotation (rad) of the camera about the axes along which `place` is measured.
     pub turn_rad: [f64; 3],

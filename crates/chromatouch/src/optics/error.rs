@@ -41,9 +41,9 @@ pub enum OpticsError {
     BadDepth {
         /// Colour of the disc with the wrong depth.
         disc: &'static str,
-        /// Depth of the disc under the skin, length.
+        /// Depth of the disc under the skin (length).
         depth: f64,
-        /// Radius of the skin, length.
+        /// Radius of the skin (length).
         radius: f64,
     },
     /// A marker would be half a turn or more away from the apex, or its place is not finite.
@@ -77,10 +77,10 @@ pub enum OpticsError {
         first: usize,
         /// Index of the other marker, from 0.
         second: usize,
-        /// Distance between the centres of the two overlapping discs, length.
+        /// Distance between the centres of the two overlapping discs (length).
         distance: f64,
-        /// Diameter of the two overlapping discs, length. The check uses the colour whose discs have the larger angular
-        /// radius.
+        /// Diameter of the two overlapping discs (length). The check uses the colour whose discs have the larger
+        /// angular radius.
         diameter: f64,
     },
     /// The caller passed another number of displacements than there are markers.

@@ -6,7 +6,7 @@ use super::{FlatPlace, Pattern, PatternError};
 use crate::layout::too_close;
 use crate::{Layout, LayoutError};
 
-/// Diameters of a marker's two discs, length. The discs are drawn as circles on the sheet. When the sheet is folded
+/// Diameters of a marker's two discs (length). The discs are drawn as circles on the sheet. When the sheet is folded
 /// onto the sphere, they are sheared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {

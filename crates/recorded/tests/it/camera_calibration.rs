@@ -43,7 +43,7 @@ struct Truth {
     turn_deg: [f64; 3],
     /// Relative error of the nominal scale of the camera (pixels per radian).
     scale: f64,
-    /// Diameter of the yellow discs, length.
+    /// Diameter of the yellow discs (length).
     yellow: f64,
     lost: usize,
     white: f64,

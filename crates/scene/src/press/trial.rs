@@ -154,7 +154,7 @@ pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<
 }
 
 impl PressScene {
-    /// Standard deviations of normal and tangential displacements that the estimator assumes, length; `None` if the
+    /// Standard deviations of normal and tangential displacements that the estimator assumes (length); `None` if the
     /// estimator computes them from the residuals.
     pub fn stated_stds(&self) -> [Option<f64>; 2] {
         let fit = self.estimator.fit();

@@ -54,7 +54,7 @@ impl NormalFrom {
 pub struct NormalPoint {
     /// Index of the marker in the sensor, if it is known.
     pub marker: Option<usize>,
-    /// Known inward displacement of the marker, length.
+    /// Known inward displacement of the marker (length).
     pub normal: f64,
     /// Change of the hue of the marker's image, turns.
     pub hue_turns: f64,
@@ -75,7 +75,7 @@ pub struct NormalCalibration {
     pub line: Line,
     /// The fitted line with an intercept, for comparison; `None` if the points do not determine it.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest displacement of the fitted points, length.
+    /// Smallest and largest displacement of the fitted points (length).
     pub range: [f64; 2],
     /// Slopes of single markers, sorted by the index of the marker.
     pub gains: Vec<MarkerGain>,

@@ -28,7 +28,7 @@ pub struct Blemishes {
 pub struct Seams {
     /// Number of gores around the sphere.
     pub gores: u32,
-    /// Width of a seam on the skin, length.
+    /// Width of a seam on the skin (length).
     pub width: f64,
 }
 
