@@ -115,7 +115,7 @@ fn longer_rolls() -> Claim {
     let says = [
         "Longer rolls reduce the pad error",
         "falls",
-        "A longer roll reduces the error from pads.",
+        "A longer roll reduces the error that pads cause.",
     ];
     of_pads(7, says)
         .groups(&["scene.motion"], |group| {

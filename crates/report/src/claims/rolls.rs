@@ -340,12 +340,12 @@ fn edge() -> Claim {
         .says("{count} other radii have no larger share of trials whose contact stays on one pad")
         .sizes(|trials| trials.share())
         .named(size_in_words)
-        .reports("the share of such trials is {list%}")
+        .reports("the share of trials whose contact stays on one pad is {list%}")
         .sizes(|trials| trials.unresolved.round())
         .named(size_in_words)
-        .reports("the numbers of such trials are {list}")
+        .reports("the numbers of these trials are {list}")
         .sizes(|trials| trials.all)
-        .reports("of {range} trials for each radius")
+        .reports("there are {range} trials for each radius")
 }
 
 // ---- Comparison of a wrist force sensor with pads

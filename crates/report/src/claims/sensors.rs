@@ -124,7 +124,8 @@ fn linear() -> Claim {
     let says = [
         "Hue and centroid respond linearly",
         "R² 0.89; 0.99",
-        "A marker's hue is linear in its normal displacement, its centroid in the tangential one.",
+        "A marker's hue is linear in its normal displacement, and its centroid is linear in its tangential \
+         displacement.",
     ];
     let mut claim = Claim::new(14, says, "rows", |_| true);
     for (quantity, name) in HUES {

@@ -212,7 +212,7 @@ fn claim_6_differs_without_zeros_and_claim_20_without_bounds() {
     differs(&scores[0], &["0 of 2 cells"]);
     differs(
         &scores[1],
-        &["the numbers of such trials are 0 (R₂ = 5 R₁)"],
+        &["the numbers of these trials are 0 (R₂ = 5 R₁)"],
     );
 }
 
