@@ -68,6 +68,12 @@ impl Formula {
         self.program.run(x, y)
     }
 
+    /// Coefficients of 1, x, y, x², xy and y², if the formula is written as a polynomial of at most degree two;
+    /// otherwise `None`.
+    pub(crate) fn quadratic(&self) -> Option<[f64; 6]> {
+        self.program.quadratic()
+    }
+
     /// The height with its first and second derivatives. Each operation adds a relative rounding error of 1e-15. A
     /// subtraction of nearly equal numbers amplifies the rounding errors.
     ///

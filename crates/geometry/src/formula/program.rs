@@ -10,6 +10,50 @@ use super::operation::{Binary, Unary};
 const SLOTS: usize = 13;
 const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 
+/// Coefficients of a polynomial of at most degree two: of 1, x, y, x², xy and y².
+pub(super) type Quadratic = [f64; 6];
+
+/// The polynomial that an operation makes of `a`; `None` if the result is not of degree two.
+fn changed(operation: Unary, mut a: Quadratic) -> Option<Quadratic> {
+    match operation {
+        Unary::Negate => Some(a.map(|term| -term)),
+        Unary::Scale(factor) => Some(a.map(|term| term * factor)),
+        Unary::DivideBy(divisor) => Some(a.map(|term| term / divisor)),
+        Unary::Offset(offset) => {
+            a[0] += offset;
+            Some(a)
+        }
+        Unary::Power(2.0) | Unary::AbsPower(2.0) => product(a, a),
+        _ => None,
+    }
+}
+
+/// The polynomial that an operation makes of `a` and `b`; `None` if the result is not of degree two.
+fn combined(operation: Binary, a: Quadratic, b: Quadratic) -> Option<Quadratic> {
+    let terms = |sum: fn(f64, f64) -> f64| std::array::from_fn(|term| sum(a[term], b[term]));
+    match operation {
+        Binary::Add => Some(terms(|a, b| a + b)),
+        Binary::Subtract => Some(terms(|a, b| a - b)),
+        Binary::Multiply => product(a, b),
+        _ => None,
+    }
+}
+
+/// The product of two polynomials of at most degree one; `None` for other polynomials.
+fn product(a: Quadratic, b: Quadratic) -> Option<Quadratic> {
+    let [a0, ax, ay, a_squares @ ..] = a;
+    let [b0, bx, by, b_squares @ ..] = b;
+    let is_linear = [a_squares, b_squares] == [[0.0; 3]; 2];
+    is_linear.then_some([
+        a0 * b0,
+        a0 * bx + ax * b0,
+        a0 * by + ay * b0,
+        ax * bx,
+        ax * by + ay * bx,
+        ay * by,
+    ])
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Instruction {
     X,
@@ -63,6 +107,32 @@ impl Program {
         }
         first.instructions.push(Instruction::Binary(operation));
         first
+    }
+
+    /// The polynomial of at most degree two that the program computes; `None` if an operation of the program leads
+    /// out of these polynomials, even if its result is such a polynomial again.
+    pub(super) fn quadratic(&self) -> Option<Quadratic> {
+        let mut stack: Vec<Quadratic> = Vec::new();
+        for instruction in &self.instructions {
+            let next = match *instruction {
+                Instruction::X => [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+                Instruction::Y => [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+                Instruction::Constant(value) => [value, 0.0, 0.0, 0.0, 0.0, 0.0],
+                Instruction::Unary(operation) => changed(operation, stack.pop()?)?,
+                Instruction::Binary(operation) => {
+                    let right = stack.pop()?;
+                    combined(operation, stack.pop()?, right)?
+                }
+                Instruction::Swap => {
+                    let top = stack.pop()?;
+                    let below = stack.pop()?;
+                    stack.push(top);
+                    below
+                }
+            };
+            stack.push(next);
+        }
+        stack.pop()
     }
 
     pub(super) fn run<N: Number>(&self, x: N, y: N) -> N {

@@ -185,6 +185,19 @@ impl Height for HeightField {
         }
     }
 
+    /// Sections exist at the vertex of a polynomial of degree two, along its principal directions x and y. A formula
+    /// with other functions may be symmetric too, but its sections have no form of [`Meridian`].
+    fn meridian_at(&self, x: f64, y: f64, direction: &Vector3<f64>) -> Option<Meridian> {
+        let [_, fx, fy, xx, xy, yy] = self.formula.quadratic()?;
+        let is_vertex = fx + 2.0 * xx * x == 0.0 && fy + 2.0 * yy * y == 0.0 && xy == 0.0;
+        let c = match (direction.y == 0.0 || xx == yy, direction.x == 0.0) {
+            (true, _) => -xx,
+            (_, true) => -yy,
+            _ => return None,
+        };
+        is_vertex.then_some(Meridian::Paraboloid { c })
+    }
+
     fn may_touch_twice(&self, _radius: f64) -> bool {
         true
     }

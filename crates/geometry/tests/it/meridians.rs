@@ -1,9 +1,11 @@
 //! Compares meridians with the charts of their surfaces, with finite differences and with quadrature.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Point3, Vector3};
+use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{Meridian, Surface};
 
@@ -55,6 +57,50 @@ fn paraboloids_and_spheroids_follow_their_charts() {
         for t in [0.0, 1e-6, 0.1, 1.0, 1.5, 2.0, 3.0, PI, 4.0, 6.0] {
             follows_the_chart(&Ellipsoid::new([a, a, c]).unwrap(), t);
         }
+    }
+}
+
+#[test]
+fn formulas_of_degree_two_have_sections_along_their_axes() {
+    let section = |text: &str, [x, y]: [f64; 2], direction: [f64; 2]| {
+        let surface = Graph::of_formula(Formula::parse(text, &BTreeMap::new()).unwrap());
+        let apex = surface.contact_at(x, y).unwrap();
+        let [x, y] = direction;
+        surface.meridian(&apex, &Vector3::new(x, y, 0.0))
+    };
+    let parabola = |c| Some(Meridian::Paraboloid { c });
+    for (text, at, along_x, along_y) in [
+        (
+            "-0.5*x^2 - y*y/4 + 3",
+            [0.0, 0.0],
+            parabola(0.5),
+            parabola(0.25),
+        ),
+        ("-(x^2 + y^2)/4", [0.0, 0.0], parabola(0.25), parabola(0.25)),
+        (
+            "(x - 1)^2 - 2*abs(y)^2",
+            [1.0, 0.0],
+            parabola(-1.0),
+            parabola(2.0),
+        ),
+        ("(x - 1)^2 - 2*y^2", [0.5, 0.0], None, None),
+        ("x^2 + x*y", [0.0, 0.0], None, None),
+        ("x^4 - y^2", [0.0, 0.0], None, None),
+        ("cos(x) - y^2", [0.0, 0.0], None, None),
+    ] {
+        assert_eq!(section(text, at, [1.0, 0.0]), along_x, "{text}");
+        assert_eq!(section(text, at, [0.0, 1.0]), along_y, "{text}");
+        let is_revolved = along_x.is_some() && along_x == along_y;
+        assert_eq!(
+            section(text, at, [0.6, 0.8]).is_some(),
+            is_revolved,
+            "{text}"
+        );
+    }
+    let text = "-0.5*x^2 - y*y/4";
+    let formula = Formula::parse(text, &BTreeMap::new()).unwrap();
+    for t in [0.0, 1e-6, 0.1, 1.0, 7.0] {
+        follows_the_chart(&Graph::of_formula(formula.clone()), t);
     }
 }
 

@@ -215,9 +215,8 @@ pub enum RollModelConfig {
     },
     /// The closed form of the contact's path, if one exists for the two shapes.
     ClosedForm {},
-    /// For rolls through the apex of a surface of revolution: the relation between the angle of a roll and the path of
-    /// the contact along a meridian. If the motion has no noise, also for rolls along the axes of ellipsoids and
-    /// saddles.
+    /// The relation between angle and path along a meridian, for rolls through the apex of a surface of revolution. If
+    /// the motion has no noise, also for rolls along the axes of ellipsoids, saddles and formulas of degree two.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
