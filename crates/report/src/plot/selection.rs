@@ -5,6 +5,7 @@ use super::sheet::Words;
 use crate::records::by_key;
 use crate::table::{Axis, same};
 use crate::{ReportError, Study, Table};
+use palpate_study::Quantity;
 use palpate_study::config::PlotConfig;
 use std::collections::BTreeMap;
 
@@ -43,9 +44,17 @@ impl<'a> Request<'a> {
         value: &str,
         known: impl Iterator<Item = &'b str>,
     ) -> ReportError {
-        let known = nearest(value, known).join(", ");
+        let mut known = nearest(value, known);
+        // Only rolls and glides have a mean curvature.
+        let has_mean = known
+            .iter()
+            .any(|name| name == Quantity::MEAN_CURVATURE.name);
+        if has_mean && Quantity::PRINCIPAL.iter().any(|one| one.name == value) {
+            known.push("and this one with `scene.principal_curvatures = true`".to_owned());
+        }
         self.bad(format!(
-            "{key} = {value:?} is not a column; possible: {known}"
+            "{key} = {value:?} is not a column; possible: {}",
+            known.join(", ")
         ))
     }
 
