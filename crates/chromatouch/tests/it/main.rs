@@ -3,6 +3,7 @@
 
 mod any_number;
 mod frames;
+mod layout;
 mod mean_hue;
 mod odd_lens;
 mod optics;
@@ -11,3 +12,4 @@ mod pattern;
 mod pixel_noise;
 mod pose;
 mod slopes;
+mod strain;

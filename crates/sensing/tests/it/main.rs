@@ -5,3 +5,4 @@ mod any_number;
 mod lattice;
 mod normals;
 mod pads;
+mod stream;
