@@ -1,7 +1,7 @@
 //! Calibration of a camera sensor, from tables or frames with stated displacements.
 
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::{CALIBRATIONS, Column};
+use palpate_study::readings::{Column, Measure};
 use palpate_tracking::{
     Calibration, CalibrationError, Change, Equidistant, LateralCalibration, LateralPoint,
     NormalCalibration, NormalFrom, NormalPoint, Track,
@@ -50,13 +50,20 @@ pub struct CalibrateOptions {
     pub length_unit: Option<LengthUnit>,
 }
 
-const NORMAL: Column = CALIBRATIONS[0];
-const TANGENTIAL: Column = CALIBRATIONS[1];
-const HUE: Column = CALIBRATIONS[2];
-const GROWTH: Column = CALIBRATIONS[3];
-const SHIFT: Column = CALIBRATIONS[4];
-const SERIES: Column = CALIBRATIONS[5];
-const MARKER: Column = CALIBRATIONS[6];
+const fn column(name: &'static str, measure: Measure) -> Column {
+    Column { name, measure }
+}
+
+const NORMAL: Column = column("normal_displacement", Measure::Length);
+const TANGENTIAL: Column = column("tangential_displacement", Measure::Length);
+const HUE: Column = column("hue_turns", Measure::Turn);
+const GROWTH: Column = column("growth", Measure::Plain);
+const SHIFT: Column = column("centroid_shift_px", Measure::Pixel);
+const SERIES: Column = column("series", Measure::Plain);
+const MARKER: Column = column("marker", Measure::Plain);
+/// Columns of the calibration of a camera sensor: known displacements and changes of marker images. A file has only
+/// some of these columns.
+const COLUMNS: [Column; 7] = [NORMAL, TANGENTIAL, HUE, GROWTH, SHIFT, SERIES, MARKER];
 
 /// Largest change of a marker's hue, turns. A larger change would be ambiguous, because hues that differ by a whole
 /// turn are equal.
@@ -71,7 +78,7 @@ const MAX_TURN: f64 = 0.5;
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
     let table = TextTable::of(file, &[])?;
-    let columns = columns(&header(&table, &CALIBRATIONS)?);
+    let columns = columns(&header(&table, &COLUMNS)?);
     let sheet = ReadingTable::read(&table, &columns, &[])?;
     let place = |column: Column| columns.iter().position(|one| *one == column);
     let (has_hue, has_growth) = (place(HUE).is_some(), place(GROWTH).is_some());

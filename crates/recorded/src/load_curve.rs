@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use palpate_estimators::large_contact_warning;
 use palpate_statistics::{GoodnessOfFit, NORMAL_95, Number, student_half_width};
 use palpate_study::config::{LengthUnit, SettingError};
-use palpate_study::readings::LOADS;
+use palpate_study::readings::{Column, Measure};
 use palpate_study::{Unit, Warning};
 use serde::Serialize;
 

@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use crate::Table;
 use crate::config::LengthUnit;
-use crate::quantity::Unit;
 
 /// Physical quantity of the numbers in a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -301,24 +299,6 @@ pub const PRESS_ROW: [Column; 2] = [
     Column::of("normal_displacement", Measure::Length),
 ];
 
-/// Columns of a load curve: the forces and indentations of a press.
-pub const LOADS: [Column; 2] = [
-    Column::of("indentation", Measure::Length),
-    Column::of("force_n", Measure::Force),
-];
-
-/// Columns of the calibration of a camera sensor: known displacements and changes of marker images. A file has only
-/// some of these columns.
-pub const CALIBRATIONS: [Column; 7] = [
-    Column::of("normal_displacement", Measure::Length),
-    Column::of("tangential_displacement", Measure::Length),
-    Column::of("hue_turns", Measure::Turn),
-    Column::of("growth", Measure::Plain),
-    Column::of("centroid_shift_px", Measure::Pixel),
-    Column::of("series", Measure::Plain),
-    Column::of("marker", Measure::Plain),
-];
-
 /// All columns that the readings of this kind of scene may have, each listed once. The list is empty for a kind without
 /// tables of readings.
 pub fn columns_of(kind: &str) -> Vec<Column> {
@@ -407,54 +387,6 @@ pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
     columns
         .iter()
         .find(|column| column.is_named(&key).is_some())
-}
-
-/// Table of roll readings with the columns [`ROLLS`] and one row per roll. A row contains the rotation of the probe
-/// (`Δθ_x`, `Δθ_y`) and the displacement of the contact on the probe (`Δp_u`, `Δp_v`).
-pub fn roll_readings_table(
-    readings: impl IntoIterator<Item = [f64; 4]>,
-    unit: LengthUnit,
-) -> Table {
-    let mut table = Table::new(ROLLS.iter().flat_map(|column| match column.measure {
-        Measure::Length => crate::Column::in_length([column.name], Unit::Length, unit),
-        Measure::Angle => [crate::Column::number(column.name, "rad")],
-        _ => [crate::Column::count(column.name)],
-    }));
-    for (probe, reading) in readings.into_iter().enumerate() {
-        table.push(probe, reading);
-    }
-    table
-}
-
-/// Table of rolls that are recorded as time series, with one row per sample. A row contains the number of the roll
-/// (column `probe`), the time, the rotation vector, and the position of the contact or of the active pad. The rotation
-/// about the normal is included if `spins` is true.
-pub fn roll_series_table(
-    samples: impl IntoIterator<Item = (usize, f64, [f64; 3], [f64; 2])>,
-    spins: bool,
-    has_pads: bool,
-    unit: LengthUnit,
-) -> Table {
-    let rotations = &ROTATION_VECTOR[..if spins { 3 } else { 2 }];
-    let places = if has_pads {
-        &ROLL_SERIES[4..]
-    } else {
-        &CONTACTS
-    };
-    let columns = [&ROLL_SERIES[..2], rotations, places].concat();
-    let mut table = Table::new(columns.iter().flat_map(|column| match column.measure {
-        Measure::Length => crate::Column::in_length([column.name], Unit::Length, unit),
-        Measure::Angle => [crate::Column::number(column.name, "rad")],
-        Measure::Time => [crate::Column::number("time_s", "s")],
-        _ => [crate::Column::count(column.name)],
-    }));
-    for (probe, time_s, rotation, place) in samples {
-        let mut row = vec![time_s];
-        row.extend(&rotation[..rotations.len()]);
-        row.extend(place);
-        table.push(probe, row);
-    }
-    table
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::style::Style;
 use super::uncertainty;
 use crate::table::{Axis, same};
 use crate::{ReportError, phrases};
-use palpate_study::{Label, number};
+use palpate_study::{Label, config, number};
 use std::collections::BTreeMap;
 
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
@@ -54,7 +54,11 @@ impl<'a> Lines<'a> {
                 (Label::of_field(&axis.header), names)
             }
         };
-        let logs = of.of.plot.scale.logs();
+        let scale = of.of.plot.scale;
+        let logs = [
+            matches!(scale, config::Scale::LogX | config::Scale::LogLog),
+            matches!(scale, config::Scale::LogY | config::Scale::LogLog),
+        ];
         if logs[0]
             && let Some(names) = &categories
         {

@@ -88,7 +88,10 @@ impl RollScene {
             reading_noise,
             truth,
             has_principal: config.principal_curvatures,
-            directions_path: config.motion.directions_path(),
+            directions_path: match config.motion.rolls {
+                Some(_) => "scene.motion.rolls",
+                None => "scene.motion.directions_deg",
+            },
             tolerance: match config.model {
                 RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
                 _ => None,

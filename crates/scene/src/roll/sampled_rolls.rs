@@ -11,7 +11,7 @@ use palpate_rolling::{Motion, PathPoint, Roller};
 use palpate_sensing::BeyondPads;
 use palpate_statistics::HALF_WIDTHS;
 use palpate_study::FieldError;
-use palpate_study::config::{RollConfig, Side};
+use palpate_study::config::{RollConfig, RollEstimatorConfig, RollStart, Side};
 use palpate_sweep::Observation;
 
 use super::motion_noise::{NoiseTrial, Roll};
@@ -120,7 +120,12 @@ impl SampledRolls {
                 ),
                 ..noise
             },
-            is_start_known: config.estimator.is_start_known(),
+            is_start_known: match config.estimator {
+                RollEstimatorConfig::LeastSquares => false,
+                RollEstimatorConfig::PadEdge { start }
+                | RollEstimatorConfig::Trajectory { start }
+                | RollEstimatorConfig::Auto { start } => start == RollStart::Known,
+            },
         }))
     }
 

@@ -164,16 +164,6 @@ pub enum Scale {
     LogLog,
 }
 
-impl Scale {
-    /// Whether the x axis and the y axis are logarithmic.
-    pub fn logs(self) -> [bool; 2] {
-        [
-            matches!(self, Self::LogX | Self::LogLog),
-            matches!(self, Self::LogY | Self::LogLog),
-        ]
-    }
-}
-
 /// A straight reference line across a plot, at a given value of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

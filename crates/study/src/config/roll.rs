@@ -173,14 +173,6 @@ impl RollMotionConfig {
         let direction = |roll| turn_deg * f64::from(roll) / f64::from(rolls);
         (0..rolls).map(direction).collect()
     }
-
-    /// Path of the config field that determines the directions.
-    pub const fn directions_path(&self) -> &'static str {
-        match self.rolls {
-            Some(_) => "scene.motion.rolls",
-            None => "scene.motion.directions_deg",
-        }
-    }
 }
 
 fn four_directions_twice() -> Vec<f64> {
@@ -507,16 +499,6 @@ impl RollEstimatorConfig {
                 "trajectory",
                 Some("the rolls are time series of contact points"),
             ),
-        }
-    }
-
-    /// Whether the estimator receives the position of the first contact.
-    pub fn is_start_known(&self) -> bool {
-        match self {
-            Self::LeastSquares => false,
-            Self::PadEdge { start } | Self::Trajectory { start } | Self::Auto { start } => {
-                *start == RollStart::Known
-            }
         }
     }
 }
