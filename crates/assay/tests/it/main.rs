@@ -1,6 +1,7 @@
-//! Tests of the choices of `auto`, and of the computational work that scenes cause.
+//! Tests of the choices of `auto`, of reference contacts, and of the computational work that scenes cause.
 #![allow(clippy::unwrap_used)]
 
 mod auto_check;
+mod contact_reference;
 #[cfg(feature = "count")]
 mod required_work;
