@@ -4,8 +4,7 @@ use nalgebra::Vector3;
 use palpate_chromatouch::{Camera, Lens, OddTerms};
 use palpate_press::{Markers, Skin};
 use palpate_scene::Scene;
-use palpate_scene::Scenes;
-use palpate_study::config::{LengthUnit, Study, parse};
+use palpate_study::config::LengthUnit;
 use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
@@ -28,26 +27,6 @@ noise = {{ {noise} }}
 estimator = {{ kind = "bonded-layer" }}
 "#
     )
-}
-
-fn study(text: &str) -> Study {
-    parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn scene(text: &str) -> Scene {
-    study(text)
-        .estimable_scene(0)
-        .unwrap_or_else(|error| panic!("{error}"))
-}
-
-#[track_caller]
-fn refused(text: &str) -> String {
-    let study = match parse("study.toml", text) {
-        Ok(study) => study,
-        Err(error) => return format!("{}: {}", error.path(), error.message()),
-    };
-    let error = study.estimable_scene(0).unwrap_err();
-    format!("{}: {}", error.path(), error.message())
 }
 
 fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Observation> {

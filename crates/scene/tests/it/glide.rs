@@ -1,7 +1,9 @@
 //! Scenes of a glide: exact estimates, noise, sensors, maps, and settings that are rejected.
 
-use palpate_scene::{Scene, Scenes};
-use palpate_study::config::{LengthUnit, parse};
+use palpate_scene::Scene;
+use palpate_study::config::LengthUnit;
+
+use super::press::{refused, scene_of};
 
 /// Config of three fingers on the patch of the 1996 paper. `lines` contains additional fields of the scene.
 fn text(probe: &str, object: &str, lines: &str) -> String {
@@ -20,21 +22,7 @@ evaluate = {{ grid = 7, half_width = 1.0, gaussian_threshold = 0.005, mean_thres
 }
 
 fn scene(probe: &str, object: &str, lines: &str) -> Scene {
-    let study =
-        parse("study.toml", &text(probe, object, lines)).unwrap_or_else(|error| panic!("{error}"));
-    study
-        .estimable_scene(0)
-        .unwrap_or_else(|error| panic!("{error}"))
-}
-
-#[track_caller]
-fn refused(text: &str) -> String {
-    let study = match parse("study.toml", text) {
-        Ok(study) => study,
-        Err(error) => return format!("{}: {}", error.path(), error.message()),
-    };
-    let error = study.estimable_scene(0).unwrap_err();
-    format!("{}: {}", error.path(), error.message())
+    scene_of(&text(probe, object, lines))
 }
 
 /// Estimate, true value and standard deviation at each point of a trial, for each of the three quantities.
@@ -319,8 +307,7 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     let near = "inter_finger_distance = 0.5";
     let trial_of = |lines: &str| {
         let text = text(POINT, SADDLE, lines).replace("inter_finger_distance = 1.0", near);
-        let study = parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
-        trial(&study.estimable_scene(0).unwrap(), 4)
+        trial(&scene_of(&text), 4)
     };
     for [share, length] in [
         [

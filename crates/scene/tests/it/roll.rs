@@ -5,6 +5,8 @@ use palpate_scene::Scenes;
 use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
+use super::press::scene_of;
+
 /// Config of a roll: a probe with a radius of 1 rolls by 0.1 rad. `lines` contains additional fields of the scene.
 fn text(object: &str, lines: &str) -> String {
     format!(
@@ -22,10 +24,7 @@ motion.duration_s = 1.0
 }
 
 fn scene(object: &str, lines: &str) -> Scene {
-    let study = parse("study.toml", &text(object, lines)).unwrap_or_else(|error| panic!("{error}"));
-    study
-        .estimable_scene(0)
-        .unwrap_or_else(|error| panic!("{error}"))
+    scene_of(&text(object, lines))
 }
 
 fn trial(scene: &Scene, trial: u64) -> Vec<(f64, f64)> {
@@ -49,10 +48,7 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
             "noise.rotation = {{ std_rad = 0.0, {noise} }}\nmotion.duration_s = 2.0\nmotion.directions_deg = [0, 90]"
         );
         let text = text(ball, &noise).replacen("motion.duration_s = 1.0\n", "", 1);
-        parse("study.toml", &text)
-            .unwrap()
-            .estimable_scene(0)
-            .unwrap()
+        scene_of(&text)
     };
     let rotations = |scene: &Scene, trial: Option<u64>| -> Vec<f64> {
         let readings = scene.trace(trial, LengthUnit::Mm).unwrap().readings;
@@ -253,10 +249,7 @@ scene.object = {{ kind = "sphere", radius = 4 }}
 scene.motion = {{ {motion} }}
 scene.{lines}"#
     );
-    let study = parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
-    study
-        .estimable_scene(0)
-        .unwrap_or_else(|error| panic!("{error}"))
+    scene_of(&text)
 }
 
 /// The path of the contact is R r/(R + r) times the angle. It is 0.08 for a ball with the radius R = 4, a probe with
@@ -298,10 +291,7 @@ fn errors_of_stars(stars: usize, lines: &str) -> [f64; 3] {
          object = {{ kind = \"cylinder\", radius = 20, direction_deg = 90 }}\n\
          motion = {{ angle_deg = 20, directions_deg = {directions:?} }}\n{lines}\n"
     );
-    let scene = parse("study.toml", &text)
-        .unwrap()
-        .estimable_scene(0)
-        .unwrap();
+    let scene = scene_of(&text);
     let trials = 500;
     let (mut square, mut mean, mut stated) = (0.0, 0.0, 0.0);
     for trial in 0..trials {
