@@ -1,14 +1,13 @@
 //! Compares instruction counts and errors with the committed baseline.
 //!
 //! Run times are not compared, because they vary too much; `cargo bench` reports them. This task also checks that the
-//! page crates/assay/BENCHES.md lists all bench targets, and that the changelog describes every change of an error.
+//! changelog describes every change of an error.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use serde_json::Value;
 use xshell::{Shell, cmd};
 
 use crate::baseline::{self, Comparison, DIRECTORY, Limits};
@@ -41,7 +40,6 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
-    check_page(shell)?;
     let mut comparisons = vec![compare(shell, &ERROR)?];
     match has(shell, "valgrind") {
         true => comparisons.push(compare(shell, &COST)?),
@@ -181,8 +179,6 @@ fn section(text: &str) -> impl Iterator<Item = &str> {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     const COMMITTED: &str =
@@ -198,18 +194,5 @@ mod tests {
         assert!(!with("- Old.\n", "- Old.\n\n  \n"));
         assert!(!with("- Old.\n", ""));
         assert!(has_new_line("", COMMITTED));
-    }
-
-    #[test]
-    fn the_page_lists_bench_targets_only() {
-        let packages = [
-            json!({"name": "a", "targets": [
-                {"name": "a", "kind": ["lib"]}, {"name": "quick", "kind": ["bench"]}]}),
-            json!({"name": "b", "targets": []}),
-        ];
-        let page =
-            "# Benches\n\n| bench | path |\n| --- | --- |\n| `a/quick` | all of `b/slow` |\n";
-        assert_eq!(targets(&packages).unwrap(), listed(page));
-        assert_eq!(listed(page).len(), 1);
     }
 }

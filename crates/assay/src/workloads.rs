@@ -1,5 +1,6 @@
-//! Workloads are computations that dominate the run time of palpate. Instruction counts ([`counts`]), errors
-//! ([`crate::accuracy`]) and the comparison with peers ([`crate::peer_tasks`]) use the same inputs.
+//! Workloads are computations that dominate the run time of palpate. The bench `workloads` measures their times, and
+//! [`counts`] their instructions. Errors ([`crate::accuracy`]) and the comparison with peers ([`crate::peer_tasks`]) use
+//! the same inputs.
 
 pub mod camera_frames;
 pub mod ep2_contacts;
@@ -171,10 +172,23 @@ pub fn counts() -> Result<Vec<(String, f64)>> {
 /// # Errors
 /// An error if no workload has this name, or it cannot be set up.
 pub fn count(name: &str) -> Result<()> {
+    timing::count([evaluation(name)?]);
+    Ok(())
+}
+
+/// Names of all workloads.
+pub fn names() -> Vec<&'static str> {
+    workloads().into_iter().map(|(name, _)| name).collect()
+}
+
+/// Sets up a workload.
+///
+/// # Errors
+/// An error if no workload has this name, or it cannot be set up.
+pub fn evaluation(name: &str) -> Result<Evaluation> {
     let workload = workloads().into_iter().find(|(known, _)| *known == name);
     let (_, make) = workload.with_context(|| format!("no workload `{name}`"))?;
-    timing::count([make(name)?]);
-    Ok(())
+    make(name)
 }
 
 fn formula(name: &str, points: u32) -> Result<Evaluation> {
