@@ -15,16 +15,16 @@ use crate::peers::replace;
 use crate::programs;
 use crate::tools::has;
 
-/// Limits for instruction counts. Instruction counts hardly vary between runs, but they change if the linker arranges
-/// the code in another order.
+/// Limits for instruction counts. These counts hardly vary between runs, but they change if the linker arranges the
+/// code in another order.
 pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) differ between machines
-/// with different mathematical libraries.
+/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) differ between the
+/// mathematical libraries of machines.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",
@@ -91,56 +91,6 @@ fn accept(shell: &Shell, comparisons: &[Comparison]) -> Result<()> {
         println!("{path} written");
     }
     Ok(())
-}
-
-/// Page that must list every bench target of the workspace.
-const PAGE: &str = "crates/assay/BENCHES.md";
-
-/// Fails unless BENCHES.md lists exactly the bench targets that the workspace has.
-fn check_page(shell: &Shell) -> Result<()> {
-    let existing = targets(&programs::packages(shell)?)?;
-    let listed = listed(&shell.read_file(PAGE)?);
-    let differences: Vec<String> = existing
-        .difference(&listed)
-        .map(|bench| format!("{bench} is not listed"))
-        .chain(
-            listed
-                .difference(&existing)
-                .map(|bench| format!("{bench} is listed but does not exist")),
-        )
-        .collect();
-    if !differences.is_empty() {
-        bail!("{PAGE}: {}", differences.join("; "));
-    }
-    println!("benches: {PAGE} lists all {} bench targets", existing.len());
-    Ok(())
-}
-
-/// Names of all bench targets in `packages`, in the form `package/target`.
-fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
-    let mut benches = BTreeSet::new();
-    for package in packages {
-        let name = package["name"]
-            .as_str()
-            .context("a package without a name")?;
-        for target in package["targets"].as_array().into_iter().flatten() {
-            if target["kind"][0] == "bench" {
-                let target = target["name"].as_str().context("a target without a name")?;
-                benches.insert(format!("{name}/{target}"));
-            }
-        }
-    }
-    Ok(benches)
-}
-
-/// Bench targets that the page lists: the entries of the form `` `package/target` `` in the first column of its table.
-fn listed(page: &str) -> BTreeSet<String> {
-    let cell = |line: &str| {
-        line.strip_prefix("| `")?
-            .split_once('`')
-            .map(|(cell, _)| cell.to_owned())
-    };
-    page.lines().filter_map(cell).collect()
 }
 
 const CHANGELOG: &str = "CHANGELOG.md";

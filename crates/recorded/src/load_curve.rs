@@ -20,6 +20,18 @@ use super::source::ReadingSource;
 use super::text_table::TextTable;
 use super::value::{FORMAT_VERSION, Value, finite};
 
+/// Columns of a load curve: the forces and indentations of a press.
+const LOADS: [Column; 2] = [
+    Column {
+        name: "indentation",
+        measure: Measure::Length,
+    },
+    Column {
+        name: "force_n",
+        measure: Measure::Force,
+    },
+];
+
 /// Lower limit of the forces' standard deviation, relative to the largest force. A smaller standard deviation would be
 /// below the rounding errors.
 const LEAST_NOISE: f64 = 1e-10;

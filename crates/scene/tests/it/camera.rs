@@ -8,6 +8,8 @@ use palpate_study::config::LengthUnit;
 use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
+use super::press::{refused, scene_of as scene};
+
 /// Config of a press: the sensor of the 2020 paper is pressed onto a plane. The soft body is a layer with a thickness
 /// of 5 mm on a core. The indentation is 1 mm.
 fn text(sensor: &str, noise: &str) -> String {

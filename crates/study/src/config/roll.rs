@@ -475,7 +475,7 @@ pub enum RollStart {
 
 impl RollEstimatorConfig {
     /// Whether the estimator needs time series. Such an estimator cannot use a roll with only one reading, at its end.
-    pub const fn needs_series(&self) -> bool {
+    const fn needs_series(&self) -> bool {
         matches!(self, Self::PadEdge { .. } | Self::Trajectory { .. })
     }
 
