@@ -73,7 +73,7 @@ fn readings_of_studies_cause_no_warnings() {
                 let Some(scene) = study.estimable_scene(number).ok().filter(|_| !is_press) else {
                     continue;
                 };
-                for trial in 0..scene.trials(2) {
+                for trial in 0..scene.trials(1) {
                     if let Some(warnings) = of_trial(&scene, &config, trial) {
                         let place = format!("{} cell {number}", path.display());
                         assert!(warnings.is_empty(), "{place}: {warnings:#?}");
@@ -83,7 +83,7 @@ fn readings_of_studies_cause_no_warnings() {
             }
         }
     }
-    assert!(estimated > 60, "{estimated}");
+    assert!(estimated > 40, "{estimated}");
 }
 
 /// Eight rolls by 0.5 rad of a probe of radius 8 mm on a ball of radius 30 mm. The shifts have Gaussian noise; `set`
