@@ -4,6 +4,7 @@
 mod any_number;
 mod closed_forms;
 mod closest_points;
+mod curvature;
 mod extremes;
 mod laws;
 mod meridians;

@@ -6,3 +6,4 @@ mod lattice;
 mod normals;
 mod pads;
 mod stream;
+mod surface_normal;

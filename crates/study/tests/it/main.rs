@@ -2,3 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod config;
+mod labels;
+mod number_text;
+mod readings;
+mod targets;

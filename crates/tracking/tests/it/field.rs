@@ -1,7 +1,8 @@
-//! Interpolation between markers that are difficult to triangulate.
+//! Fields of displacements: interpolation between markers that are difficult to triangulate, and filters.
 
 use std::f64::consts::TAU;
 
+use approx::assert_relative_eq;
 use palpate_tracking::{Displaced, Field, FieldError};
 
 fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
@@ -130,4 +131,92 @@ fn impossible_fields_have_named_errors() {
     let one = Field::new(&[at(0.0, 1.0)]).unwrap();
     let error = FieldError::BadFilter { value: -1.0 };
     assert_eq!(one.smoothed(-1.0).unwrap_err(), error);
+}
+
+fn still() -> Vec<Displaced> {
+    let place = |index: i32| [index % 5, index / 5].map(|step| f64::from(step) * 0.1 - 0.2);
+    (0..25)
+        .map(|index| Displaced {
+            place: place(index),
+            tangential: [0.1, -0.2],
+            normal: 0.3,
+        })
+        .collect()
+}
+
+#[test]
+fn a_filter_takes_noise_and_leaves_a_constant() {
+    let still = still();
+    let smooth = Field::new(&still).and_then(|field| field.smoothed(0.1));
+    for marker in smooth.expect("sound markers").markers() {
+        assert_relative_eq!(marker.normal, 0.3, epsilon = 1e-15);
+        assert_relative_eq!(marker.tangential[1], -0.2, epsilon = 1e-15);
+    }
+    // Only the marker in the middle is displaced, and the filter spreads its displacement. The weights are 1 for
+    // the marker itself, e^-1/2 for its four neighbours, e^-1 for the next four, and so on.
+    let mut spike = still;
+    spike.iter_mut().for_each(|marker| marker.normal = 0.0);
+    spike[12].normal = 1.0;
+    let field = Field::new(&spike).expect("sound markers");
+    let smooth = field.smoothed(0.1).expect("a width");
+    let row: f64 = (-2..=2).map(|k| libm::exp(-0.5 * f64::from(k * k))).sum();
+    assert_relative_eq!(
+        smooth.markers()[12].normal,
+        1.0 / (row * row),
+        max_relative = 0.02
+    );
+    assert_eq!(
+        field.smoothed(0.0).expect("none").markers(),
+        field.markers()
+    );
+    assert!(field.smoothed(f64::NAN).is_err());
+}
+
+#[test]
+fn outward_is_away_from_the_contact() {
+    let [east, north] = [[0.1, 0.0], [0.0, 0.1]];
+    let marker = |place, tangential, normal| Displaced {
+        place,
+        tangential,
+        normal,
+    };
+    let field = Field::new(&[
+        marker(east, [0.2, 5.0], 0.5),
+        marker([0.0, 0.0], [9.0, 9.0], 1.0),
+        marker(north, [0.0, -0.1], 0.25),
+        marker([0.3, 0.0], [1.0, 0.0], -0.1),
+    ]);
+    let mean = field.expect("sound markers").outward();
+    let mean = mean.expect("others were displaced");
+    assert_relative_eq!(mean, (0.5 * 0.2 - 0.25 * 0.1) / 0.75, max_relative = 1e-12);
+}
+
+/// A field is also possible for few markers, for markers on a line, and for markers that are almost at the same
+/// place. The convex hull of these markers then has a small area.
+#[test]
+fn thin_fields() {
+    let of = |x: f64, y: f64| Displaced {
+        place: [x, y],
+        tangential: [x, 1e100],
+        normal: 1e100,
+    };
+    for markers in [
+        vec![of(0.1, 0.0)],
+        vec![of(0.1, 0.0), of(0.2, 0.0)],
+        vec![of(0.1, 0.1), of(0.2, 0.2), of(0.4, 0.4)],
+        vec![
+            of(0.0, 0.0),
+            of(1e-320, 1.0),
+            of(1.0, 1e-9),
+            of(1.0, 1.000_000_001e-9),
+        ],
+    ] {
+        let field = Field::new(&markers).expect("sound markers");
+        let smooth = field.smoothed(1e-300).expect("a width");
+        for count in [0, 1, 2, 7] {
+            assert!(smooth.grid(count).len() <= count * count);
+        }
+        assert!(field.outward().is_none_or(f64::is_finite));
+        assert!(field.at(markers[0].place).is_some());
+    }
 }
