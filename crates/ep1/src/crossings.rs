@@ -43,26 +43,9 @@ pub(crate) struct Crossing {
     pub(crate) std: f64,
 }
 
-/// Divides a roll into runs, which are successive samples with the same active pad. Samples between a change of the
-/// active pad and the change back are omitted, because a pad that alternates with its neighbour does not locate the
-/// contact. Places are divided by `radius`.
-pub(crate) fn runs(radius: f64, samples: &[RollSample]) -> Vec<Run> {
-    let mut all: Vec<Run> = Vec::new();
-    let mut place = Vector2::repeat(f64::NAN);
-    for (index, sample) in samples.iter().enumerate() {
-        if sample.place == place {
-            continue;
-        }
-        if let Some(run) = all.last_mut() {
-            run.last = index - 1;
-        }
-        place = sample.place;
-        all.push(Run {
-            first: index,
-            last: samples.len() - 1,
-            centre: place / radius,
-        });
-    }
+/// Omits the runs between a change of the active pad and the change back, because a pad that alternates with its
+/// neighbour does not locate the contact.
+pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     let mut kept = Vec::with_capacity(all.len());
     let mut at = 0;
     while at < all.len() {

@@ -24,12 +24,14 @@ const BLOCK: usize = 32;
 const MOST_NODES: usize = 2048;
 /// Width of the nodes' distribution, relative to the width of the set's distribution.
 const NODE_WIDTH: f64 = 1.3;
+/// Largest distance of a node from the middle of the nodes' distribution, in standard deviations.
+const NODE_RADIUS: f64 = 5.8;
 /// Largest change of a component of the mobility, in radii of the probe. A set that reaches it is open.
 pub(crate) const OPEN: f64 = 16.0;
 /// Rows are violated by more than this distance, in radii of the probe.
 const TOLERANCE: f64 = 1e-12;
 /// A start can violate the rows of its roll by this distance. It is larger than the rounding errors of the sums.
-const START_TOLERANCE: f64 = 1e-10;
+const START_TOLERANCE: f64 = 1e-9;
 /// Largest number of steps of a linear program.
 const MAX_STEPS: usize = 300;
 /// Relative change of a direction, which avoids cycles of the simplex method.
@@ -67,15 +69,49 @@ struct Corner {
     shares: [(Option<usize>, f64); 3],
 }
 
-/// The corner of the polyhedron `rows` that is furthest in `direction`, by the dual simplex method. `None` if the
-/// polyhedron is empty.
-fn furthest(rows: &[Row], direction: &Vector3<f64>) -> Option<Corner> {
+/// Numbers of the rows through a corner. A side of the box has no number.
+type Basis = [Option<usize>; 3];
+
+/// The linear programs of a set of rows. A program begins at the corner at which the last one ended, and the sums of
+/// rows are shared by all directions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Programs {
+    sums: Vec<Row>,
+    starts: Vec<Basis>,
+}
+
+impl Programs {
+    /// The programs of the same rolls after the rows have changed slightly.
+    pub(crate) fn restarted(&self) -> Self {
+        Self {
+            sums: Vec::new(),
+            starts: self.starts.clone(),
+        }
+    }
+}
+
+/// The corner of the polyhedron `rows` that is furthest in `direction`, by the dual simplex method. The first corner is
+/// `numbers` if it is furthest for its own rows, otherwise it is one of a box. `None` if the polyhedron is empty.
+fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Option<Corner> {
     // A direction that is perpendicular to no edge of the polyhedron avoids cycles.
     let oblique = direction + Vector3::new(0.37, 0.61, 0.83) * (OBLIQUE * direction.norm());
-    // The first basis consists of three sides of a box.
     let mut basis = Matrix3::from_diagonal(&oblique.map(f64::signum));
     let mut slacks = Vector3::repeat(OPEN);
-    let (mut inverse, mut numbers) = (basis, [None; 3]);
+    let mut inverse = basis;
+    if *numbers != [None; 3] {
+        let (mut of_rows, mut own) = (basis, slacks);
+        for (place, number) in numbers.iter().enumerate() {
+            if let Some((form, slack)) = number.and_then(|number| rows.get(number)) {
+                of_rows.set_row(place, &form.transpose());
+                own[place] = *slack;
+            }
+        }
+        let found = of_rows.try_inverse();
+        match found.filter(|inverse| inverse.tr_mul(&oblique).min() >= 0.0) {
+            Some(found) => (basis, slacks, inverse) = (of_rows, own, found),
+            None => *numbers = [None; 3],
+        }
+    }
     for _ in 0..MAX_STEPS {
         let point = inverse * slacks;
         let mut worst = (TOLERANCE, None);
@@ -113,28 +149,44 @@ fn furthest(rows: &[Row], direction: &Vector3<f64>) -> Option<Corner> {
 pub(crate) fn furthest_change(
     rolls: &[RollRows],
     direction: &Vector3<f64>,
+    programs: &mut Programs,
 ) -> Option<(Vector3<f64>, Vec<Vector2<f64>>)> {
-    let sides = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let sides = sides
-        .into_iter()
-        .flat_map(|side| [(side, OPEN), (-side, OPEN)]);
-    let known = rolls.iter().filter(|roll| roll.is_start_known);
-    let rows = known.flat_map(|roll| roll.rows.iter().map(|row| scaled(row.form, row.slack)));
-    let mut sums: Vec<Row> = sides.chain(rows).collect();
-    let mut starts = Vec::with_capacity(rolls.len());
+    let Programs { sums, starts } = programs;
     let mut of_roll = Vec::new();
+    if sums.is_empty() {
+        let sides = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let sides = sides
+            .into_iter()
+            .flat_map(|side| [(side, OPEN), (-side, OPEN)]);
+        let known = rolls.iter().filter(|roll| roll.is_start_known);
+        let rows = known.flat_map(|roll| roll.rows.iter().map(|row| scaled(row.form, row.slack)));
+        sums.extend(sides.chain(rows));
+        starts.resize(rolls.len(), [None; 3]);
+        for (roll, basis) in rolls.iter().zip(&mut *starts) {
+            if !roll.is_start_known {
+                let corner = roll.start(&Vector3::zeros(), basis, &mut of_roll)?;
+                sums.extend(roll.sum(&corner));
+            }
+        }
+    }
+    let mut basis = [None; 3];
     for _ in 0..MAX_STEPS {
-        let point = furthest(&sums, direction)?.point;
+        let point = furthest(sums, direction, &mut basis)?.point;
         let count = sums.len();
-        starts.clear();
-        for roll in rolls {
-            starts.push(match roll.is_start_known {
-                true => Vector2::zeros(),
-                false => roll.start(&point, &mut of_roll, &mut sums)?,
-            });
+        let mut all = Vec::with_capacity(rolls.len());
+        for (roll, basis) in rolls.iter().zip(&mut *starts) {
+            if roll.is_start_known {
+                all.push(Vector2::zeros());
+                continue;
+            }
+            let corner = roll.start(&point, basis, &mut of_roll)?;
+            if corner.point.z > START_TOLERANCE {
+                sums.extend(roll.sum(&corner));
+            }
+            all.push(corner.point.xy());
         }
         if sums.len() == count {
-            return Some((point, starts));
+            return Some((point, all));
         }
     }
     None
@@ -147,37 +199,104 @@ fn scaled(form: Vector3<f64>, slack: f64) -> Row {
 }
 
 impl RollRows {
-    /// The start that violates the rows least at the change `point` of the mobility. If it violates them, the sum of
-    /// rows that shows it is added to `sums`.
+    /// The start that violates the rows least at the change `point` of the mobility, and the violation.
     fn start(
         &self,
         point: &Vector3<f64>,
+        basis: &mut Basis,
         rows: &mut Vec<Row>,
-        sums: &mut Vec<Row>,
-    ) -> Option<Vector2<f64>> {
+    ) -> Option<Corner> {
         rows.clear();
         rows.extend(self.rows.iter().map(|row| {
             let form = Vector3::new(row.normal.x, row.normal.y, -1.0);
             (form, row.slack - row.form.dot(point))
         }));
-        let corner = furthest(rows, &-Vector3::z())?;
-        if corner.point.z > START_TOLERANCE {
-            let (mut form, mut slack) = (Vector3::zeros(), 0.0);
-            for (row, share) in corner.shares {
-                if let Some(row) = row {
-                    form += self.rows[row].form * share;
-                    slack += self.rows[row].slack * share;
-                }
+        furthest(rows, &-Vector3::z(), basis)
+    }
+
+    /// The sum of the rows through a corner, which is free of the start. `None` if the corner is on the box.
+    fn sum(&self, corner: &Corner) -> Option<Row> {
+        let (mut form, mut slack) = (Vector3::zeros(), 0.0);
+        for (row, share) in corner.shares {
+            if let Some(row) = row {
+                form += self.rows[row].form * share;
+                slack += self.rows[row].slack * share;
+            } else if share > 1e-9 {
+                return None;
             }
-            sums.push(scaled(form, slack));
         }
-        Some(corner.point.xy())
+        Some(scaled(form, slack))
+    }
+
+    /// The rows as bounds of the mobility alone, in the order of their edges: the start changes by its `response`.
+    ///
+    /// The normals of a roll's rows differ slightly from those of the pads' edges. The difference is small, so that the
+    /// start in it may be the likeliest one.
+    fn of_mobility(&self, response: &Matrix2x3<f64>, cell: &PadCell) -> Vec<MobilityRow> {
+        let mut all = Vec::with_capacity(self.rows.len());
+        for (edge, normal) in cell.normals().enumerate() {
+            let of_edge = self.rows.iter().enumerate();
+            for (number, row) in of_edge.filter(|(_, row)| row.edge == edge) {
+                let mut form = row.form;
+                if !self.is_start_known {
+                    form += response.tr_mul(&(row.normal - normal));
+                }
+                all.push(MobilityRow {
+                    edge,
+                    form,
+                    slack: row.slack,
+                    number,
+                });
+            }
+        }
+        all
+    }
+
+    /// Numbers of the rows that no row of the same edge implies near `mean`. `root` is the root of the covariance.
+    pub(crate) fn needed(
+        &self,
+        response: &Matrix2x3<f64>,
+        cell: &PadCell,
+        mean: &Vector3<f64>,
+        root: &Matrix3<f64>,
+    ) -> Vec<usize> {
+        let mut rows = self.of_mobility(response, cell);
+        retain_needed(&mut rows, mean, root);
+        rows.into_iter().map(|row| row.number).collect()
     }
 }
 
+/// A row `form · β ≤ slack` of one roll, with the index of the pad's edge and the number of its [`EdgeRow`].
+#[derive(Clone, Copy, Debug)]
+struct MobilityRow {
+    edge: usize,
+    form: Vector3<f64>,
+    slack: f64,
+    number: usize,
+}
+
+/// Removes the rows that another row of the same edge implies at all nodes of a distribution. `root` is the root of its
+/// covariance.
+fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix3<f64>) {
+    let at_mean = |row: &MobilityRow| row.slack - row.form.dot(mean);
+    let mut tightest: [Option<MobilityRow>; 6] = [None; 6];
+    for row in &*rows {
+        let best = &mut tightest[row.edge];
+        if best.is_none_or(|best| at_mean(row) < at_mean(&best)) {
+            *best = Some(*row);
+        }
+    }
+    rows.retain(|row| {
+        tightest[row.edge].is_none_or(|best| {
+            let reach = root.tr_mul(&(row.form - best.form)).norm() * NODE_RADIUS * NODE_WIDTH;
+            row.number == best.number || at_mean(row) - at_mean(&best) < reach
+        })
+    });
+}
+
 /// Mean and covariance of the mobility, if the starts and the mobility are distributed uniformly over the values that
-/// agree with the readings. `is_possible` excludes mobilities that are not those of a rolling contact. The distribution of the mobility is then proportional to the product of the areas in which
-/// the starts of the rolls can be. `centre` and `covariance` are a first guess, and `responses` are the derivatives of
+/// agree with the readings. `is_possible` excludes mobilities that are not those of a rolling contact. The distribution
+/// of the mobility is then proportional to the product of the areas in which the starts of the rolls can be. `centre` and `covariance` are a first guess, and `responses` are the derivatives of
 /// the starts with respect to the mobility.
 pub(crate) fn distribution(
     rolls: &[RollRows],
@@ -187,44 +306,31 @@ pub(crate) fn distribution(
     centre: Vector3<f64>,
     covariance: Matrix3<f64>,
 ) -> Option<(Vector3<f64>, Matrix3<f64>)> {
-    // The normals of a roll's rows differ slightly from those of the pads' edges. The difference is small, so that the
-    // start in it may be the likeliest one.
-    let normals: Vec<_> = cell.normals().collect();
-    let along: Vec<Vec<_>> = rolls
+    let all: Vec<_> = rolls
         .iter()
         .zip(responses)
-        .map(|(roll, response)| {
-            let row = |row: &EdgeRow| {
-                let apart = row.normal - normals[row.edge];
-                let more = match roll.is_start_known {
-                    true => Vector3::zeros(),
-                    false => response.tr_mul(&apart),
-                };
-                (row.edge, row.form + more, row.slack)
-            };
-            roll.rows.iter().map(row).collect()
-        })
+        .map(|(roll, response)| roll.of_mobility(response, cell))
         .collect();
     let (mut mean, mut spread) = (centre, covariance);
     for (pass, nodes) in NODES.into_iter().enumerate() {
-        let root = spread.cholesky()?.unpack() * NODE_WIDTH;
+        let root = spread.cholesky()?.unpack();
+        let mut near = all.clone();
+        near.iter_mut()
+            .for_each(|rows| retain_needed(rows, &mean, &root));
+        let root = root * NODE_WIDTH;
         let (mut sum, mut squares) = (0.0, 0.0);
         let (mut first, mut second) = (Vector3::zeros(), Matrix3::zeros());
         for block in normal_nodes()[..nodes].chunks_exact(BLOCK) {
-            let points: [Vector3<f64>; BLOCK] = std::array::from_fn(|at| mean + root * block[at]);
+            let points: [Vector3<f64>; BLOCK] =
+                std::array::from_fn(|at| mean + root * block[at].node);
+            let parts = [0, 1, 2].map(|part| points.map(|point| point[part]));
             let mut areas = [1.0; BLOCK];
-            for (rows, roll) in along.iter().zip(rolls) {
-                multiply_areas(
-                    rows,
-                    roll.is_start_known,
-                    normals.len(),
-                    &points,
-                    &mut areas,
-                );
+            for (rows, roll) in near.iter().zip(rolls) {
+                multiply_areas(rows, roll.is_start_known, cell, &parts, &mut areas);
             }
-            for ((point, area), normal) in points.iter().zip(areas).zip(block) {
+            for ((point, area), node) in points.iter().zip(areas).zip(block) {
                 if area > 0.0 && is_possible(point) {
-                    let weight = area * libm::exp(0.5 * normal.norm_squared());
+                    let weight = area * node.weight;
                     sum += weight;
                     squares += weight * weight;
                     first += point * weight;
@@ -249,25 +355,31 @@ pub(crate) fn distribution(
     None
 }
 
-/// Multiplies `areas` by the areas in which the start of a roll can be for the changes `points` of the mobility. With a
-/// known start, the area is 1 if the mobility agrees with the rows, otherwise 0.
+/// Multiplies `areas` by the areas in which the start of a roll can be for changes of the mobility with these `parts`.
+/// With a known start, the area is 1 if the mobility agrees with the rows, otherwise 0.
 fn multiply_areas(
-    rows: &[(usize, Vector3<f64>, f64)],
+    rows: &[MobilityRow],
     is_start_known: bool,
-    edges: usize,
-    points: &[Vector3<f64>; BLOCK],
+    cell: &PadCell,
+    [uu, uv, vv]: &[[f64; BLOCK]; 3],
     areas: &mut [f64; BLOCK],
 ) {
     let mut slacks = [[OPEN; BLOCK]; 6];
-    for (edge, form, slack) in rows {
-        for (least, point) in slacks[*edge].iter_mut().zip(points) {
-            let slack = slack - form.dot(point);
-            *least = if slack < *least { slack } else { *least };
+    for row in rows {
+        let [of_uu, of_uv, of_vv] = row.form.into();
+        let least = &mut slacks[row.edge];
+        for node in 0..BLOCK {
+            let slack = row.slack - of_uu * uu[node] - of_uv * uv[node] - of_vv * vv[node];
+            least[node] = if slack < least[node] {
+                slack
+            } else {
+                least[node]
+            };
         }
     }
     for (node, area) in areas.iter_mut().enumerate() {
         let mut slack: [f64; 6] = std::array::from_fn(|edge| slacks[edge][node]);
-        *area *= match (is_start_known, edges) {
+        *area *= match (is_start_known, cell.edges()) {
             (true, _) => f64::from(u8::from(slack.iter().all(|slack| *slack >= 0.0))),
             (false, 4) => {
                 let [u, v] = [slack[0] + slack[2], slack[1] + slack[3]];
@@ -296,10 +408,25 @@ fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
         .max(0.0)
 }
 
+/// A point of a sequence with low discrepancy, and the inverse of its density.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub(crate) node: Vector3<f64>,
+    weight: f64,
+}
+
 /// Points of a sequence with low discrepancy, with normally distributed coordinates.
-pub(crate) fn normal_nodes() -> &'static [Vector3<f64>] {
-    static NODES: OnceLock<Vec<Vector3<f64>>> = OnceLock::new();
-    NODES.get_or_init(|| (1..=MOST_NODES).map(normal_node).collect())
+pub(crate) fn normal_nodes() -> &'static [Node] {
+    static NODES: OnceLock<Vec<Node>> = OnceLock::new();
+    let all = || {
+        let node = |index| {
+            let node = normal_node(index);
+            let weight = libm::exp(0.5 * node.norm_squared());
+            Node { node, weight }
+        };
+        (1..=MOST_NODES).map(node).collect()
+    };
+    NODES.get_or_init(all)
 }
 
 fn normal_node(index: usize) -> Vector3<f64> {

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::crossings::{Run, edge_samples};
-use crate::feasible_set::{EdgeRow, OPEN, RollRows, distribution, furthest_change};
+use crate::feasible_set::{EdgeRow, OPEN, Programs, RollRows, distribution, furthest_change};
 use crate::roll_fit::slopes_at;
 use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::series_fit::largest_spread;
@@ -14,7 +14,9 @@ use crate::{PadCell, Quantity, RollSample, RollSeries};
 /// Largest number of times that the bounds are linearised to find one extreme of the set.
 const PASSES: usize = 8;
 /// An extreme has converged if it changes by less than this part of its distance from the mean.
-const CONVERGED: f64 = 1e-3;
+const CONVERGED: f64 = 0.03;
+/// Number of directions in which the bounds of principal curvatures are computed.
+const DIRECTIONS: usize = 12;
 /// Largest standard deviation of the mobility, relative to the mobility, of a set that cannot be open.
 const MAX_SPREAD: f64 = 0.03;
 /// Largest deviation of the mobility from its mean over the set, relative to the mean, for which the distribution of
@@ -28,8 +30,8 @@ const CENTRES: usize = 5;
 const MAX_HALVINGS: usize = 60;
 /// Distances, in radii of the probe, by which the linear bounds are widened if no mobility fulfils them.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
-/// Largest error of a path that bends between two nodes, in radii of the probe.
-const PATH_ERROR: f64 = 3e-7;
+/// Largest error of a path that bends between two nodes, relative to the rotation between two samples.
+const PATH_ERROR: f64 = 2e-3;
 
 /// A roll whose active pads bound the position of the contact.
 #[derive(Clone, Debug)]
@@ -61,7 +63,9 @@ impl BoundedRoll {
         // If the path bends, it is computed at more rotations than the bounds need.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
         let bend = uneven * turned.norm() + sagitta(samples);
-        let nodes = turned.norm() * (bend / (12.0 * PATH_ERROR)).sqrt();
+        let square = turned.norm_squared() * bend / 12.0;
+        let largest = PATH_ERROR * turned.norm() / samples.len() as f64;
+        let nodes = (square / largest.max(f64::MIN_POSITIVE)).sqrt();
         let step = (samples.len() / (nodes as usize + 1)).max(1);
         let mut rotations = Vec::with_capacity(edges.len());
         let mut last = 0;
@@ -74,6 +78,11 @@ impl BoundedRoll {
             last = edge.2;
             rotations.push(samples[last].rotation);
             edge.2 = rotations.len() - 1;
+        }
+        // The bounds are widened by the error of the path.
+        let count = rotations.len() as f64;
+        for edge in &mut edges {
+            edge.1 += square / (count * count);
         }
         Some(Self {
             is_start_known: series.start.is_some(),
@@ -109,6 +118,7 @@ pub(crate) struct PadEdgeSet {
     mean: Vector3<f64>,
     pub(crate) covariance: Matrix3<f64>,
     deviations: OnceLock<Option<[f64; 2]>>,
+    principal: OnceLock<[[f64; 2]; 2]>,
 }
 
 impl PadEdgeSet {
@@ -129,6 +139,7 @@ impl PadEdgeSet {
             mean: Vector3::zeros(),
             covariance: Matrix3::zeros(),
             deviations: OnceLock::new(),
+            principal: OnceLock::new(),
         };
         let mut starts: Vec<_> = set.rolls.iter().map(|roll| roll.start).collect();
         for pass in 0..=CENTRES {
@@ -171,7 +182,20 @@ impl PadEdgeSet {
         for (roll, start) in set.rolls.iter_mut().zip(starts) {
             roll.start = start;
         }
+        set.retain_needed();
         Some(set)
+    }
+
+    /// Removes the bounds that other bounds of the same edge imply.
+    fn retain_needed(&mut self) {
+        let Some(root) = self.covariance.cholesky().map(|root| root.unpack()) else {
+            return;
+        };
+        for (roll, rows) in self.rolls.iter_mut().zip(&mut self.rows) {
+            let needed = rows.needed(&roll.response, &self.cell, &self.mean, &root);
+            roll.edges = needed.iter().map(|&number| roll.edges[number]).collect();
+            rows.rows = needed.iter().map(|&number| rows.rows[number]).collect();
+        }
     }
 
     /// The change of the mobility, or the largest of its halves, quarters, … with which the contact rolls.
@@ -202,7 +226,8 @@ impl PadEdgeSet {
 
     /// Whether the set is open, that is, the readings do not limit the mobility in some direction.
     pub(crate) fn is_open(&self) -> bool {
-        let end = furthest_change(&self.rows, &Vector3::new(1.0, 0.0, 1.0));
+        let direction = Vector3::new(1.0, 0.0, 1.0);
+        let end = furthest_change(&self.rows, &direction, &mut Programs::default());
         end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
     }
 
@@ -254,31 +279,31 @@ impl PadEdgeSet {
 
     /// Largest value of `direction · β` over the set. The bounds are linearised again at each point that is found, so that
     /// the result is exact. `None` if the set is open in this direction.
-    fn furthest(&self, direction: &Vector3<f64>) -> Option<f64> {
+    fn furthest(&self, direction: &Vector3<f64>, programs: &mut Programs) -> Option<f64> {
         let mean = direction.dot(&self.mean);
-        let (mut change, moved) = furthest_change(&self.rows, direction)?;
+        let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;
         let mut starts: Vec<_> = self.rolls.iter().map(|roll| roll.start).collect();
-        starts
-            .iter_mut()
-            .zip(moved)
-            .for_each(|(start, moved)| *start += moved);
         let mut largest = f64::NEG_INFINITY;
         for pass in 1..=PASSES {
             if change.amax() > 0.9 * OPEN {
                 return None;
             }
+            for (start, moved) in starts.iter_mut().zip(&moved) {
+                *start += moved;
+            }
             let mobility = self.centre + matrix(&change);
             let shape = LocalShape::of_mobility(&mobility).filter(|_| is_rolling(&mobility))?;
-            let (step, moved) = furthest_change(&self.linearised(&shape, &starts)?, direction)?;
+            let rows = self.linearised(&shape, &starts)?;
+            let step;
+            (step, moved) = furthest_change(&rows, direction, &mut programs.restarted())?;
             let last = direction.dot(&change);
             change += step;
-            starts
-                .iter_mut()
-                .zip(moved)
-                .for_each(|(start, moved)| *start += moved);
             let found = direction.dot(&change);
-            if (found - last).abs() < CONVERGED * (found - mean).abs() + 1e-13 {
-                return Some(found.max(last));
+            let (distance, apart) = ((found - mean).abs(), (found - last).abs());
+            if apart < CONVERGED * distance + 1e-13 {
+                // The next change is smaller than this one by the same ratio or by a smaller one.
+                let next = apart * (apart / distance).min(1.0);
+                return Some(found.max(last) + next);
             }
             // In a direction in which the set is round, the corners of the linear bounds alternate around its end.
             if pass > PASSES / 2 {
@@ -294,12 +319,12 @@ impl PadEdgeSet {
         *self.deviations.get_or_init(|| {
             let root = self.mobility().try_inverse()?.cholesky()?.unpack();
             let [along, across] = [root.column(0), root.column(1)];
-            let ends = |product: Matrix2<f64>| {
+            let mut programs = Programs::default();
+            let mut ends = |product: Matrix2<f64>| {
                 let direction = entries(&(product + product.transpose())) * 0.5;
-                let end = |sign: f64| {
-                    let end =
-                        self.furthest(&(direction * sign))? - sign * direction.dot(&self.mean);
-                    Some(end.max(0.0))
+                let mut end = |sign: f64| {
+                    let end = self.furthest(&(direction * sign), &mut programs)?;
+                    Some((end - sign * direction.dot(&self.mean)).max(0.0))
                 };
                 Some([end(-1.0)?, end(1.0)?])
             };
@@ -319,6 +344,10 @@ impl PadEdgeSet {
     ///
     /// The curvature is linear in the mobility, except for a remainder that the deviations bound.
     pub(crate) fn ends(&self, quantity: Quantity) -> [Option<f64>; 2] {
+        self.ends_by(quantity, &mut Programs::default())
+    }
+
+    fn ends_by(&self, quantity: Quantity, programs: &mut Programs) -> [Option<f64>; 2] {
         let Some(relative) = self.mobility().try_inverse() else {
             return [None; 2];
         };
@@ -363,14 +392,54 @@ impl PadEdgeSet {
         let direction = entries(&slopes);
         let mean = direction.dot(&self.mean);
         let low = self
-            .furthest(&-direction)
+            .furthest(&-direction, programs)
             .map_or(f64::NEG_INFINITY, |end| -end - mean);
         let high = self
-            .furthest(&direction)
+            .furthest(&direction, programs)
             .map_or(f64::INFINITY, |end| end - mean);
         let low = (value + low.min(0.0) + remainder[0]).max(least);
         let high = value + high.max(0.0) + remainder[1];
         [low, high].map(|end| end.is_finite().then_some(end))
+    }
+
+    /// The smallest and the largest value of each principal curvature over the set, in units of the probe's curvature.
+    /// The first pair belongs to the smaller principal curvature. A pair is infinite where the curvature has no bound.
+    pub(crate) fn principal_ends(&self) -> [[f64; 2]; 2] {
+        *self.principal.get_or_init(|| {
+            let form = self.mobility().try_inverse().unwrap_or_default() - Matrix2::identity();
+            let first = 0.5 * libm::atan2(2.0 * form[(0, 1)], form[(0, 0)] - form[(1, 1)]);
+            let step = std::f64::consts::PI / DIRECTIONS as f64;
+            let mut programs = Programs::default();
+            // The curvature of the mean in each direction, and the smallest and the largest difference from it. The
+            // directions contain the principal directions of the mean.
+            let all: Vec<[f64; 3]> = (0..DIRECTIONS)
+                .map(|at| {
+                    let angle_rad = first + step * at as f64;
+                    let (sin, cos) = libm::sincos(angle_rad);
+                    let direction = Vector2::new(cos, sin);
+                    let own = direction.dot(&(form * direction));
+                    let [low, high] = self.ends_by(Quantity::Normal { angle_rad }, &mut programs);
+                    let [low, high] = [low.unwrap_or(-1.0), high.unwrap_or(f64::INFINITY)];
+                    [own, low - own, high - own]
+                })
+                .collect();
+            // A difference m + r cos(2(θ − φ)) exceeds both neighbouring directions by at most the `excess` of the
+            // larger one over m.
+            let excess = 1.0 / libm::cos(step) - 1.0;
+            let mean =
+                [1, 2].map(|end| all.iter().map(|one| one[end]).sum::<f64>() / DIRECTIONS as f64);
+            let mut outer = [f64::INFINITY, f64::NEG_INFINITY];
+            let mut inner = outer;
+            for (at, one) in all.iter().enumerate() {
+                let next = &all[(at + 1) % DIRECTIONS];
+                let [low, high] = [one[1].min(next[1]), one[2].max(next[2])];
+                let low = one[0].min(next[0]) + low - excess * (mean[1] - low);
+                let high = one[0].max(next[0]) + high + excess * (high - mean[0]);
+                outer = [outer[0].min(low), outer[1].max(high)];
+                inner = [inner[0].min(one[0] + one[2]), inner[1].max(one[0] + one[1])];
+            }
+            [[outer[0].max(-1.0), inner[0]], [inner[1], outer[1]]]
+        })
     }
 }
 
@@ -397,11 +466,12 @@ type Middle = (Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>);
 fn middle(rows: &[RollRows]) -> Option<Middle> {
     let (mut mean, mut half_widths) = (Vector3::zeros(), Vector3::zeros());
     let mut starts = vec![Vector2::zeros(); rows.len()];
+    let mut programs = Programs::default();
     for axis in 0..3 {
         for sign in [1.0, -1.0] {
             let mut direction = Vector3::zeros();
             direction[axis] = sign;
-            let (point, moved) = furthest_change(rows, &direction)?;
+            let (point, moved) = furthest_change(rows, &direction, &mut programs)?;
             mean += point / 6.0;
             half_widths[axis] += 0.5 * sign * point[axis];
             starts

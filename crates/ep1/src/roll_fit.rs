@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
 
-use crate::crossings::{Crossing, Run};
+use crate::crossings::Crossing;
 use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients};
 
 /// Largest number of steps of a fit.
@@ -50,8 +50,6 @@ pub(crate) struct RollData {
     /// Rotations at the observations.
     pub(crate) rotations: RollRotations,
     pub(crate) observations: Vec<Observation>,
-    /// The samples on each pad.
-    pub(crate) runs: Vec<Run>,
 }
 
 /// Noise of the readings.

@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::SeriesError;
+use crate::crossings::{Run, without_chatter};
 
 /// One sample of a roll: time, rotation of the probe, and place of the contact or pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +129,8 @@ pub enum SeriesMethod {
     Trajectory,
 }
 
-/// Checks the numbers in the readings and their noise, which must be valid for every method.
+/// Checks the numbers in the readings and their noise, which must be valid for every method. The result is the runs on
+/// pads of each roll, with their centres in radii of the probe. They are empty for contact points.
 ///
 /// # Errors
 /// [`SeriesError`] for a radius, pitch or noise out of range, samples that are not finite, and times that do not
@@ -138,7 +140,7 @@ pub(crate) fn check(
     places: &Places,
     noise: &SeriesNoise,
     rolls: &[RollSeries],
-) -> Result<(), SeriesError> {
+) -> Result<Vec<Vec<Run>>, SeriesError> {
     let is_size = |size: f64| (0.0..f64::INFINITY).contains(&size);
     let is_place_sound = match places {
         Places::Pads(cell) => cell.pitch > 1e-9 * radius && cell.pitch <= radius,
@@ -154,12 +156,16 @@ pub(crate) fn check(
     if !(is_radius && is_place_sound && are_sizes) {
         return Err(SeriesError::OutOfRange);
     }
+    let has_pads = matches!(places, Places::Pads(_));
+    let mut all = Vec::with_capacity(rolls.len());
     for (roll, series) in rolls.iter().enumerate() {
         let start = series.start.unwrap_or_default();
         if !is_on_probe(radius, &start) {
             return Err(SeriesError::OffProbe { roll, sample: 0 });
         }
         let mut last = f64::NEG_INFINITY;
+        let mut place = Vector2::repeat(f64::NAN);
+        let mut runs: Vec<Run> = Vec::new();
         for (sample, reading) in series.samples.iter().enumerate() {
             let sum = reading.time_s + reading.rotation.sum() + reading.place.sum();
             if !sum.is_finite() {
@@ -174,12 +180,27 @@ pub(crate) fn check(
                 });
             }
             last = reading.time_s;
-            if !is_on_probe(radius, &reading.place) {
+            if reading.place == place {
+                continue;
+            }
+            place = reading.place;
+            if !is_on_probe(radius, &place) {
                 return Err(SeriesError::OffProbe { roll, sample });
             }
+            if has_pads {
+                if let Some(run) = runs.last_mut() {
+                    run.last = sample - 1;
+                }
+                runs.push(Run {
+                    first: sample,
+                    last: series.samples.len() - 1,
+                    centre: place / radius,
+                });
+            }
         }
+        all.push(without_chatter(&runs));
     }
-    Ok(())
+    Ok(all)
 }
 
 /// Whether `place` is a point of the probe, that is, less than half a turn from the origin of the coordinates.

@@ -73,9 +73,6 @@ impl LocalShape {
     /// The drive of a contact at `x`, and its derivative, which is the sum of the curvature forms of both bodies.
     fn drive(&self, x: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let mut relative = self.relative();
-        if self.terms == 1 {
-            return (relative * x, relative);
-        }
         let (along, across) = (powers(x.x), powers(x.y));
         let mut drive = relative * x;
         for term in 1..self.terms {
@@ -107,9 +104,9 @@ fn powers(x: f64) -> [f64; MAX_TERMS + 1] {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RollRotations {
     rotations: Vec<Vector3<f64>>,
-    /// Whether the measured rotation about the normal is used. With noise, rolls are assumed not to spin, because an
-    /// error of the spin would turn the rest of the path.
-    has_spin: bool,
+    /// Rotation vectors from one sample to the next. Empty if the measured rotation about the normal is not used: with
+    /// noise, rolls are assumed not to spin, because an error of the spin would turn the rest of the path.
+    steps: Vec<Vector3<f64>>,
 }
 
 /// The contact at one sample.
@@ -129,10 +126,27 @@ pub(crate) struct PathPoint {
 
 impl RollRotations {
     /// The rotations of a roll. `rotations` contains, for each sample, the rotation vector since the start of the roll.
-    pub(crate) const fn new(rotations: Vec<Vector3<f64>>, has_spin: bool) -> Self {
+    pub(crate) fn new(rotations: Vec<Vector3<f64>>, has_spin: bool) -> Self {
+        let mut last = Vector3::zeros();
+        let step = |rotation: &Vector3<f64>| {
+            // If two rotation vectors are parallel, their difference is exact, and faster to compute than a product of
+            // quaternions.
+            let across = last.cross(rotation).norm_squared();
+            let scale = last.norm_squared() * rotation.norm_squared();
+            let step = match across <= 1e-24 * scale {
+                true => rotation - last,
+                false => {
+                    let [from, to] = [last, *rotation].map(UnitQuaternion::from_scaled_axis);
+                    (from.inverse() * to).scaled_axis()
+                }
+            };
+            last = *rotation;
+            step
+        };
+        let used: &[_] = if has_spin { &rotations } else { &[] };
         Self {
+            steps: used.iter().map(step).collect(),
             rotations,
-            has_spin,
         }
     }
 
@@ -154,32 +168,22 @@ impl RollRotations {
             frame: Matrix3::identity(),
             x: Vector2::zeros(),
             drive: Vector2::zeros(),
-            mobility: shape.relative().try_inverse()?,
+            mobility: positive(shape.relative().try_inverse()?)?,
             spin: 0.0,
         };
+        for step in &self.steps {
+            at = at.after(shape, &at.turn_of(step))?;
+            path.push(at);
+        }
+        if !self.steps.is_empty() {
+            return Some(());
+        }
         let mut last = Vector3::zeros();
         for rotation in &self.rotations {
-            if !self.has_spin {
-                let true_drive = drive_of(rotation) - error * rotation.norm();
-                let (turn, normal_part) = at.turn_without_spin(&last, &true_drive)?;
-                last = Vector3::new(true_drive.y, -true_drive.x, normal_part);
-                at = at.after(shape, &turn)?;
-                path.push(at);
-                continue;
-            }
-            // If two rotation vectors are parallel, their difference is exact, and faster to compute than a product of
-            // quaternions.
-            let across = last.cross(rotation).norm_squared();
-            let scale = last.norm_squared() * rotation.norm_squared();
-            let step = match across <= 1e-24 * scale {
-                true => rotation - last,
-                false => {
-                    let [from, to] = [last, *rotation].map(UnitQuaternion::from_scaled_axis);
-                    (from.inverse() * to).scaled_axis()
-                }
-            };
-            last = *rotation;
-            at = at.after(shape, &at.turn_of(&step))?;
+            let true_drive = drive_of(rotation) - error * rotation.norm();
+            let (turn, normal_part) = at.turn_without_spin(&last, &true_drive)?;
+            last = Vector3::new(true_drive.y, -true_drive.x, normal_part);
+            at = at.after(shape, &turn)?;
             path.push(at);
         }
         Some(())
@@ -222,18 +226,19 @@ impl PathPoint {
         let spin = self.spin + turn.z;
         let mean_spin = self.spin + 0.5 * turn.z;
         let drive = self.drive + spun(&drive_of(turn), mean_spin);
-        let mut x = self.x;
-        let mut mobility = self.mobility;
-        for _ in 0..NEWTON_STEPS {
-            let (at_x, relative) = shape.drive(&x);
-            mobility = relative.try_inverse()?;
-            if mobility.determinant() <= 0.0 || mobility.trace() <= 0.0 {
-                return None;
-            }
-            let step = mobility * (drive - at_x);
-            x += step;
-            if shape.terms == 1 || step.amax() < SMALL_STEP {
-                break;
+        let (mut x, mut mobility) = (self.x, self.mobility);
+        if shape.terms == 1 {
+            // The mobility is constant.
+            x = mobility * drive;
+        } else {
+            for _ in 0..NEWTON_STEPS {
+                let (at_x, relative) = shape.drive(&x);
+                mobility = positive(relative.try_inverse()?)?;
+                let step = mobility * (drive - at_x);
+                x += step;
+                if step.amax() < SMALL_STEP {
+                    break;
+                }
             }
         }
         let along = spun(&(x - self.x), -mean_spin);
@@ -266,15 +271,30 @@ fn spun(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
     )
 }
 
+/// `mobility` if it is the one of a rolling contact.
+fn positive(mobility: Matrix2<f64>) -> Option<Matrix2<f64>> {
+    (mobility.determinant() > 0.0 && mobility.trace() > 0.0).then_some(mobility)
+}
+
+/// The ratios `sin(a)/a` and `(1 − cos(a))/a²` for an angle a with this `square`.
+fn sine_ratios(square: f64) -> (f64, f64) {
+    if square < 0.25 {
+        let series = |first: f64| {
+            let terms = (0..6).rev().map(|term| 2.0 * f64::from(term) + first);
+            terms.fold(1.0, |sum, n| 1.0 - square * (1.0 / (n * (n + 1.0))) * sum)
+        };
+        return (series(2.0), 0.5 * series(3.0));
+    }
+    let angle = square.sqrt();
+    let (sin, cos) = libm::sincos(angle);
+    (sin / angle, (1.0 - cos) / square)
+}
+
 /// The contact frame after the contact has moved by `along` on the unit sphere, relative to the frame before.
 fn rolled(along: &Vector2<f64>) -> Matrix3<f64> {
     let square = along.norm_squared();
-    let angle = square.sqrt();
-    let (sin, cos) = libm::sincos(angle);
-    let (per_sin, per_cos) = match angle < 1e-9 {
-        true => (1.0, 0.5),
-        false => (sin / angle, (1.0 - cos) / square),
-    };
+    let (per_sin, per_cos) = sine_ratios(square);
+    let cos = 1.0 - per_cos * square;
     let (u, v) = (along.x, along.y);
     Matrix3::new(
         1.0 - per_cos * u * u,
@@ -348,10 +368,11 @@ impl StartFrame {
             .turns
             .map(|turn| in_chart(&(self.frame * turn.cross(&local))));
         // A displacement across the path is shorter on a sphere than on a plane, by the factor `narrow`.
-        let length = at.x.norm();
-        let (along, narrow) = match length < 1e-6 {
-            true => (Vector2::x(), 1.0),
-            false => (at.x / length, libm::sin(length) / length),
+        let square = at.x.norm_squared();
+        let narrow = sine_ratios(square).0;
+        let along = match square < 1e-12 {
+            true => Vector2::x(),
+            false => at.x / square.sqrt(),
         };
         let axes = self.frame * at.frame.fixed_columns::<2>(0);
         let by_path = [Vector2::x(), Vector2::y()].map(|axis| {

@@ -9,9 +9,6 @@ use crate::pad_edge::PadEdgeSet;
 use crate::series_fit::inverse_slopes;
 use crate::{Estimate, Measured};
 
-/// Number of directions in which the bounds of principal curvatures are computed.
-const DIRECTIONS: usize = 16;
-
 /// A curvature of the object at the common start of the rolls, in the axes of the pads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
@@ -224,27 +221,12 @@ impl SeriesEstimate {
         if !matches!(quantity, Quantity::PrincipalMin | Quantity::PrincipalMax) {
             return Some(set.ends(quantity).map(|end| Some(end? * scale)));
         }
-        let all = (0..DIRECTIONS).map(|at| {
-            let angle_rad = std::f64::consts::PI * at as f64 / DIRECTIONS as f64;
-            let [low, high] = set.ends(Quantity::Normal { angle_rad });
-            [low.unwrap_or(-1.0), high.unwrap_or(f64::INFINITY)]
-        });
-        let all: Vec<_> = all.collect();
-        let of_ends = |end: usize, best: fn(f64, f64) -> f64| {
-            all.iter()
-                .map(|ends| ends[end])
-                .reduce(best)
-                .unwrap_or(f64::NAN)
+        let [min, max] = set.principal_ends();
+        let ends = if quantity == Quantity::PrincipalMin {
+            min
+        } else {
+            max
         };
-        let (lowest, highest) = (of_ends(0, f64::min), of_ends(1, f64::max));
-        // The principal direction can be between two of the directions.
-        let share = 1.0 - libm::cos(std::f64::consts::PI / DIRECTIONS as f64);
-        let between = 0.5 * share / (1.0 - share) * (highest - lowest);
-        let ends = match quantity {
-            Quantity::PrincipalMin => [lowest - between, of_ends(1, f64::min)],
-            _ => [of_ends(0, f64::max), highest + between],
-        };
-        let ends = [ends[0].max(-1.0), ends[1]];
         Some(ends.map(|end| end.is_finite().then_some(end * scale)))
     }
 
@@ -345,7 +327,7 @@ impl SeriesEstimate {
         let root = (covariance + floor).cholesky().map(|root| root.unpack());
         let root = root.unwrap_or_default() * (self.half_width() / NORMAL_95).min(1e3);
         normal_nodes().iter().map(move |node| {
-            let change = root * node;
+            let change = root * node.node;
             let drawn = centre + Matrix2::new(change.x, change.y, change.y, change.z);
             let is_rolling = drawn.determinant() > 0.0 && drawn.trace() > 0.0;
             match is_form_normal {

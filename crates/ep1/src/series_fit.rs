@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
-use crate::crossings::{crossings, runs};
+use crate::crossings::{Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{FitNoise, Observation, RollData, SeriesFit};
 use crate::roll_series::check;
@@ -25,7 +25,7 @@ const GROUPS: usize = 12;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
 /// Changes below this value end the fit that only locates the set of exact readings.
-const ROUGH_TOLERANCE: f64 = 1e-3;
+const ROUGH_TOLERANCE: f64 = 1e-2;
 /// Largest standard deviation of a determined mobility, divided by the mobility. With a larger value, the interval of the
 /// mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
@@ -50,13 +50,14 @@ pub fn estimate_series(
     noise: &SeriesNoise,
     rolls: &[RollSeries],
 ) -> Result<SeriesEstimate, SeriesError> {
-    check(radius, places, noise, rolls)?;
+    let runs = check(radius, places, noise, rolls)?;
     let mut problem = Problem {
         method,
         radius,
         places,
         noise,
         rolls,
+        runs,
         reports: vec![RollReport::default(); rolls.len()],
     };
     problem.estimate()
@@ -68,6 +69,8 @@ struct Problem<'r> {
     places: &'r Places,
     noise: &'r SeriesNoise,
     rolls: &'r [RollSeries],
+    /// The samples on each pad, for each roll.
+    runs: Vec<Vec<Run>>,
     reports: Vec<RollReport>,
 }
 
@@ -189,7 +192,8 @@ impl Problem<'_> {
         let mut rolls = Vec::with_capacity(data.len());
         for (at, roll) in data.iter().enumerate() {
             let series = &self.rolls[roll.roll];
-            let mut bounded = BoundedRoll::new(series, &roll.runs, self.radius, cell, &shape)?;
+            let runs = &self.runs[roll.roll];
+            let mut bounded = BoundedRoll::new(series, runs, self.radius, cell, &shape)?;
             if let Some(fit) = fit {
                 bounded.start = fit.rolls[at].start;
                 bounded.response = fit.rolls[at].start_response();
@@ -257,22 +261,22 @@ impl Problem<'_> {
                 continue;
             }
             let guess = series.start.unwrap_or(samples[0].place) * scale;
-            let (rotations, observations, start_std, runs) = match self.places {
+            let (rotations, observations, start_std) = match self.places {
                 Places::Pads(cell) => {
                     let pitch = cell.pitch() * scale;
-                    let runs = runs(self.radius, samples);
-                    let all = crossings(samples, &runs, pitch, cell, self.noise, mobility);
+                    let all =
+                        crossings(samples, &self.runs[roll], pitch, cell, self.noise, mobility);
                     report.crossings = all.len();
                     if all.is_empty() {
                         report.left_out = Some(Exclusion::NoCrossing);
                     }
                     let rotations: Vec<_> = all.iter().map(|crossing| crossing.rotation).collect();
                     let observations: Vec<_> = all.into_iter().map(Observation::Crossing).collect();
-                    (rotations, observations, pitch / 12.0_f64.sqrt(), runs)
+                    (rotations, observations, pitch / 12.0_f64.sqrt())
                 }
                 Places::Contacts { .. } => {
                     let (rotations, observations) = groups(samples, scale);
-                    (rotations, observations, f64::INFINITY, Vec::new())
+                    (rotations, observations, f64::INFINITY)
                 }
             };
             data.push(RollData {
@@ -282,7 +286,6 @@ impl Problem<'_> {
                 start_std,
                 rotations: RollRotations::new(rotations, self.noise.is_exact()),
                 observations,
-                runs,
             });
         }
         data
