@@ -231,6 +231,18 @@ impl PadEdgeSet {
         end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
     }
 
+    /// Whether the contact moves against the roll in some direction for all mobilities of the set.
+    pub(crate) fn is_reversed(&self) -> bool {
+        let mut programs = Programs::default();
+        (0..4).any(|at| {
+            let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_4 * f64::from(at));
+            let direction = Vector3::new(cos * cos, 2.0 * sin * cos, sin * sin);
+            let own = entries_of(&self.centre);
+            let end = furthest_change(&self.rows, &direction, &mut programs);
+            end.is_some_and(|(change, _)| direction.dot(&(own + change)) <= 0.0)
+        })
+    }
+
     /// Whether the distribution of the mobility suggests that few edges are crossed.
     pub(crate) fn is_wide(&self) -> bool {
         largest_spread(&self.mobility(), &self.covariance) > MAX_SPREAD
@@ -447,6 +459,11 @@ impl PadEdgeSet {
 /// mobility has the same property.
 fn is_rolling(mobility: &Matrix2<f64>) -> bool {
     mobility.determinant() > 0.0 && mobility.trace() > 0.0
+}
+
+/// The entries uu, uv, vv of a symmetric matrix.
+fn entries_of(matrix: &Matrix2<f64>) -> Vector3<f64> {
+    Vector3::new(matrix[(0, 0)], matrix[(0, 1)], matrix[(1, 1)])
 }
 
 fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {

@@ -208,6 +208,9 @@ impl Problem<'_> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         let covariance = set.covariance;
+        if set.is_wide() && set.is_reversed() {
+            return Err(SeriesError::NotRolling);
+        }
         if set.is_wide() && set.is_open() {
             return Err(self.undetermined());
         }
