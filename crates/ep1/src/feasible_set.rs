@@ -367,14 +367,10 @@ fn multiply_areas(
     let mut slacks = [[OPEN; BLOCK]; 6];
     for row in rows {
         let [of_uu, of_uv, of_vv] = row.form.into();
-        let least = &mut slacks[row.edge];
-        for node in 0..BLOCK {
-            let slack = row.slack - of_uu * uu[node] - of_uv * uv[node] - of_vv * vv[node];
-            least[node] = if slack < least[node] {
-                slack
-            } else {
-                least[node]
-            };
+        let nodes = slacks[row.edge].iter_mut().zip(uu).zip(uv).zip(vv);
+        for (((least, uu), uv), vv) in nodes {
+            let slack = row.slack - of_uu * uu - of_uv * uv - of_vv * vv;
+            *least = if slack < *least { slack } else { *least };
         }
     }
     for (node, area) in areas.iter_mut().enumerate() {
