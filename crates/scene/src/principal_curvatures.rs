@@ -12,7 +12,8 @@ const UMBILIC_TOLERANCE: f64 = 1e-9;
 /// Curvatures at a point of the object, either true or estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointCurvature {
-    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad.
+    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad. True angles of
+    /// several points are near each other: angles that differ by half a turn describe the same axis.
     pub(crate) values: [f64; 4],
     /// Standard errors of the values; `None` for true values, and for an estimator without standard errors.
     pub(crate) stds: [Option<f64>; 4],
@@ -26,14 +27,14 @@ impl PointCurvature {
     /// k_max and the angle; `mean_std` is the standard error of the mean curvature.
     pub(crate) fn of(form: &CurvatureForm, stds: Option<[f64; 3]>, mean_std: Option<f64>) -> Self {
         let principal = form.principal();
-        let axis_rad = principal.angle_of_max_rad + std::f64::consts::FRAC_PI_2;
+        let axis_deg = half_turn(principal.angle_of_max_rad.to_degrees() + 90.0);
         let std = |place: usize| finite(stds?[place]);
         Self {
             values: [
                 principal.k_min,
                 principal.k_max,
                 form.mean_curvature(),
-                axis_rad,
+                axis_deg.to_radians(),
             ],
             stds: [std(0), std(1), mean_std, std(2)],
             interval_holds: [None; 3],
@@ -73,7 +74,7 @@ impl PointCurvature {
                 }
             }
             Quantity::AXIS_DEG if !self.is_umbilic() && !truth.is_umbilic() => {
-                let [axis, truth] = [self, truth].map(|one| half_turn(one.values[3].to_degrees()));
+                let [axis, truth] = [self, truth].map(|one| one.values[3].to_degrees());
                 // Angles that differ by half a turn describe the same axis. Use the one nearest to the true angle.
                 Observation {
                     std: self.stds[3].map(f64::to_degrees),
@@ -104,6 +105,19 @@ impl PointCurvature {
                 observe(place, outcome);
             }
         }
+    }
+}
+
+/// Moves the angles of axes within 90 degrees of their axial mean, so that their mean and standard deviation are those of
+/// the axes. Otherwise axes near ±90 degrees would have a mean near 0.
+pub(crate) fn align_axes<'a>(points: impl Iterator<Item = &'a mut PointCurvature>) {
+    let mut points: Vec<_> = points.filter(|point| !point.is_umbilic()).collect();
+    let doubled = points.iter().map(|point| 2.0 * point.values[3]);
+    let sines: f64 = doubled.clone().map(libm::sin).sum();
+    let mean = 0.5 * libm::atan2(sines, doubled.map(libm::cos).sum());
+    for point in &mut points {
+        let offset_deg = half_turn((point.values[3] - mean).to_degrees());
+        point.values[3] = mean + offset_deg.to_radians();
     }
 }
 

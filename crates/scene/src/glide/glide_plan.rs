@@ -14,7 +14,7 @@ use super::fingertip_sensor::{GlideSensor, SensorKind};
 use super::glide_trial::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePlace};
 use crate::config_conversion::{pad_layout, range_error, sensor_error, shape};
 use crate::ladder::{Accuracy, Ladder, Rung};
-use crate::principal_curvatures::PointCurvature;
+use crate::principal_curvatures::{PointCurvature, align_axes};
 use crate::scene::Need;
 use palpate_estimators::GlideMethod;
 use palpate_study::config::{
@@ -379,10 +379,12 @@ fn grid(
             principal: glide.principal_curvatures.then(principal).flatten(),
         })
     };
-    let places = (0..config.grid)
+    let mut places: Vec<TruePlace> = (0..config.grid)
         .flat_map(|row| (0..config.grid).map(move |column| (row, column)))
         .map(|(row, column)| place(at(row), at(column)))
         .collect::<Result<_, _>>()?;
+    let principal = places.iter_mut().filter_map(|one| one.principal.as_mut());
+    align_axes(principal.map(|(principal, _)| principal));
     Ok(TrueGrid {
         side: config.grid as usize,
         places,

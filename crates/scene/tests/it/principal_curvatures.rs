@@ -109,3 +109,16 @@ fn on_a_sphere_noise_separates_the_principal_curvatures() {
     let [_, undetermined, _] = found("axis_undetermined");
     assert!((0.93..0.97).contains(&undetermined), "{undetermined}");
 }
+
+#[test]
+fn axes_near_90_degrees_are_averaged_as_axes() {
+    let cylinder = r#"object = { kind = "cylinder", radius = 4.0, direction_deg = 90 }"#;
+    let noise = "noise.position = { kind = \"gaussian\", std = 0.01 }";
+    let all = observed([GLIDE, cylinder, noise], "axis_deg", 20);
+    let sides = all.iter().flat_map(|one| [one.truth, one.estimate]);
+    let sides: Vec<f64> = sides.map(|angle| angle * all[0].truth.signum()).collect();
+    assert!(
+        sides.iter().all(|angle| (60.0..120.0).contains(angle)),
+        "{sides:?}"
+    );
+}
