@@ -354,10 +354,13 @@ impl<'r> GlideFitResult<'r> {
         let side = is_signed
             .then(|| assumed_side(shape, &self.centre.curvature, self.options.outward))
             .flatten();
-        let is_contact = self.given.tip_radius.is_none();
-        let unused = is_contact.then(|| recorded.unused_orientation()).flatten();
+        let (unused, other_tip) = match self.given.tip_radius {
+            None => (recorded.unused_orientation(), None),
+            Some(stated) => (None, recorded.other_tip_radius(stated)),
+        };
         Warning::of(StatedQuantity::Scale.code(), spacing)
             .into_iter()
+            .chain(Warning::of(StatedQuantity::Scale.code(), other_tip))
             .chain(side)
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))

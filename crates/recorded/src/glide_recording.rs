@@ -19,6 +19,9 @@ use palpate_statistics::Number;
 use palpate_study::config::{LengthUnit, SettingError};
 use palpate_study::readings::{Column, GLIDES, Measure, quaternion_part, spelt};
 
+/// Largest accepted relative difference between the stated radius of fingertips and the radius in a column.
+const MAX_RADIUS_ERROR: f64 = 0.01;
+
 /// Recorded readings of glides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlideRecording {
@@ -90,26 +93,48 @@ impl GlideRecording {
     /// Returns an error if the file has a column with a radius. The positions may then be those of round fingertips
     /// instead of contacts.
     pub(super) fn check_contacts(&self) -> Result<(), RecordedError> {
-        let mut names = self.extras.names.iter().enumerate();
-        let is_radius = |name: &str| spelt(name).split('_').any(|word| word == "radius");
-        let Some((place, name)) = names.find(|(_, name)| is_radius(name)) else {
+        let Some((name, mut radii)) = self.radii() else {
             return Ok(());
         };
-        let mut radii = (0..self.contacts.len()).map(|row| self.extras.row(row).swap_remove(place));
         let radius = radii.next().unwrap_or_default();
         if let Some(other) = radii.find(|other| *other != radius) {
             return Err(self.source.fail(format!(
                 "column `{name}` has the values {radius} and {other}, but setting `tip_radius` is one radius; write the contacts of other tips into another file"
             )));
         }
-        let in_name = bracketed(name).1.or(name.rsplit('_').next());
-        let unit = in_name.and_then(|unit| Measure::Length.unit(unit));
-        let factor = unit.and_then(|unit| unit.to(self.unit?));
-        let converted = factor.and_then(|factor| Some(factor * radius.parse::<f64>().ok()?));
-        let radius = converted.map_or(radius, |radius| Number(radius).to_string());
         Err(self.source.fail(format!(
             "column `{name}` is {radius}, so the positions may be those of round tips instead of contacts; state setting `tip_radius` {radius} for tips (setting `reports`: their lowest point or their centre), or 0 for contacts"
         )))
+    }
+
+    /// Name of the column with the radius of the fingertips, and its values in the unit of the recording.
+    fn radii(&self) -> Option<(&str, impl Iterator<Item = String>)> {
+        let mut names = self.extras.names.iter().enumerate();
+        let is_radius = |name: &str| spelt(name).split('_').any(|word| word == "radius");
+        let (place, name) = names.find(|(_, name)| is_radius(name))?;
+        let in_name = bracketed(name).1.or(name.rsplit('_').next());
+        let unit = in_name.and_then(|unit| Measure::Length.unit(unit));
+        let factor = unit.and_then(|unit| unit.to(self.unit?));
+        let converted = move |row| {
+            let radius = self.extras.row(row).swap_remove(place);
+            let value = factor.and_then(|factor| Some(factor * radius.parse::<f64>().ok()?));
+            value.map_or(radius, |value| Number(value).to_string())
+        };
+        Some((name, (0..self.contacts.len()).map(converted)))
+    }
+
+    /// Text of a warning: the stated radius of the fingertips, if it is not 0, differs from a column of the file.
+    pub(super) fn other_tip_radius(&self, stated: f64) -> Option<String> {
+        let (name, mut radii) = self.radii()?;
+        let differs = |radius: &String| {
+            let value = radius.trim().parse::<f64>();
+            stated > 0.0
+                && value.is_ok_and(|value| (value - stated).abs() > MAX_RADIUS_ERROR * stated)
+        };
+        let radius = radii.find(differs)?;
+        Some(format!(
+            "setting `tip_radius` is {stated}, but column `{name}` is {radius}: which one is right?"
+        ))
     }
 
     /// Text of a note for files with unused orientations: the positions may be points of fingertips instead of

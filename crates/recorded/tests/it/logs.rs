@@ -201,3 +201,23 @@ fn copies_count_once() {
     });
     same(&one, &four, &["object_curvature", "indentation", "noise"]);
 }
+
+#[test]
+fn a_stated_tip_radius_is_compared_with_the_column() {
+    let rows = ball(&|_| None).replace("z_mm\n", "z_mm,tip_radius_mm\n");
+    let mut lines = rows.lines();
+    let header = lines.next().unwrap().to_owned();
+    let text = lines.fold(header, |text, line| format!("{text}\n{line},5"));
+    let readings = parse_glide(file(&text)).unwrap();
+    for (stated, is_other) in [(0.0, false), (3.0, true), (5.0, false)] {
+        let given = json!({ "tip_radius": stated, "reports": "centre" });
+        let options = GlideOptions::with_settings(None, given.as_object().unwrap(), None, false);
+        let (estimate, _) = estimate_glide(&readings, &options.unwrap()).unwrap();
+        let estimate = serde_json::to_value(estimate).unwrap();
+        assert_eq!(
+            codes(&estimate).contains(&"stated-scale"),
+            is_other,
+            "{estimate}"
+        );
+    }
+}
