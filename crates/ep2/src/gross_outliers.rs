@@ -84,9 +84,15 @@ impl SoundContacts {
     /// # Errors
     /// [`ShapeError`] if a number is invalid, or if more than a fifth of the contacts are gross outliers.
     pub fn new(contacts: &[Contact]) -> Result<Self, ShapeError> {
-        check(contacts.iter().enumerate().filter(|(_, one)| !is_lost(one)))?;
+        // Lost readings often have normals of zeros. Such normals are wrong only if their contacts are used.
+        let has_normal = |one: &Contact| one.normal != Some(Vector3::zeros());
+        let rows = || contacts.iter().enumerate();
+        check(rows().filter(|(_, one)| has_normal(one)))?;
         let distinct = DistinctContacts::without_rests(contacts);
         let outliers = gross_outliers(contacts, &distinct.contacts)?;
+        let place = |row: usize| outliers.binary_search_by_key(&row, |one| one.contact);
+        let without_normal = rows().find(|(row, one)| !has_normal(one) && place(*row).is_err());
+        check(without_normal.into_iter())?;
         if outliers.is_empty() {
             return Ok(Self {
                 outliers,
