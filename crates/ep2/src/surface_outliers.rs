@@ -1,7 +1,8 @@
 //! Finds outliers near the surface: contacts that contradict a smooth surface through the other contacts.
 //!
 //! Robust polynomials find suspects. A suspect is an outlier only if a fit to the contacts without suspects also
-//! contradicts it, because polynomials do not follow every surface. Outliers that lie together are kept.
+//! contradicts it, because polynomials do not follow every surface. Outliers that lie together are kept, unless the path
+//! of a finger jumps to them.
 
 use std::ops::RangeInclusive;
 
@@ -9,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::chebyshev::{count, products};
 use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
-use crate::patch::{Sample, sample};
+use crate::patch::{FingerMap, Sample, sample};
 use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
@@ -55,6 +56,11 @@ const MIN_DISTANCE_RATIO: f64 = 0.3;
 /// share of outliers among all contacts if that is larger. At a larger mean share, the surface differs from the model.
 const MAX_NEIGHBOUR_SHARE: f64 = 0.3;
 const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
+/// Longest step of a finger, and the further distance for each contact that is skipped, relative to the median step.
+const MAX_STEP_RATIO: f64 = 3.0;
+const MAX_SKIPPED_STEP_RATIO: f64 = 1.5;
+/// Largest number of successive contacts beside the path of a finger.
+const MAX_SKIPPED: usize = 30;
 
 impl SoundContacts {
     /// Also leaves out contacts that contradict a smooth surface through the other contacts. `contacts` are the same
@@ -71,8 +77,18 @@ impl SoundContacts {
         for &run in &self.distinct.run_of_row {
             counts[run] += 1;
         }
-        let is_outlier = outliers(&self.distinct.contacts, &counts, outward);
-        if !is_outlier.contains(&true) || !are_scattered(&self.distinct.contacts, &is_outlier) {
+        let all = &self.distinct.contacts;
+        let is_beside_path = beside_paths(all);
+        let mut is_outlier = outliers(all, &counts, &is_beside_path, outward);
+        let pairs = is_outlier.iter().zip(&is_beside_path);
+        let on_path: Vec<bool> = pairs.map(|(one, is_beside)| *one && !is_beside).collect();
+        if on_path.contains(&true) && !are_scattered(all, &on_path) {
+            is_outlier
+                .iter_mut()
+                .zip(on_path)
+                .for_each(|(one, is_on_path)| *one &= !is_on_path);
+        }
+        if !is_outlier.contains(&true) {
             return Ok(self);
         }
         let runs = self.distinct.run_of_row.iter().zip(&self.rows);
@@ -85,6 +101,50 @@ impl SoundContacts {
         let outliers = within_share(self.outliers, contacts.len())?;
         Ok(Self::without(contacts, outliers))
     }
+}
+
+/// Whether each contact is beside the path of its finger: the longest path whose steps have the usual length skips it. A
+/// finger moves without jumps, so such a contact is suspect even if others lie beside it. In contacts without an order,
+/// all steps are long, and no contact is beside the path.
+fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
+    let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
+    for (index, contact) in contacts.iter().enumerate() {
+        fingers.entry(contact.finger).push(index);
+    }
+    let distance =
+        |one: usize, other: usize| (contacts[one].position - contacts[other].position).norm();
+    let pairs = fingers.iter().flat_map(|finger| finger.windows(2));
+    let steps: Vec<f64> = pairs.map(|pair| distance(pair[0], pair[1])).collect();
+    let mut is_beside = vec![false; contacts.len()];
+    if steps.is_empty() {
+        return is_beside;
+    }
+    let limits =
+        [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * median(steps.clone()));
+    for finger in fingers.iter() {
+        // For each contact: the number of contacts on the longest path that ends at it, and the contact before it.
+        let mut paths: Vec<(usize, Option<usize>)> = Vec::with_capacity(finger.len());
+        for place in 0..finger.len() {
+            let is_near = |before: &usize| {
+                let skipped = (place - before - 1) as f64;
+                distance(finger[*before], finger[place]) <= limits[0] + skipped * limits[1]
+            };
+            let near = (place.saturating_sub(MAX_SKIPPED + 1)..place)
+                .rev()
+                .filter(is_near);
+            let longest = near
+                .map(|before| (paths[before].0, before))
+                .max_by_key(|one| one.0);
+            paths.push(longest.map_or((1, None), |(count, before)| (count + 1, Some(before))));
+        }
+        let mut last = (0..finger.len()).max_by_key(|&place| paths[place].0);
+        finger.iter().for_each(|&contact| is_beside[contact] = true);
+        while let Some(place) = last {
+            is_beside[finger[place]] = false;
+            last = paths[place].1;
+        }
+    }
+    is_beside
 }
 
 /// Whether outliers are scattered among the other contacts. Contacts that lie together, such as those of a bump, are part
@@ -113,18 +173,29 @@ fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
     mean <= MAX_NEIGHBOUR_SHARE.max(MAX_RELATIVE_NEIGHBOUR_SHARE * share(is_outlier))
 }
 
-/// Whether each contact is an outlier. `counts` contains the number of rows of the log that each contact represents.
-/// Outliers between the contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore
-/// rests have a larger weight.
-fn outliers(contacts: &[Contact], counts: &[usize], outward: &Vector3<f64>) -> Vec<bool> {
+/// Whether each contact is an outlier. `counts` are the numbers of rows that the contacts represent. Outliers between the
+/// contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore rests have a larger
+/// weight. Contacts beside the path of their finger (`is_beside_path`) are suspects, and have no weight.
+fn outliers(
+    contacts: &[Contact],
+    counts: &[usize],
+    is_beside_path: &[bool],
+    outward: &Vector3<f64>,
+) -> Vec<bool> {
     let none = vec![false; contacts.len()];
-    let repeats = counts.iter().map(|count| (*count).min(MAX_REPEATS));
+    let pairs = counts.iter().zip(is_beside_path);
+    let repeats = pairs.map(|(count, is_beside)| match is_beside {
+        true => 0,
+        false => (*count).min(MAX_REPEATS),
+    });
     let weighted = contacts.iter().zip(repeats.clone());
     let weighted = weighted.flat_map(|(contact, repeats)| std::iter::repeat_n(contact, repeats));
     let patch = Patch::new(&selected(weighted, repeats.sum()), outward).ok();
     let Some(mut is_outlier) = patch.and_then(|patch| suspects(&patch, contacts)) else {
         return none;
     };
+    let suspects = is_outlier.iter_mut().zip(is_beside_path);
+    suspects.for_each(|(one, is_beside)| *one |= is_beside);
     for _ in 0..ROUNDS {
         if !is_outlier.contains(&true) {
             break;
