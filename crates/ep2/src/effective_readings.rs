@@ -29,7 +29,11 @@ const MAX_REST_EXTENT: f64 = 3.0;
 const MAX_SHORT_BREAKS: f64 = 0.2;
 /// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
 const MAX_GAPS: usize = 4;
-/// Number of residuals that is sufficient to estimate their correlation. If the strokes used so far contain this
+/// Smallest number of contacts of a rest during which the noise is as large as the steps of the moving finger.
+const MIN_NOISY_REST: usize = 20;
+/// Largest distance of such contacts from their mean, relative to the root mean square of their steps.
+const MAX_NOISY_EXTENT: f64 = 2.5;
+/// Number of residuals that is sufficient to estimate the correlation. When the strokes used so far contain this
 /// number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, in residuals, at which the correlation of residuals is computed.
@@ -252,6 +256,37 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
         }
     }
     None
+}
+
+/// The contacts, in which each rest of a finger is replaced by its mean, even if the noise during the rest is as large as
+/// a step. The distance of a resting finger from its mean does not grow with the number of contacts, unlike that of a
+/// moving finger.
+pub(crate) fn without_noisy_rests(contacts: &[Contact]) -> Vec<Contact> {
+    let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
+    for contact in contacts {
+        fingers.entry(contact.finger).push(*contact);
+    }
+    let mut all = Vec::new();
+    for finger in fingers.iter() {
+        let mut rest: &[Contact] = finger;
+        while let Some((first, others)) = rest.split_first() {
+            let start = &rest[..rest.len().min(MIN_NOISY_REST)];
+            let offsets = start.iter().map(|one| one.position - first.position);
+            let mean = first.position + offsets.sum::<Vector3<f64>>() / start.len() as f64;
+            let steps = start.windows(2);
+            let steps = steps.map(|pair| (pair[1].position - pair[0].position).norm_squared());
+            let limit = MAX_NOISY_EXTENT * (steps.sum::<f64>() / start.len() as f64).sqrt();
+            let near = rest
+                .iter()
+                .take_while(|one| (one.position - mean).norm() <= limit);
+            let near = near.count();
+            let is_rest = near >= MIN_NOISY_REST;
+            let position = if is_rest { mean } else { first.position };
+            all.push(Contact { position, ..*first });
+            rest = if is_rest { &rest[near..] } else { others };
+        }
+    }
+    all
 }
 
 /// Number of consecutive residuals that count as one independent residual: 1 + 2 Σ ρ, which is at least 1. The sum of

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use nalgebra::{Point3, Vector3};
 use strum::IntoStaticStr;
 
-use crate::effective_readings::{DistinctContacts, distinct_contacts};
+use crate::effective_readings::{DistinctContacts, distinct_contacts, without_noisy_rests};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
@@ -118,8 +118,18 @@ impl SoundContacts {
 }
 
 /// Finds gross outliers among contacts with finite numbers. `runs` are the merged contacts, in which the contacts of a
-/// resting finger count only once. Returns an error if more than a fifth of the runs are gross outliers.
+/// resting finger count only once. Returns an error if more than a fifth of the contacts are gross outliers.
 fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
+    let outliers = within_share(far_contacts(contacts, runs), contacts.len());
+    outliers.or_else(|error| {
+        // Most contacts may be of a finger at rest, whose noise is as large as its steps.
+        let outliers = far_contacts(contacts, &without_noisy_rests(runs));
+        within_share(outliers, contacts.len()).map_err(|_| error)
+    })
+}
+
+/// Contacts that are far from most of `runs`, and lost readings.
+fn far_contacts(contacts: &[Contact], runs: &[Contact]) -> Vec<Outlier> {
     let step = runs.len().div_ceil(MAX_PLACES).max(1);
     let places: Vec<Vector3<f64>> = runs
         .iter()
@@ -127,7 +137,7 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
         .map(|run| run.position.coords)
         .collect();
     let Some((centre, median)) = centre_and_distance(&places) else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
     let ratio = |position: &Point3<f64>| (position - centre).norm() / median;
     let limit = gap(places.iter().map(|place| ratio(&(*place).into())).collect())
@@ -164,8 +174,7 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
             reason,
         }
     });
-    let outliers = outliers.collect();
-    within_share(outliers, contacts.len())
+    outliers.collect()
 }
 
 /// Searches the widest gap between successive distances in the largest fifth of the sorted distances. Returns the
