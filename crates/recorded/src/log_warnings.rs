@@ -1,7 +1,7 @@
 //! Warnings about logs: contacts that were left out or are not independent, and sizes that the contacts do not
 //! determine.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use palpate_ep2::{
     Contact, Curvature, EffectiveReadings, Outlier, OutlierReason, Shape, ShapeFit, StrokeCurvature,
 };
@@ -27,8 +27,8 @@ const MIN_GAP_RATIO: f64 = 0.5;
 /// Two groups of contacts cause a warning only if the gap between the groups, relative to the largest gap within a
 /// group, is at least this large. The gaps within a group are gaps between strokes.
 const MIN_GAPS_RATIO: f64 = 2.0;
-/// A group of contacts counts as a line if its width, relative to its radius, is below this value.
-const MIN_WIDTH_RATIO: f64 = 0.3;
+/// Smallest width of a group that is not a line, relative to its length. Both are root mean squares.
+const MIN_WIDTH_RATIO: f64 = 0.2;
 
 /// Text that lists the rows `rows`; if there are many, only the first of them.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
@@ -129,17 +129,24 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
     let axis = axis.try_normalize(0.0)?;
     let along = |contact: &Contact| axis.dot(&(place(contact) - centres[0]));
     let mut radius: f64 = 0.0;
+    let mut scatters = [Matrix3::zeros(); 2];
     let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for contact in contacts {
         let group = nearer(contact, &centres);
-        radius = radius.max((place(contact) - centres[group]).norm());
+        let offset = place(contact) - centres[group];
+        radius = radius.max(offset.norm());
+        scatters[group] += offset * offset.transpose();
         let [low, high] = &mut ends[group];
         (*low, *high) = (low.min(along(contact)), high.max(along(contact)));
     }
     let gap = ends[1][0] - ends[0][1];
     let widths = ends.map(|[low, high]| high - low);
     let widest = widths[0].max(widths[1]);
-    let is_line = widths.iter().any(|width| *width < MIN_WIDTH_RATIO * radius);
+    let is_line = scatters.iter().any(|scatter| {
+        let mut squares: [f64; 3] = scatter.symmetric_eigenvalues().into();
+        squares.sort_unstable_by(f64::total_cmp);
+        squares[1] < MIN_WIDTH_RATIO * MIN_WIDTH_RATIO * squares[2]
+    });
     let least = match is_line {
         true => 2.0 * radius,
         false if gap > MIN_GAP_RATIO * widest => {
