@@ -8,7 +8,8 @@ use crate::effective_readings::{
 };
 use crate::patch::{FingerMap, check};
 use crate::{
-    Contact, Curvature, Ep2Error, Fit, Method, Patch, Penalised, Shape, ShapeFit, ShapeSettings,
+    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Penalised, Shape, ShapeFit,
+    ShapeSettings,
 };
 
 /// Smallest number of contacts of a finger from which the correlation of its noise is estimated.
@@ -34,6 +35,9 @@ const MAX_FITTED: usize = 10_000;
 const MAX_BLOCK_RATIO: f64 = 0.05;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
+
+/// Largest number of strokes whose heights do not determine the fourth derivative across the strokes.
+const MAX_FEW_STROKES: usize = 4;
 
 /// A fit to the independent contacts of a log, and the contacts to which it was fitted.
 #[derive(Clone, Debug)]
@@ -120,13 +124,16 @@ impl IndependentFit {
 
     /// Increases the standard errors if the contacts lie on a plane, a sphere or a cylinder. Afterwards, the curvature
     /// of this shape is within one standard error of the estimate. On these shapes, the bias of the fitted surface can
-    /// exceed the effect of the noise if there are many contacts. Fits that are based on an implicit quadric do not
-    /// change.
+    /// exceed the effect of the noise if there are many contacts, or if few strokes do not show how the surface bends
+    /// between them. Fits that are based on an implicit quadric do not change, nor do fits whose standard error exceeds
+    /// the largest difference between a shape and a paraboloid through the same contacts.
     ///
-    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline. If
-    /// the difference minus the spline's standard error exceeds the estimate's standard error, the standard errors are
-    /// increased. A penalised spline that deviates from quadrics and implicit quadrics is compared with the fit around
-    /// an implicit quadric.
+    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline instead of
+    /// a shape: its mean square error is at least the square of their difference plus the variance of the spline. Both
+    /// methods are also compared with the fit around an implicit quadric that the contacts do not exclude.
+    ///
+    /// Heights on up to four strokes do not show whether the surface bends like a circle or like a parabola across the
+    /// strokes. Without normals, the standard error of the mean curvature is at least this difference.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].
@@ -139,37 +146,47 @@ impl IndependentFit {
             return Ok(());
         }
         let centre = self.fit.centre()?;
+        let Some(stds) = centre.curvature.uncertainty else {
+            return Ok(());
+        };
         let step = self.contacts.len().div_ceil(MAX_COMPARED).max(1);
         let selection: Vec<Contact> = self.contacts.iter().copied().step_by(step).collect();
         let settings = ShapeSettings {
             outward: *outward,
             ..ShapeSettings::default()
         };
-        let shape = settings.fit(&selection).ok();
+        let curvature = centre.k_min.abs().max(centre.k_max.abs());
+        let sides = self.fit.domain.map(|[low, high]| high - low);
+        let angle = 0.5 * curvature * self.fit.frame.scale() * sides[0].max(sides[1]);
+        let is_precise = stds.mean_std < 0.25 * curvature * angle * angle;
+        let shape = (is_precise && !is_quadric)
+            .then(|| settings.fit(&selection).ok())
+            .flatten();
         let is_determined = |fit: &ShapeFit| fit.shape == Shape::Plane || fit.is_resolved();
         let shape = shape.filter(|fit| !fit.is_none_of_these() && is_determined(fit));
-        let of_spline = || {
-            let spline = Penalised::default().fit(&self.patch).ok()?;
-            spline.curvature_at(&centre.position).ok()
-        };
-        let other = match shape {
-            Some(shape) => Some(Curvature {
-                uncertainty: None,
-                ..shape.point_at(&centre.position).curvature
-            }),
-            None if is_quadric => of_spline(),
-            None => self.fit.basis.as_ref().and_then(|basis| basis.rejected),
-        };
-        let Some((other, stds)) = other.zip(centre.curvature.uncertainty) else {
-            return Ok(());
-        };
-        let [mean_std, gaussian_std] = match other.uncertainty {
-            Some(other) => [other.mean_std, other.gaussian_std],
-            None => [0.0; 2],
-        };
-        let of_mean = (other.mean - centre.curvature.mean).abs() - mean_std;
-        let of_gaussian = (other.gaussian - centre.curvature.gaussian).abs() - gaussian_std;
-        let factor = (of_mean / stds.mean_std).max(of_gaussian / stds.gaussian_std);
+        let rejected = |fit: &Fit| fit.basis.as_ref().and_then(|basis| basis.rejected);
+        let spline = is_quadric.then(|| Penalised::default().fit(&self.patch).ok());
+        let spline = spline.flatten();
+        let of_spline = spline
+            .as_ref()
+            .and_then(|spline| spline.curvature_at(&centre.position).ok());
+        let of_implicit = rejected(spline.as_ref().unwrap_or(&self.fit));
+        let of_shape = shape.map(|shape| Curvature {
+            uncertainty: None,
+            ..shape.point_at(&centre.position).curvature
+        });
+        let factors = [of_shape, of_spline, of_implicit].into_iter().flatten();
+        let factors = factors.map(|other| {
+            let [mean_std, gaussian_std] = match other.uncertainty {
+                Some(other) => [other.mean_std, other.gaussian_std],
+                None => [0.0; 2],
+            };
+            let of_mean = (other.mean - centre.curvature.mean).hypot(mean_std);
+            let of_gaussian = (other.gaussian - centre.curvature.gaussian).hypot(gaussian_std);
+            (of_mean / stds.mean_std).max(of_gaussian / stds.gaussian_std)
+        });
+        let of_strokes = self.bias_across_strokes(&centre) / stds.mean_std;
+        let factor = factors.fold(of_strokes, f64::max);
         if let Some(posterior) = self
             .fit
             .posterior
@@ -179,6 +196,19 @@ impl IndependentFit {
             posterior.widen(factor * factor);
         }
         Ok(())
+    }
+
+    /// Difference of the mean curvature between a circle and a parabola across the strokes, 1/length, for the curvature
+    /// at `centre`. 0 if the contacts have normals, or if there are more than four strokes.
+    fn bias_across_strokes(&self, centre: &MapPoint) -> f64 {
+        if self.patch.has_normals() || !(2..=MAX_FEW_STROKES).contains(&self.patch.fingers) {
+            return 0.0;
+        }
+        let place = self.fit.frame.point(&centre.position);
+        let curvature = self.fit.jet(place.x, place.y).vv.abs();
+        let [low, high] = self.fit.domain[1];
+        let angle = 0.5 * curvature * (high - low);
+        0.5 * 0.25 * curvature * angle * angle / self.fit.frame.scale()
     }
 
     /// Returns two results. The first is the root-mean-square distance of the contacts from the surface, in the unit of

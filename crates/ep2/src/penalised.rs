@@ -84,8 +84,8 @@ pub(crate) struct Basis {
     variances: Variances,
     is_known: bool,
     noise: Option<NoiseEstimate>,
-    /// Curvature in the middle of a fit around an implicit quadric that was rejected. This quadric is more probable
-    /// than an ordinary quadric, but the contacts deviate from both.
+    /// Curvature in the middle of a fit around an implicit quadric that was not used, although the contacts do not
+    /// exclude it: either an ordinary quadric is about as probable, or the contacts deviate from both quadrics.
     pub(crate) rejected: Option<Curvature>,
 }
 
@@ -218,9 +218,10 @@ impl Penalised {
         if let Some((about, spectrum)) = &about {
             let implicit = Search::new(spectrum, self.criterion, is_known, expected);
             let penalty = libm::log(patch.equations() as f64);
-            if implicit.least_deviance() + penalty < search.least_deviance() {
+            let gain = search.least_deviance() - implicit.least_deviance();
+            if gain > -penalty {
                 let best = implicit.best();
-                if best.effective_unknowns < MAX_IMPLICIT_UNKNOWNS {
+                if gain > penalty && best.effective_unknowns < MAX_IMPLICIT_UNKNOWNS {
                     search = implicit;
                     quadric = about.clone();
                     (square_term, choice) = (Some(prior), Some(best));

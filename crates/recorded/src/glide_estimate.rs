@@ -70,10 +70,7 @@ struct UsedContacts {
     readings: EffectiveReadings,
 }
 
-/// If there are more contacts than this number and the object has a simple shape, the bias of a spline may be larger
-/// than its noise.
-const MANY_CONTACTS: usize = 60;
-
+/// The fitted surface: either a graph (height over a patch) or a simple shape.
 #[derive(Clone, Debug)]
 enum Surface {
     Graph(Box<(GlideFit, IndependentFit)>),
@@ -137,11 +134,9 @@ impl<'r> GlideFitResult<'r> {
                     }
                 };
                 let is_quadric = matches!(method, GlideFit::Quadric(_));
-                if is_quadric || fitted.contacts.len() >= MANY_CONTACTS {
-                    fitted
-                        .widen_to_shape(&outward, is_quadric)
-                        .map_err(refused)?;
-                }
+                fitted
+                    .widen_to_shape(&outward, is_quadric)
+                    .map_err(refused)?;
                 let fit = &fitted.fit;
                 let stroke = single.or_else(|| stroke_curvature(&fitted.contacts, &outward));
                 let centre = fit.centre().map_err(refused)?;
