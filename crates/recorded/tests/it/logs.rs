@@ -94,6 +94,86 @@ fn a_ball_has_its_radius_without_lost_readings() {
 }
 
 #[test]
+fn outliers_beside_the_paths_of_fingers_are_left_out() {
+    let lump = |row: usize| match row {
+        4 => Some("1,2,28"),
+        13 => Some("1.2,2.1,28.1"),
+        22 => Some("0.9,2.3,27.8"),
+        23 => Some("1.1,1.8,28.3"),
+        31 => Some("1.3,2.2,27.9"),
+        _ => None,
+    };
+    for method in ["penalised", "quadric"] {
+        let found = estimate(&ball(&lump), method).unwrap();
+        let rows = found["left_out"].as_array().unwrap().iter();
+        let rows: Vec<u64> = rows.map(|one| one["row"].as_u64().unwrap()).collect();
+        assert_eq!(rows, [5, 14, 23, 24, 32]);
+        let [low, high] = [0, 1].map(|end| &found["mean_curvature"]["interval95"][end]);
+        assert!(low.as_f64() < Some(0.04) && high.as_f64() > Some(0.04));
+    }
+    // Without rows of outliers, the log is complete: a smooth bump is part of the surface.
+    assert_eq!(
+        estimate(&ball(&|_| None), "penalised").unwrap()["left_out"],
+        json!([])
+    );
+}
+
+#[test]
+fn lost_readings_may_have_normals_of_zeros() {
+    let mut text = "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z\n".to_owned();
+    for row in ball(&|_| None).lines().skip(1) {
+        let [_, x, y, z] = row.split(',').collect::<Vec<_>>()[..] else {
+            panic!("{row}");
+        };
+        let normal = format!("{x},{y},{z}");
+        text += &format!("{row},{normal}\n");
+    }
+    let rows: Vec<&str> = text.lines().collect();
+    let replaced = |with: &str| text.replacen(rows[8], with, 1);
+    let lost = estimate(&replaced("0,5,7,9000,0,0,0"), "penalised").unwrap();
+    let expected = json!([{ "row": 8, "line": 9, "reason": "far" }]);
+    assert_eq!(lost["left_out"], expected);
+    let error = estimate(&replaced("0,5,0,24.4,0,0,0"), "penalised").unwrap_err();
+    assert!(error.to_string().contains(":9:"), "{error}");
+}
+
+#[test]
+fn a_finger_at_rest_with_noise_does_not_make_the_others_outliers() {
+    let mut noise = Stream::new(47, 0, Channel::Position);
+    let mut text = ball(&|_| None);
+    for _ in 0..60 {
+        let [x, y, z] = [11.0, 9.0, 20.57].map(|at| at + 0.03 * noise.standard_normal());
+        text += &format!("2,{x},{y},{z}\n");
+    }
+    for method in ["penalised", "sphere"] {
+        let found = estimate(&text, method).unwrap();
+        assert_eq!(found["left_out"], json!([]));
+        let [low, high] = [0, 1].map(|end| &found["mean_curvature"]["interval95"][end]);
+        assert!(
+            low.as_f64() < Some(0.04) && high.as_f64() > Some(0.04),
+            "{found}"
+        );
+    }
+}
+
+#[test]
+fn precise_strokes_along_a_cylinder_do_not_determine_how_it_bends_between_them() {
+    let mut noise = Stream::new(48, 0, Channel::Position);
+    let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+    for row in 0..39 {
+        let [x, y] = [1.6 * f64::from(row % 13), 10.0 * f64::from(row / 13 - 1)];
+        let z = (625.0 - y * y).sqrt() + 1e-5 * noise.standard_normal();
+        text += &format!("{},{x},{y},{z}\n", row / 13);
+    }
+    let found = estimate(&text, "penalised").unwrap();
+    let [low, high] = [0, 1].map(|end| &found["mean_curvature"]["interval95"][end]);
+    assert!(
+        low.as_f64() < Some(0.02) && high.as_f64() > Some(0.02),
+        "{found}"
+    );
+}
+
+#[test]
 fn a_flat_log_bounds_the_radius() {
     let mut noise = Stream::new(46, 0, Channel::Position);
     let mut at = |_| 0.05 * noise.standard_normal();
