@@ -81,8 +81,8 @@ pub(crate) struct RollFit<const N: usize> {
     step: Vector4<f64>,
     /// Derivatives of the roll's own unknowns with respect to the coefficients of the shape.
     response: SMatrix<f64, 4, N>,
-    /// Length of the path.
-    pub(crate) length: f64,
+    /// Position of the last contact on the object, in the carried frame.
+    pub(crate) end: Vector2<f64>,
 }
 
 /// The result of a fit to all rolls.
@@ -110,7 +110,7 @@ impl<const N: usize> RollFit<N> {
             freedom: 0,
             step: Vector4::zeros(),
             response: SMatrix::zeros(),
-            length: 0.0,
+            end: Vector2::zeros(),
         }
     }
 
@@ -259,7 +259,7 @@ impl<const N: usize> RollFit<N> {
         self.chi_squared = chi_squared;
         self.freedom = count - if roll.is_start_known { 0 } else { count.min(2) };
         if let Some(last) = path.last() {
-            self.length = last.x.norm();
+            self.end = last.x;
             let measured = measured.last().copied().unwrap_or_default();
             let error = Vector3::new(self.error.y, -self.error.x, 0.0) * self.ratio;
             let size = measured.norm().max(f64::MIN_POSITIVE);

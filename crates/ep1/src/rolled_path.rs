@@ -55,6 +55,15 @@ impl LocalShape {
         Matrix2::new(1.0 + uu, uv, uv, 1.0 + vv)
     }
 
+    /// The change of the curvature form at `x` that is due to the last term, or to the last but one if this is larger,
+    /// relative to the sum of the curvature forms of both bodies at the start.
+    pub(crate) fn last_share(&self, x: &Vector2<f64>) -> f64 {
+        let without = |terms| Self { terms, ..*self }.drive(x).1;
+        let all: Vec<_> = (self.terms - 2..=self.terms).map(without).collect();
+        let change = (all[2] - all[1]).norm().max((all[1] - all[0]).norm());
+        change / self.relative().norm()
+    }
+
     /// Derivatives of the drive at the contact position `x` with respect to the coefficients of the polynomial.
     pub(crate) fn basis(terms: usize, x: &Vector2<f64>) -> Basis {
         let (along, across) = (powers(x.x), powers(x.y));

@@ -118,20 +118,15 @@ impl SeriesEstimate {
     /// The weighted mean of estimates. Its covariance includes the differences between them. All other parts are those
     /// of the first estimate.
     pub(crate) fn mean(weighted: &[(f64, &Self)]) -> Self {
-        let entries = |one: &Self| {
-            let CurvatureForm { k_uu, k_uv, k_vv } = one.curvature;
-            Vector3::new(k_uu, k_vv, k_uv)
-        };
         let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
         let mut mean = Vector3::zeros();
         for (weight, one) in weighted {
-            mean += entries(one) * (weight / total);
+            mean += one.entries() * (weight / total);
         }
         let mut covariance = Matrix3::zeros();
         for (weight, one) in weighted {
-            let apart = entries(one) - mean;
-            let own = Matrix3::from_fn(|row, at| one.covariance[row][at]);
-            covariance += (own + apart * apart.transpose()) * (weight / total);
+            let apart = one.entries() - mean;
+            covariance += (one.covariance_matrix() + apart * apart.transpose()) * (weight / total);
         }
         let [k_uu, k_vv, k_uv] = mean.into();
         Self {
@@ -139,6 +134,31 @@ impl SeriesEstimate {
             covariance: [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)])),
             ..weighted[0].1.clone()
         }
+    }
+
+    /// The curvatures along u, along v and mixed.
+    fn entries(&self) -> Vector3<f64> {
+        let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;
+        Vector3::new(k_uu, k_vv, k_uv)
+    }
+
+    fn covariance_matrix(&self) -> Matrix3<f64> {
+        Matrix3::from_fn(|row, at| self.covariance[row][at])
+    }
+
+    /// The squared distance between the curvatures of two estimates, in standard errors of `other`. 0 if these are not
+    /// known.
+    pub(crate) fn distance_squared(&self, other: &Self) -> f64 {
+        let apart = self.entries() - other.entries();
+        let root = other.covariance_matrix().cholesky();
+        root.map_or(0.0, |root| apart.dot(&root.solve(&apart)))
+    }
+
+    /// Adds `share` of the difference from `other` to the standard errors.
+    pub(crate) fn widen(&mut self, other: &Self, share: f64) {
+        let apart = (self.entries() - other.entries()) * share;
+        let covariance = self.covariance_matrix() + apart * apart.transpose();
+        self.covariance = [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)]));
     }
 
     /// The estimate without intervals, as [`LeastSquares`](crate::LeastSquares) returns it.

@@ -318,7 +318,11 @@ impl Problem<'_> {
 
     /// Stores the p-value of each roll. Returns the roll that contradicts the other rolls significantly.
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
-        let longest = fit.rolls.iter().map(|roll| roll.length).fold(0.0, f64::max);
+        let longest = fit
+            .rolls
+            .iter()
+            .map(|roll| roll.end.norm())
+            .fold(0.0, f64::max);
         let residual = (fit.chi_squared / fit.freedom.max(1) as f64).sqrt();
         // If the noise is not stated and the residuals are very small, they are errors of the model and not noise. Then
         // no roll is an outlier.
@@ -367,6 +371,20 @@ impl Problem<'_> {
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);
         }
+        // The criterion of a fit with few terms may be good although the fit has a bias at the start of the rolls. So its
+        // curvature there must also agree with the one of the fit with the most terms, which needs 3 numbers for it.
+        if let Some(last) = all.pop() {
+            let best = all
+                .iter()
+                .map(|one| one.criterion)
+                .fold(last.criterion, f64::min);
+            for one in &mut all {
+                let apart = one.estimate.distance_squared(&last.estimate);
+                one.criterion = (one.criterion - best).max(apart);
+            }
+            let criterion = (last.criterion - best).min(6.0);
+            all.push(Candidate { criterion, ..last });
+        }
         all.sort_by(|one, other| one.criterion.total_cmp(&other.criterion));
         let weights = all
             .iter()
@@ -399,7 +417,18 @@ impl Problem<'_> {
         shape.terms += 1;
         if let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) {
             *shape = fit.shape;
-            all.push(self.candidate(data, &fit, shape.terms));
+            let mut one = self.candidate(data, &fit, shape.terms);
+            // The terms that are left out change the curvature at the start as the last terms do, but less. The ratio is
+            // the one of successive terms.
+            if let Some(before) = all
+                .iter()
+                .rfind(|one| one.estimate.terms + 2 == shape.terms)
+            {
+                let ends = fit.rolls.iter().map(|roll| shape.last_share(&roll.end));
+                one.estimate
+                    .widen(&before.estimate, ends.fold(0.0, f64::max));
+            }
+            all.push(one);
         }
     }
 
@@ -427,7 +456,7 @@ impl Problem<'_> {
         }
         let goodness = self.is_noise_stated();
         let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));
-        let lengths: Vec<f64> = fit.rolls.iter().map(|roll| roll.length).collect();
+        let lengths: Vec<f64> = fit.rolls.iter().map(|roll| roll.end.norm()).collect();
         let terms = (terms == 1, terms);
         self.result(
             &fit.shape,
