@@ -4,7 +4,7 @@ use palpate_estimators::{PressFitSetup, sensor_body};
 use palpate_press::{
     Body, ForwardFit, Markers, Misfit, PressError, PressEstimate, Prior, Reading, Skin,
 };
-use palpate_statistics::{BadSetting, Number};
+use palpate_statistics::{BadSetting, Number, SIGNIFICANCE_LEVEL};
 use palpate_study::Warning;
 use palpate_study::config::{LengthUnit, PressEstimatorConfig, SettingError};
 
@@ -56,8 +56,12 @@ pub fn estimate_press(
         self::refused(recorded, options, &error, cause)
     })?;
     let misfits = fit.misfits(&reading, &estimate).map_err(refused)?;
-    let misfits: Vec<Misfit> = contradiction.into_iter().chain(misfits).collect();
-    // A contact that is too wide is an error, unless another warning already explains its width.
+    let mut misfits: Vec<Misfit> = contradiction.into_iter().chain(misfits).collect();
+    let is_other = |misfit: &Misfit| matches!(misfit, Misfit::OtherBody { .. });
+    if !misfits.iter().any(is_other) {
+        misfits.extend(half_space_instead(&fit, &reading, &estimate, options));
+    }
+    // If another warning already states why the contact is too wide, the contact is not reported as an error.
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -92,8 +96,33 @@ pub fn estimate_press(
     })
 }
 
-/// Two fits: the fit that the options state, and a fit that estimates the indentation from the displacements alone. The
-/// second fit uses the elastic body of the sensor even if the options state a Gaussian.
+/// Compares the fit of a layer with the fit of a half-space, which has the same unknowns. Returns a misfit if the
+/// readings are much more probable with the half-space. The p-value is an upper bound: if the layer is right, the
+/// likelihood ratio exceeds 1/p with a probability of at most p. Only used if the noise is estimated, because the fit
+/// of a wrong body may reject the markers at the contact and estimate the noise from the others.
+fn half_space_instead(
+    fit: &ForwardFit,
+    reading: &Reading<'_>,
+    estimate: &PressEstimate,
+    options: &PressOptions,
+) -> Option<Misfit> {
+    let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
+    if !is_layer || fit.normal_std.is_some() {
+        return None;
+    }
+    let other = ForwardFit {
+        body: Body::half_space(0.5, options.depth()).ok()?,
+        ..fit.clone()
+    };
+    let other = other.estimate(reading).ok()?;
+    let markers =
+        reading.normal.len() - estimate.wrong_markers.len().max(other.wrong_markers.len());
+    let p_value = (other.normal_std / estimate.normal_std).powi(markers as i32);
+    (p_value < SIGNIFICANCE_LEVEL).then_some(Misfit::OtherBody { p_value })
+}
+
+/// Returns two fits: the fit that the options state, and a fit that estimates the indentation from the displacements
+/// alone. If the first fit is a Gaussian, the second fit uses the elastic body of the sensor instead.
 fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], PressError> {
     let model = options.model.reference();
     let body = sensor_body(&model, options.depth(), Body::bonded_layer)?;

@@ -170,7 +170,27 @@ fn sensors_of_large_radius_are_pressed() {
     }
 }
 
-/// Many markers at random places on a flat pad, with the displacements of a Hertz contact plus noise.
+/// A layer is fitted to a press of a half-space. Its fit rejects the markers at the contact as outliers, so only the
+/// comparison with the half-space reveals the wrong body.
+#[test]
+fn a_layer_on_a_press_of_a_half_space_causes_a_warning() {
+    let bytes = include_bytes!("../data/press-flat-pad-ball4.csv").to_vec();
+    let readings = parse_press(RecordedFile::new("pad.csv", bytes)).unwrap();
+    for (thickness, is_wrong) in [(4.0, true), (8.0, true), (1e6, false)] {
+        let estimator = serde_json::json!({ "kind": "bonded-layer", "thickness": thickness });
+        let options = PressOptions {
+            marker_depth: Some(0.0),
+            estimator: serde_json::from_value(estimator).unwrap(),
+            ..PressOptions::new(f64::INFINITY)
+        };
+        let report = serde_json::to_value(estimate_press(&readings, &options).unwrap()).unwrap();
+        let mut warnings = report["warnings"].as_array().unwrap().iter();
+        let is_found = warnings.any(|one| one["code"] == "other-body");
+        assert_eq!(is_found, is_wrong, "{thickness}: {report}");
+    }
+}
+
+/// Many markers at random places on a flat pad: the displacements are Hertz's, with noise.
 #[test]
 fn intervals_from_many_markers_are_as_wide_as_their_noise() {
     let mut noise = Stream::new(46, 0, Channel::Position);
