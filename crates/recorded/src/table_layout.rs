@@ -1,7 +1,7 @@
 //! Recognises columns in tables whose headers do not have palpate's names. Such tables are tables without a header,
 //! logs of rostopic, and wide tables. In a wide table, the columns of several fingers are side by side.
 
-use palpate_study::readings::{Column, MATRIX, Measure, QUATERNION, quaternion_part, spelt};
+use palpate_study::readings::{Column, MATRIX, Measure, quaternion_part, spelt};
 
 use super::header::{Heading, bracketed, is_similar};
 use super::table_format::pair;
@@ -167,22 +167,20 @@ pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Optio
     if label.measure != Measure::Plain {
         return None;
     }
-    let is_part =
-        |column: &&Column| column.measure != Measure::Time && !QUATERNION.contains(column);
-    let columns: Vec<&Column> = columns.iter().filter(is_part).collect();
+    let columns: Vec<&Column> = columns
+        .iter()
+        .filter(|column| column.measure != Measure::Time)
+        .collect();
     let mut groups: Vec<(String, Vec<Option<usize>>)> = Vec::new();
     let mut units: Vec<Option<String>> = vec![None; columns.len()];
     let mut shared = Vec::new();
     for (index, name) in header.iter().enumerate() {
         let base = spelt(bracketed(name).0);
-        if label.is_named(&base).is_some()
-            || columns
-                .iter()
-                .any(|column| column.is_named(&base).is_some())
-        {
-            return None;
-        }
         let Some((column, unit, group)) = of_finger(name, &columns) else {
+            let mut all = columns.iter().copied().chain([label]);
+            if all.any(|column| column.is_named(&base).is_some()) {
+                return None;
+            }
             shared.push(index);
             continue;
         };

@@ -218,6 +218,35 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     same(followed(&swapped), "swapped");
 }
 
+/// Each row is for one time. It contains the orientations and contacts of all probes side by side.
+#[test]
+fn wide_tables_hold_rotations_of_several_probes() {
+    for (parts, write) in [
+        (&["qx", "qy", "qz", "qw"][..], quaternion as Write),
+        (&["qw", "qx", "qy", "qz"], scalar_first),
+    ] {
+        let columns = parts.iter().chain(&["contact_u_mm", "contact_v_mm"]);
+        let names = (0..6).flat_map(|probe| {
+            columns
+                .clone()
+                .map(move |one| format!("probe{probe}_{one}"))
+        });
+        let mut wide = format!("time_s,{}\n", names.collect::<Vec<_>>().join(","));
+        for step in 0..=4 {
+            let share = f64::from(step) / 4.0;
+            let row = rolls().into_iter().flat_map(|(turned, [u, v])| {
+                let numbers = write(UnitQuaternion::from_scaled_axis(share * turned));
+                numbers.into_iter().chain([share * u, share * v])
+            });
+            let row: Vec<String> = row.map(|number| number.to_string()).collect();
+            wide += &format!("{share},{}\n", row.join(","));
+        }
+        let found = roll(&wide, "", None).unwrap_or_else(|error| panic!("{error}\n{wide}"));
+        assert_eq!(found["probes"], 6);
+        assert!((mean(&found) - 0.025).abs() < 1e-9, "{found}");
+    }
+}
+
 #[test]
 fn rolls_of_the_field_have_their_answer() {
     let log = include_str!("../data/rolls-quaternions.csv");
