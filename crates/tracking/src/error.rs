@@ -53,7 +53,7 @@ pub enum TrackingError {
     /// No shape in the frame has the size, the form and the colour of a marker.
     #[error(
         "no markers: {shapes} shape(s) differ from the background, but none has the size, form \
-         and colour of a marker: are colours swapped?"
+         and colour of a marker: are colours swapped, or is the frame grey?"
     )]
     NoMarkers {
         /// Number of connected shapes that were examined.
