@@ -33,7 +33,7 @@ const MAX_GAPS: usize = 4;
 const MIN_NOISY_REST: usize = 20;
 /// Largest distance of such contacts from their mean, relative to the root mean square of their steps.
 const MAX_NOISY_EXTENT: f64 = 2.5;
-/// Number of residuals that is sufficient to estimate the correlation. When the strokes used so far contain this
+/// Number of residuals that is sufficient to estimate their correlation. If the strokes used so far contain this
 /// number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, in residuals, at which the correlation of residuals is computed.

@@ -173,9 +173,10 @@ fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
     mean <= MAX_NEIGHBOUR_SHARE.max(MAX_RELATIVE_NEIGHBOUR_SHARE * share(is_outlier))
 }
 
-/// Whether each contact is an outlier. `counts` are the numbers of rows that the contacts represent. Outliers between the
-/// contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore rests have a larger
-/// weight. Contacts beside the path of their finger (`is_beside_path`) are suspects, and have no weight.
+/// Whether each contact is an outlier. `counts` contains the number of rows of the log that each contact represents.
+/// Outliers between the contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore
+/// rests have a larger weight. Contacts beside the path of their finger (`is_beside_path`) are suspects, and have no
+/// weight.
 fn outliers(
     contacts: &[Contact],
     counts: &[usize],

@@ -70,7 +70,6 @@ struct UsedContacts {
     readings: EffectiveReadings,
 }
 
-/// The fitted surface: either a graph (height over a patch) or a simple shape.
 #[derive(Clone, Debug)]
 enum Surface {
     Graph(Box<(GlideFit, IndependentFit)>),
