@@ -175,8 +175,11 @@ impl<const N: usize> RollFit<N> {
                 Observation::Crossing(crossing) => {
                     let residual = crossing.offset - crossing.normal.dot(&place.place);
                     let across = by_drive.tr_mul(&crossing.normal);
-                    let variance = across.norm_squared() * crossing.std * crossing.std
-                        + crossing.gap * crossing.gap / 12.0;
+                    // An error of the rotation about the normal turns the path.
+                    let turned = crossing.normal.perp(&(place.by_path * at.x));
+                    let variance =
+                        (across.norm_squared() + turned * turned) * crossing.std * crossing.std
+                            + crossing.gap * crossing.gap / 12.0;
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
                     // Errors of measured rotations bias the estimate, but the error of a single crossing is too small

@@ -113,8 +113,8 @@ fn powers(x: f64) -> [f64; MAX_TERMS + 1] {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RollRotations {
     rotations: Vec<Vector3<f64>>,
-    /// Rotation vectors from one sample to the next. Empty if the measured rotation about the normal is not used: with
-    /// noise, rolls are assumed not to spin, because an error of the spin would turn the rest of the path.
+    /// Rotation vectors from one sample to the next. Empty if the measured rotation about the normal is not used. Then
+    /// rolls are assumed not to spin.
     steps: Vec<Vector3<f64>>,
 }
 

@@ -242,7 +242,7 @@ impl Problem<'_> {
     fn prepare(&mut self, mobility: &Matrix2<f64>) -> Vec<RollData> {
         let scale = 1.0 / self.radius;
         let mut data = Vec::with_capacity(self.rolls.len());
-        let rolls = self.rolls;
+        let (rolls, has_spin) = (self.rolls, self.has_spin());
         for (roll, (series, report)) in rolls.iter().zip(&mut self.reports).enumerate() {
             if report.left_out == Some(Exclusion::Inconsistent) {
                 continue;
@@ -287,7 +287,7 @@ impl Problem<'_> {
                 is_start_known: series.start.is_some(),
                 start: guess,
                 start_std,
-                rotations: RollRotations::new(rotations, self.noise.is_exact()),
+                rotations: RollRotations::new(rotations, has_spin),
                 observations,
             });
         }
@@ -311,7 +311,13 @@ impl Problem<'_> {
         }
     }
 
-    /// Whether the noise of the readings is stated. If not, it is estimated from the residuals.
+    /// Whether the rotation about the normal is used. An error that grows with the rotation would turn the rest of the
+    /// path too far.
+    fn has_spin(&self) -> bool {
+        self.noise.relative_rotation_std == 0.0 && self.noise.relative_sample_std == 0.0
+    }
+
+    /// Whether the errors of all readings have a stated size. If not, the residuals determine it.
     fn is_noise_stated(&self) -> bool {
         !self.noise.is_exact() || !matches!(self.places, Places::Contacts { std: 0.0 })
     }
