@@ -3,7 +3,7 @@
 use csv::{ReaderBuilder, StringRecord, Terminator};
 
 use super::error::RecordedError;
-use super::header::{bracketed, has_unit};
+use super::heading::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 

@@ -9,7 +9,7 @@ use super::RecordedFile;
 use super::error::{RecordedError, explained};
 use super::finger_assignment::assign_fingers;
 use super::glide_warnings::directions;
-use super::header::bracketed;
+use super::heading::bracketed;
 use super::log_warnings::{across, listed};
 use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};

@@ -3,7 +3,7 @@
 
 use palpate_study::readings::{Column, MATRIX, Measure, quaternion_part, spelt};
 
-use super::header::{Heading, bracketed, is_similar};
+use super::heading::{Heading, bracketed, is_similar};
 use super::table_format::pair;
 
 /// A finger or probe of a wide table: its name, and the indices of its columns.

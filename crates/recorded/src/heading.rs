@@ -1,0 +1,261 @@
+//! Names of single columns: their units, and the columns of palpate that they may mean.
+
+use palpate_study::readings::{Column, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt};
+
+use super::table_format::pair;
+
+pub(super) struct Heading<'a> {
+    pub(super) name: &'a str,
+    /// The column name without the unit in brackets, normalised by [`spelt`].
+    pub(super) base: String,
+    /// Unit in brackets, if the column name has one.
+    pub(super) bracket: Option<&'a str>,
+    /// Component of a quaternion that this column contains. It is recognised by its name (`quat_x`), or because the
+    /// file has all four columns `rx` to `rw`.
+    pub(super) part: Option<Column>,
+}
+
+impl<'a> Heading<'a> {
+    pub(super) fn of(name: &'a str) -> Self {
+        let name = name.trim();
+        let (base, bracket) = bracketed(name);
+        let base = spelt(base);
+        Self {
+            name,
+            bracket,
+            part: quaternion_part(&base),
+            base,
+        }
+    }
+
+    /// Whether the name is that of a time.
+    pub(super) fn is_time(&self) -> bool {
+        let mut words = self.base.split('_').enumerate();
+        words.any(|(place, word)| match word {
+            "t" => place == 0,
+            _ => matches!(word, "time" | "timestamp" | "stamp" | "secs"),
+        })
+    }
+
+    /// Splits a name such as `rotation.x` into the name of the quaternion (`rotation`) and its component (`x`).
+    pub(super) fn in_group(&self) -> Option<(&str, Column)> {
+        QUATERNION.into_iter().find_map(|column| {
+            let group = self.base.strip_suffix(&column.name[1..])?;
+            Some((group, column))
+        })
+    }
+}
+
+pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
+    let parts = [('[', ']'), ('(', ')')]
+        .into_iter()
+        .find_map(|(open, close)| {
+            let (base, unit) = name.strip_suffix(close)?.rsplit_once(open)?;
+            // A number in brackets is an index: `position[0]`.
+            let is_unit = !base.trim().is_empty() && unit.trim().parse::<u8>().is_err();
+            is_unit.then_some((base, unit.trim()))
+        });
+    match parts {
+        Some((base, unit)) => (base, Some(unit)),
+        None => (name, None),
+    }
+}
+
+/// Whether a word is the unit of a quantity other than a plain number.
+pub(super) fn has_unit(word: &str) -> bool {
+    [
+        Measure::Length,
+        Measure::Angle,
+        Measure::Time,
+        Measure::Turn,
+        Measure::Pixel,
+        Measure::Force,
+    ]
+    .iter()
+    .any(|measure| measure.unit(word).is_some())
+}
+
+/// Whether a column of this measure may have no unit. Lengths then have the unit of other columns or of a setting.
+/// Times need no unit, because they are only compared with each other.
+pub(super) const fn has_no_need(measure: Measure) -> bool {
+    matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
+}
+
+pub(super) fn no_unit(name: &str, column: &Column) -> String {
+    let own = pair(column.name, name);
+    format!(
+        "`{name}` states no unit ({}); write setting `columns` '{own}' if its unit is that of `{}`",
+        column.measure.units(),
+        column.name
+    )
+}
+
+pub(super) fn unknown_unit(name: &str, unit: &str, measure: Measure) -> String {
+    format!(
+        "column `{name}` cannot have the unit `{unit}`; allowed: {}",
+        measure.units()
+    )
+}
+
+pub(super) fn two_units(name: &str, unit: &str) -> String {
+    format!("column `{name}` states the unit `{unit}`, but its name ends with another unit")
+}
+
+/// Unit at the end of a column name, such as `mm` in `pos_x_mm`. The name is not one of palpate's names.
+pub(super) fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
+    let Some((_, last)) = heading.base.rsplit_once('_') else {
+        return Ok(None);
+    };
+    match (column.measure, column.measure.unit(last)) {
+        (Measure::Plain, _) | (_, None) => Ok(None),
+        (_, Some(ColumnUnit::Inch)) if last == "in" => {
+            let name = heading.name;
+            let stem = column.stem();
+            Err(format!(
+                "`{name}` may be in inches or not; write setting `columns` '{}' if it is in inches, '{}' if it is in \
+                 millimetres",
+                pair(&format!("{stem}_inch"), name),
+                pair(&format!("{stem}_mm"), name)
+            ))
+        }
+        (_, unit) => Ok(unit),
+    }
+}
+
+/// Whether a column's name looks like a component of a quaternion, including numbered components (`q0`).
+pub(super) fn is_quaternion(heading: &Heading<'_>) -> bool {
+    let number = heading.base.strip_prefix('q').map(str::parse::<u8>);
+    heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
+}
+
+/// Whether a name in the file may mean the column `column`. The name in the file must have no unit, or a unit of the
+/// column's quantity. It must also contain all words of palpate's name, or the quantity and the axis of the column.
+pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
+    // A component of a quaternion must not be proposed for a column that contains an angle.
+    let is_angle =
+        is_quaternion(heading) && (column.measure != Measure::Length || heading.part.is_some());
+    let is_unit = |unit: &str| column.measure.unit(unit).is_some();
+    if is_angle || heading.bracket.is_some_and(|unit| !is_unit(unit)) {
+        return false;
+    }
+    let words: Vec<&str> = heading.base.split('_').collect();
+    // A column with the axis of a rotation is not a column of the rotation vector.
+    if words.contains(&"axis") && !column.stem().starts_with("axis") {
+        return false;
+    }
+    if let [_, .., last] = words[..]
+        && !is_unit(last)
+        && has_unit(last)
+    {
+        return false;
+    }
+    // Some log files have a column that counts rolls, under one of these names. It may be used as the column `probe`.
+    let is_probe = column.name == "probe"
+        && words
+            .iter()
+            .any(|word| matches!(*word, "trial" | "roll" | "episode"));
+    let is_theta = column.name == "angle_rad" && words.contains(&"theta");
+    let is_time = column.measure == Measure::Time && heading.is_time();
+    let is_displacement =
+        column.stem() == "normal_displacement" && matches!(words[..], ["dn" | "dz" | "normal"]);
+    let has_words = match column.stem() {
+        label @ ("finger" | "probe") => is_label(label, &words),
+        "x" | "y" | "z" => words.contains(&column.stem()) && may_be_position(&words),
+        stem => stem.split('_').all(|word| words.contains(&word)),
+    };
+    let is_special = is_probe || is_theta || is_time || is_displacement;
+    is_special || has_words || is_of_axis(column, &words)
+}
+
+/// Whether a name is that of the label of a finger or probe, such as `finger_id`. The columns of a finger's
+/// position also have the word `finger`.
+fn is_label(label: &str, words: &[&str]) -> bool {
+    match words {
+        [.., last] if *last == label => true,
+        [.., before, last] => {
+            *before == label && matches!(*last, "id" | "no" | "nr" | "number" | "index" | "name")
+        }
+        _ => false,
+    }
+}
+
+/// Whether a name with these words may be that of a position. Words that are units, axes or indices do not matter.
+fn may_be_position(words: &[&str]) -> bool {
+    // A position may have the prefix p, and that of a contact c. Another single letter denotes another quantity.
+    let is_letter =
+        |word: &str| word.len() == 1 && !"cpxyz".contains(word) && word.parse::<u8>().is_err();
+    let is_other = |word: &str| OTHERS.split(' ').any(|other| is_start(word, other));
+    let mut words = words
+        .iter()
+        .filter(|word| Measure::Length.unit(word).is_none());
+    words.all(|word| !is_letter(word) && !is_other(word))
+}
+
+/// Whether a word of at least three letters, without the s of a plural, is the start of `whole`.
+fn is_start(word: &str, whole: &str) -> bool {
+    let word = word.strip_suffix('s').unwrap_or(word);
+    word.len() > 2 && whole.starts_with(word)
+}
+
+/// Whether a name in the file means the quantity and the axis of the column `column`. The axis may be a letter or an
+/// index. For example, `px` and `position.0` are an x coordinate, `rx` is a rotation about x, and `du` and `u` are
+/// shifts.
+fn is_of_axis(column: &Column, words: &[&str]) -> bool {
+    let (quantity, axis) = match column.stem().rsplit_once('_') {
+        Some((quantity, axis)) => (quantity, axis),
+        None => ("", column.stem()),
+    };
+    // Remove words that are units. A number is kept, because it is an index here, although "1" is also a unit.
+    let is_no_unit = |word: &&&str| {
+        column.measure.unit(word).is_none() || words.len() == 1 || word.parse::<u8>().is_ok()
+    };
+    let words: Vec<&str> = words.iter().filter(is_no_unit).copied().collect();
+    let Some((last, rest)) = words.split_last().filter(|_| axis.len() == 1) else {
+        return false;
+    };
+    let index = match axis {
+        "x" | "u" => "0",
+        "y" | "v" => "1",
+        _ => "2",
+    };
+    let says = |quantity: &str| {
+        let is_named = |word: &str| match word {
+            "cop" => quantity == "contact",
+            "rotvec" | "rvec" => quantity == "rotation",
+            "n" => quantity == "normal",
+            _ => false,
+        };
+        // A quantity may have a short name or a plural name, such as `rot` or `rotations`. Therefore remove a final s,
+        // and accept the beginning of the quantity's name.
+        rest.iter()
+            .any(|word| is_start(word, quantity) || is_named(word))
+    };
+    // Some authors call the axes u and v on the probe x and y.
+    let other = match axis {
+        "u" if says(quantity) => "x",
+        "v" if says(quantity) => "y",
+        axis => axis,
+    };
+    // `letter` is what precedes the axis in the last word, for example `r` in `rx`. The text is empty if the word is
+    // only an axis or an index.
+    let letter = match last.strip_suffix(axis).or(last.strip_suffix(other)) {
+        Some(letter) if letter.len() <= 1 => letter,
+        _ if *last == index && !rest.is_empty() => "",
+        _ => return false,
+    };
+    let letters: &[&str] = match quantity {
+        "" => return may_be_position(rest) && matches!(letter, "" | "p"),
+        "rotation" => &["r", "w"],
+        "axis" => &["a", "u", "k"],
+        "contact" => &["", "c"],
+        "shift" => &["", "d", "s"],
+        "normal" => &["n"],
+        "tangential" => &["d"],
+        _ => return false,
+    };
+    says(quantity) || (rest.is_empty() && letters.contains(&letter))
+}
+
+/// Words for quantities that have axes but are not measured positions.
+const OTHERS: &str = "normal rotation shift tangential force torque velocity acceleration linear angular twist \
+    wrench gyro euler quaternion orientation error std cmd commanded desired target goal setpoint reference";

@@ -1,0 +1,424 @@
+//! Reads recorded rolls from a table: one row per probe, or a time series per probe.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use nalgebra::{Vector2, Vector3};
+use palpate_ep1::RollSeries;
+use palpate_study::Warning;
+use palpate_study::readings::{
+    CONTACTS, Column, GLIDES, QUATERNION, ROLL_SERIES, ROLLS, columns_of,
+};
+
+use super::RecordedFile;
+use super::error::RecordedError;
+use super::finger_assignment::parted;
+use super::header::Header;
+use super::reading_table::{ReadingTable, header};
+use super::roll_rotation::{
+    RotationForm, RotationFrame, SCALAR_FIRST, SCALAR_LAST, Turned, between, is_rolling,
+    scalar_names,
+};
+use super::roll_series::SeriesReadings;
+use super::table_format::Form;
+use super::table_layout::without_names;
+use super::text_table::TextTable;
+
+use super::roll_recording::{RollRecording, reading, sample};
+
+/// Reads recorded rolls: one row per probe, or a time series per probe. The shift of a time series depends on its
+/// columns. With columns `pad_u,pad_v`, it is the last row. With columns `contact_u,contact_v`, it is the difference
+/// between the last row and the first row. The rotation may be a vector, a unit quaternion, a matrix, or an axis with
+/// an angle. If there is no column `probe`, each row or series counts as a probe. A new series starts after a blank
+/// line or where the time does not increase.
+///
+/// # Errors
+/// [`RecordedError`] with file, line, column and value.
+pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
+    let (recording, _) = read_rolls(&file)?;
+    Ok(recording)
+}
+
+/// The rolls of a file, and whether the shifts are consistent with a probe that rolls by the stated rotations.
+fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedError> {
+    let table = TextTable::of(file, &[&ROLLS[1..], &columns_of("roll")])
+        .map_err(|error| without_header(file).unwrap_or(error))?;
+    let header = header(&table, &columns_of("roll"))?;
+    let fail = |message: String| Err(file.fail(table.header_line, message));
+    let kind = match Kind::of(&header) {
+        Ok(kind) => kind,
+        Err(message) => return fail(message),
+    };
+    let has = |column: &Column| header.has(column);
+    let names_probes = has(&ROLLS[0]);
+    let form = RotationForm::of(&header);
+    let as_series = |why: String| {
+        let names = header.pairs(&ROLLS[3..], &CONTACTS);
+        format!("{why}; if each roll is a time series, write setting `columns` '{names}'")
+    };
+    if kind == Kind::Rows
+        && form != RotationForm::Vector
+        && !names_probes
+        && let Some(time) = header.time()
+    {
+        return fail(as_series(format!(
+            "column `{time}`: the rows may be a time series"
+        )));
+    }
+    let (time, contacts) = match kind {
+        Kind::Rows => (&[][..], &ROLLS[3..]),
+        Kind::Pads => (&ROLL_SERIES[1..2], &ROLL_SERIES[4..]),
+        Kind::Contacts => (&ROLL_SERIES[1..2], &CONTACTS[..]),
+    };
+    let tip = &GLIDES[1..4];
+    // The columns x, y, z and w are a quaternion instead of a position.
+    let is_quaternion = has(&tip[0]) && header.own_name(&tip[0]) == header.own_name(&QUATERNION[0]);
+    let has_tip = tip.iter().all(has) || header.offers(tip);
+    if has_tip && !is_quaternion && !header.offers(contacts) {
+        return fail(
+            "the file has positions, as of a fingertip, but no contacts on the probe; an estimate from a glide with setting `tip_radius`, and setting `reports` centre, needs only the positions of the tip's centre".to_owned(),
+        );
+    }
+    let probe = &ROLLS[..usize::from(names_probes)];
+    let columns = [probe, time, form.columns(), contacts].concat();
+    let may = &ROLLS[..usize::from(!names_probes)];
+    let sheet = ReadingTable::read(&table, &columns, may)?;
+    if kind != Kind::Rows
+        && let Some(hint) = header.unread(may, &[])
+    {
+        return fail(format!("no column `probe` separates the rolls; {hint}"));
+    }
+    let first = probe.len();
+    let (probes, counted) = match names_probes {
+        true => {
+            let rows = sheet.rows();
+            let index = rows.map(|(line, numbers)| sheet.index(line, probe[0].name, numbers[0]));
+            (index.collect::<Result<Vec<u64>, _>>()?, None)
+        }
+        false => {
+            let (probes, note) = count_probes(&sheet, kind != Kind::Rows);
+            (probes, Some(note))
+        }
+    };
+    let mut rolls: Vec<Roll> = Vec::new();
+    // For each probe: the index of its roll, and the time of its last row.
+    let mut earlier: HashMap<u64, (usize, f64)> = HashMap::new();
+    for (row, ((line, numbers), &probe)) in sheet.rows().zip(&probes).enumerate() {
+        let numbers = &numbers[first..];
+        let (time, numbers) = numbers.split_at(time.len());
+        let t_s = time.first().copied().unwrap_or_default();
+        match earlier.entry(probe) {
+            Entry::Vacant(entry) => {
+                entry.insert((rolls.len(), t_s));
+                let (start, end) = ((line, numbers), (line, numbers));
+                rolls.push(Roll {
+                    probe,
+                    row,
+                    start_s: t_s,
+                    start,
+                    end,
+                });
+            }
+            Entry::Occupied(mut entry) => {
+                let (place, before) = *entry.get();
+                if kind == Kind::Rows {
+                    let twice = format!("probe {probe} occurs twice");
+                    return Err(sheet.fail(
+                        line,
+                        match header.time() {
+                            Some(_) => as_series(twice),
+                            None => twice,
+                        },
+                    ));
+                }
+                if t_s <= before {
+                    let message =
+                        format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
+                    return Err(sheet.fail(line, message));
+                }
+                entry.insert((place, t_s));
+                (rolls[place].row, rolls[place].end) = (row, (line, numbers));
+            }
+        }
+    }
+    let read = |form: RotationForm, order: [usize; 4], frame: RotationFrame| {
+        let relative = |roll: &Roll<'_>| roll.relative(kind, form, order, frame);
+        let fail = |(line, message): (usize, String)| sheet.fail(line, message);
+        rolls
+            .iter()
+            .map(|roll| relative(roll).map_err(fail))
+            .collect::<Result<Vec<_>, _>>()
+    };
+    let mut notes = sheet.source.notes.clone();
+    let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
+    // If the file states orientations over time, their frame may be unknown. Try both frames.
+    let frames = match file.form.rotation_frame {
+        Some(stated) => vec![stated],
+        None if kind == Kind::Rows => vec![RotationFrame::Probe],
+        None => vec![RotationFrame::Probe, RotationFrame::World],
+    };
+    let frame_of = |order| {
+        let fits = |frame: &&RotationFrame| {
+            read(form, order, **frame).is_ok_and(|rolls| is_rolling(&rolls))
+        };
+        frames.iter().find(fits).copied()
+    };
+    let mut order = SCALAR_LAST;
+    if form == RotationForm::Quaternion {
+        let [last, first] = [SCALAR_LAST, SCALAR_FIRST].map(|order| frame_of(order).is_some());
+        let numbered = table.numbered_quaternion();
+        let own = || QUATERNION.map(|column| header.own_name(&column).unwrap_or_default());
+        let names = numbered.map_or_else(own, |names| names.each_ref().map(String::as_str));
+        let setting = |order| scalar_names(order, names);
+        match (numbered.is_some(), last, first) {
+            (false, true, _) | (false, _, false) => {}
+            (false, false, true) => {
+                return fail(format!(
+                    "the rotations do not fit the shifts of the contacts, unless the first component of the quaternion is its scalar part; write setting `columns` '{}'",
+                    setting(SCALAR_FIRST)
+                ));
+            }
+            (true, last, first) if last != first => {
+                order = if last { SCALAR_LAST } else { SCALAR_FIRST };
+                note(format!(
+                    "the order of the quaternion's components was found from the rolls; it is that of setting `columns` '{}'",
+                    setting(order)
+                ));
+            }
+            _ => {
+                return fail(format!(
+                    "the scalar part of the quaternion may be its first or its last component; write setting `columns` '{}' or '{}'",
+                    setting(SCALAR_FIRST),
+                    setting(SCALAR_LAST)
+                ));
+            }
+        }
+    }
+    let found = frame_of(order);
+    let frame = found.unwrap_or(frames[0]);
+    let turned = read(form, order, frame)?;
+    if let [_, other] = frames[..] {
+        let world = read(form, order, other)?;
+        let mut pairs = turned.iter().zip(&world);
+        if frame == other {
+            note("the rotations are those of rolls only relative to the frame of the orientations; setting `rotation_frame` world states this frame".to_owned());
+        } else if pairs.any(|(probe, world)| {
+            (probe.0 - world.0).xy().norm() > MAX_FRAME_DIFFERENCE * probe.0.norm()
+        }) {
+            note("rotations are relative to the probe's frame at the start of each roll, along whose x and y the contact moves to u and v; setting `rotation_frame` world reads them relative to the frame of the orientations".to_owned());
+        }
+    }
+    let series = match kind {
+        Kind::Rows => None,
+        Kind::Pads | Kind::Contacts => {
+            let mut samples = vec![RollSeries::default(); rolls.len()];
+            for ((line, numbers), probe) in sheet.rows().zip(&probes) {
+                let numbers = &numbers[first..];
+                let (times, end) = numbers.split_at(time.len());
+                let place = earlier.get(probe).map_or(0, |(place, _)| *place);
+                let roll = Roll {
+                    end: (line, end),
+                    ..rolls[place]
+                };
+                let relative = roll.relative(kind, form, order, frame);
+                let (turned, _) = relative.map_err(|(line, message)| sheet.fail(line, message))?;
+                let contact = [end[end.len() - 2], end[end.len() - 1]];
+                let since = times[0] - rolls[place].start_s;
+                samples[place].samples.push(sample(since, turned, contact));
+            }
+            Some(SeriesReadings {
+                has_pads: kind == Kind::Pads,
+                rolls: samples,
+            })
+        }
+    };
+    let readings = turned
+        .iter()
+        .map(|(turned, [u, v])| reading(turned.x, turned.y, *u, *v));
+    let mut recording = RollRecording {
+        unit: sheet.unit,
+        probes: rolls.iter().map(|roll| roll.probe).collect(),
+        readings: readings.collect(),
+        rows: rolls.iter().map(|roll| roll.row).collect(),
+        note: counted,
+        series,
+        ..RollRecording::new::<2>(&[], &[], None)?
+    };
+    recording.source.name.clone_from(&sheet.source.name);
+    recording.source.notes = notes;
+    recording.extras = sheet.extras;
+    Ok((recording, found.is_some()))
+}
+
+/// Error for a table without a header. The message proposes values of the setting `columns` with which the table
+/// contains plausible rolls. `None` for other tables.
+fn without_header(file: &RecordedFile) -> Option<RecordedError> {
+    let table = TextTable::of(file, &[]).ok()?;
+    let mut names = table.header.iter().enumerate();
+    if !file.form.columns.is_empty() || !names.all(|(place, name)| *name == place.to_string()) {
+        return None;
+    }
+    let count = table.header.len();
+    let is_read = |layout: &Vec<&str>| {
+        let numbers = (0..).map(|place: usize| place.to_string());
+        let columns = layout.iter().map(|&name| name.to_owned()).zip(numbers);
+        let form = Form {
+            columns: columns.collect(),
+            ..file.form.clone()
+        };
+        let read = read_rolls(&file.clone().written(form));
+        read.is_ok_and(|(rolls, is_rolling)| {
+            let mut shifts = rolls.readings.iter().map(|reading| reading.shift);
+            is_rolling && shifts.any(|shift| shift != Vector2::zeros())
+        })
+    };
+    let mut layouts = layouts(count);
+    layouts.retain(is_read);
+    let message = without_names(count, &layouts);
+    Some(file.fail(table.header_line, message))
+}
+
+/// Usual orders of the columns in a table of rolls. Each order is a list of `count` column names.
+fn layouts(count: usize) -> Vec<Vec<&'static str>> {
+    let names =
+        |columns: &[Column]| -> Vec<&str> { columns.iter().map(|column| column.name).collect() };
+    let scalar_first = vec!["qw", "qx", "qy", "qz"];
+    let forms = RotationForm::ALL.map(|form| names(form.columns()));
+    let kinds = [(&[][..], &ROLLS[3..]), (&ROLL_SERIES[1..2], &CONTACTS[..])];
+    let mut layouts = Vec::new();
+    for (time, contacts) in kinds {
+        for probe in [&[][..], &ROLLS[..1]] {
+            for form in forms.iter().chain([&scalar_first]) {
+                let names = [names(probe), names(time), form.clone(), names(contacts)].concat();
+                layouts.push(names);
+            }
+        }
+    }
+    layouts.retain(|names| names.len() == count);
+    layouts
+}
+
+/// Smallest relative difference between the rotations in the probe's frame and in the world's frame for which the
+/// choice of the frame matters. A note then names the frame that was used.
+const MAX_FRAME_DIFFERENCE: f64 = 0.02;
+
+/// First and last row of a roll, each with its line number.
+#[derive(Clone, Copy)]
+struct Roll<'a> {
+    probe: u64,
+    row: usize,
+    start_s: f64,
+    start: (usize, &'a [f64]),
+    end: (usize, &'a [f64]),
+}
+
+impl Roll<'_> {
+    /// Rotation and shift of the roll from its start to its end. The error is the line number of a wrong row, and a
+    /// message.
+    fn relative(
+        &self,
+        kind: Kind,
+        form: RotationForm,
+        order: [usize; 4],
+        frame: RotationFrame,
+    ) -> Result<Turned, (usize, String)> {
+        let rotation = |(line, numbers): (usize, &[f64])| {
+            let numbers = &numbers[..numbers.len() - 2];
+            let ordered = order.map(|place| numbers.get(place).copied().unwrap_or_default());
+            let numbers = if form == RotationForm::Quaternion {
+                &ordered
+            } else {
+                numbers
+            };
+            form.rotation(numbers).map_err(|message| (line, message))
+        };
+        let place = |numbers: &[f64]| [numbers[numbers.len() - 2], numbers[numbers.len() - 1]];
+        let (end, start) = (place(self.end.1), place(self.start.1));
+        let is_vector = matches!(form, RotationForm::Vector | RotationForm::WholeVector);
+        let turned = match self.end.1 {
+            // A rotation vector that already counts from the start of the roll is not converted, because the conversion
+            // would round it.
+            [x, y, _, _] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
+            [x, y, z, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, *z),
+            _ if kind == Kind::Rows => rotation(self.end)?.scaled_axis(),
+            _ => between(&rotation(self.start)?, &rotation(self.end)?, frame),
+        };
+        Ok((
+            turned,
+            match kind {
+                Kind::Contacts => [end[0] - start[0], end[1] - start[1]],
+                Kind::Rows | Kind::Pads => end,
+            },
+        ))
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// A table with one row per probe.
+    Rows,
+    /// A time series per probe. Its columns contain the shift of the contact since the start of the series.
+    Pads,
+    /// A time series per probe. Its columns contain the position of the contact.
+    Contacts,
+}
+
+impl Kind {
+    /// Kind of a table, recognised by its columns for the contact. If the table has the columns of several kinds, the
+    /// user must choose by the setting `columns`.
+    fn of(header: &Header<'_>) -> Result<Self, String> {
+        let has = |column: &Column| header.has(column);
+        let kinds = [
+            (Self::Rows, &ROLLS[3..]),
+            (Self::Pads, &ROLL_SERIES[4..]),
+            (Self::Contacts, &CONTACTS[..]),
+        ];
+        let any = |columns: &[Column]| columns.iter().any(has);
+        let mut whole = kinds.to_vec();
+        whole.retain(|(_, columns)| columns.iter().all(has));
+        if let [_, _, ..] = whole[..] {
+            whole.retain(|(_, columns)| header.is_assigned(columns));
+            if whole.len() != 1 {
+                let columns = if any(&ROLLS[3..]) {
+                    &ROLLS[3..]
+                } else {
+                    &CONTACTS[..]
+                };
+                let names = header.pairs(columns, columns);
+                return Err(format!(
+                    "there are several of shift_u, shift_v; pad_u, pad_v; and contact_u, contact_v; state which to read, as in setting `columns` '{names}'"
+                ));
+            }
+        }
+        if let [(kind, _)] = whole[..] {
+            return Ok(kind);
+        }
+        Ok(match () {
+            () if any(&ROLL_SERIES[4..]) => Self::Pads,
+            () if any(&ROLLS[3..]) => Self::Rows,
+            () if any(&CONTACTS) || header.time().is_some() => Self::Contacts,
+            () => Self::Rows,
+        })
+    }
+}
+
+/// Number of the probe of each row, for a table without a column `probe`. Also returns a note on how the probes were
+/// determined.
+fn count_probes(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
+    let rows = sheet.source.lines.len();
+    if !is_series {
+        let note = format!("no column `probe`: each of the {rows} rows counts as a probe");
+        return ((0..rows as u64).collect(), note);
+    }
+    let times: Vec<f64> = sheet.rows().map(|(_, numbers)| numbers[0]).collect();
+    let is_start = |row: &usize| {
+        let falls = *row > 0 && times[*row] <= times[*row - 1];
+        falls || sheet.after_gaps.contains(row)
+    };
+    let starts: Vec<usize> = (0..rows).filter(is_start).collect();
+    let (parts, count) = parted(rows, &starts);
+    let note = format!(
+        "no column `probe`: blank lines, or times that do not increase, separate {count} probes"
+    );
+    (parts.into_iter().map(|part| part as u64).collect(), note)
+}
