@@ -28,8 +28,8 @@ pub(crate) struct CellTrials<'a> {
     /// Function that receives the progress: the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
     scenes: BTreeMap<Place, Setup>,
-    /// Trials of each cell at each tested value of the searched field. The second part of the key is `false` for the
-    /// trials of the search, and `true` for the fresh trials that verify the answer.
+    /// Trials of each cell at each tested value of the searched field. The flag in the key is `true` for the fresh trials
+    /// that verify the answer, and `false` for the trials of the search.
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 

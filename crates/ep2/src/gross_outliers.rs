@@ -122,7 +122,8 @@ impl SoundContacts {
 fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
     let outliers = within_share(far_contacts(contacts, runs), contacts.len());
     outliers.or_else(|error| {
-        // Most contacts may be of a finger at rest, whose noise is as large as its steps.
+        // A finger at rest may have recorded most contacts. If noise moves these contacts as far as the steps of a stroke,
+        // they are no copies, and contacts of the strokes seem to be far from most contacts.
         let outliers = far_contacts(contacts, &without_noisy_rests(runs));
         within_share(outliers, contacts.len()).map_err(|_| error)
     })

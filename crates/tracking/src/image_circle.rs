@@ -251,7 +251,8 @@ impl Rim {
         })
     }
 
-    /// Whether the bin (x, y) lies outside of the rim. Both the row and the column of the bin are tested.
+    /// Whether the bin (x, y) lies outside of the rim of the image circle: beyond the ends of the rim in its row or in
+    /// its column.
     pub(crate) fn excludes(&self, x: usize, y: usize) -> bool {
         let beyond = |ends: &Option<[usize; 2]>, at: usize| {
             ends.is_none_or(|[first, last]| at < first || at > last)

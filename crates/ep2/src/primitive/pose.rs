@@ -113,9 +113,9 @@ impl Pose {
         }
     }
 
-    /// Four values that describe `place` relative to the surface, with the symbols of the description of this module:
-    /// the position q from the reference point, in the axes of the pose; q without its component along the axis of a
-    /// cylinder (otherwise q); √(1 + 2 k f); and the signed distance d.
+    /// The vector q to the position `place`, the part of q across the axis of a cylinder (of other shapes, q itself),
+    /// √(1 + 2 k f), and the signed distance d. The vectors are in the axes of the pose. The description of the module
+    /// defines the symbols.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);
