@@ -114,7 +114,7 @@ impl Region {
         if points.any(|point| point.is_of_survivors) {
             let share = number::rounded(100.0 * self.question.max_failures);
             notes.push(format!(
-                "Circled: points of which more than {share} % of the trials failed."
+                "Circled: points at which more than {share} % of the trials failed."
             ));
         }
         let limit = self.question.target.limit;

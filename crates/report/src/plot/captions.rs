@@ -70,7 +70,7 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     };
     let (failed, trials) = (number::grouped(failed), number::grouped(sum("trials")));
     Some(format!(
-        "Left out of every average: {failed} failed trials of {trials}{kinds}."
+        "Left out of every average: failed trials, {failed} of {trials}{kinds}."
     ))
 }
 

@@ -343,7 +343,7 @@ impl<'a> Lines<'a> {
         };
         let failed = captions::failed(self.of.of.study, &self.of.rows);
         let survivors = is_circled
-            .then(|| "Circled: points of which more than 5 % of the trials failed.".to_owned());
+            .then(|| "Circled: points at which more than 5 % of the trials failed.".to_owned());
         let bars = has_bars.then(|| uncertainty::BARS.to_owned());
         let notes = skipped.into_iter().map(note).chain(survivors);
         let notes = notes.chain(bars).chain(failed);

@@ -267,9 +267,18 @@ impl Scale {
                 .linear_ticks();
         }
         let values = found.unwrap_or(exponents.into_iter().map(power).collect());
+        let has_powers = values.iter().any(|at| !(1e-4..1e6).contains(at));
+        let label = |at: f64| {
+            let exponent = (libm::log10(at) + 1e-9).floor() as i32;
+            match libm::round(at / power(exponent)) {
+                _ if !has_powers => number::significant(at, 3),
+                1.0 => format!("10{}", number::superscript(exponent)),
+                digit => format!("{digit} × 10{}", number::superscript(exponent)),
+            }
+        };
         let tick = |at: f64| Tick {
             at,
-            label: number::significant(at, 3),
+            label: label(at),
         };
         values.into_iter().map(tick).collect()
     }
@@ -393,6 +402,17 @@ mod tests {
         }
         let nothing = Scale::around(Spacing::Log, std::iter::empty());
         assert!(!nothing.ticks().is_empty());
+    }
+
+    #[test]
+    fn a_log_axis_has_labels_of_one_form() {
+        let labels = |ends: [f64; 2]| {
+            let ticks = Scale::around(Spacing::Log, ends.into_iter()).ticks();
+            let labels: Vec<String> = ticks.into_iter().map(|tick| tick.label).collect();
+            labels.join(", ")
+        };
+        assert_eq!(labels([2e-3, 9e-3]), "0.002, 0.005");
+        assert_eq!(labels([3e5, 4e6]), "5 × 10⁵, 10⁶, 2 × 10⁶");
     }
 
     #[test]

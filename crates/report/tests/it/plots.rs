@@ -263,13 +263,13 @@ fn points_of_survivors_are_circled() {
     let (one, svg) = circles([0, 0, 6]);
     shows(
         &svg,
-        &["Circled: points of which more than 5 % of the trials failed."],
+        &["Circled: points at which more than 5 % of the trials failed."],
     );
     assert_eq!(one, plain + 2);
     let (two, svg) = circles([0, 49, 6]);
     shows(
         &svg,
-        &["Circled: points of which more than 5 % of the trials failed."],
+        &["Circled: points at which more than 5 % of the trials failed."],
     );
     assert_eq!(two, plain + 4);
 }
