@@ -140,8 +140,12 @@ impl Terrain {
                     .get(beside(right, down))
                     .copied()
                     .unwrap_or(f64::NAN);
-                if aside <= reach * reach && (next - height).abs() > STEEP * self.spacing {
+                if (next - height).abs() > STEEP * self.spacing {
                     let level = centre.z.clamp(height.min(next), height.max(next));
+                    let up = level - centre.z;
+                    if aside + up * up > reach * reach {
+                        continue;
+                    }
                     let ends = [place, self.place(column + right, row + down)];
                     let wall = crossing(object, ends, level, next > height);
                     starts.extend(wall.map(|place| Start {

@@ -102,7 +102,7 @@ pub enum InvalidRoll {
     #[error("no rolling contact: {0}")]
     Fault(#[from] RollFault),
     /// The model that the user has set cannot compute these rolls.
-    #[error("the model {rung} cannot compute this: {reason}")]
+    #[error("the model `{rung}` cannot compute this: {reason}")]
     Unsupported {
         /// Name of the model that the user has set.
         rung: &'static str,

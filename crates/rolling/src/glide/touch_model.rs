@@ -49,7 +49,7 @@ pub enum InvalidTouch {
     #[error("{0}")]
     Tip(#[from] InvalidShape),
     /// The model that the user has set cannot compute the contacts of this fingertip with this object.
-    #[error("the model {rung} cannot compute this: {reason}")]
+    #[error("the model `{rung}` cannot compute this: {reason}")]
     Unsupported {
         /// Name of the model that the user has set.
         rung: &'static str,

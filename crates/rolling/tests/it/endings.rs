@@ -134,12 +134,12 @@ fn forced_rungs_say_why_not() {
     let text = |object, model, motion| refused(1.0, object, model, motion).to_string();
     assert_eq!(
         text(saddle(0.1), Model::ClosedForm, rolling),
-        "the model closed form cannot compute this: a saddle has no closed form"
+        "the model `closed form` cannot compute this: a saddle has no closed form"
     );
     let aslant = Motion::rolling(0.3, 0.1, 1.0);
     assert_eq!(
         text(saddle(0.1), Model::Meridian, aslant),
-        "the model meridian cannot compute this: the first contact is not the apex of a surface of \
+        "the model `meridian` cannot compute this: the first contact is not the apex of a surface of \
          revolution, nor of a line of symmetry along the motion"
     );
     let spinning = Motion {
@@ -148,7 +148,7 @@ fn forced_rungs_say_why_not() {
     };
     assert_eq!(
         text(plane(), Model::ClosedForm, spinning),
-        "the model closed form cannot compute this: the motion spins"
+        "the model `closed form` cannot compute this: the motion spins"
     );
     for steps in [0, usize::MAX] {
         let model = Model::Rk4 {
@@ -157,7 +157,7 @@ fn forced_rungs_say_why_not() {
         };
         assert_eq!(
             text(plane(), model, rolling),
-            format!("the model RK4 cannot compute this: {steps} steps are not from 1 to 100000")
+            format!("the model `RK4` cannot compute this: {steps} steps are not from 1 to 100000")
         );
     }
     let chart = Chart::Free;
