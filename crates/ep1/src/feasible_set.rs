@@ -181,7 +181,7 @@ pub(crate) fn furthest_change(
             }
             let corner = roll.start(&point, basis, &mut of_roll)?;
             if corner.point.z > START_TOLERANCE {
-                sums.extend(roll.sum(&corner));
+                sums.push(roll.sum(&corner)?);
             }
             all.push(corner.point.xy());
         }

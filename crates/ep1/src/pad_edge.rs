@@ -13,7 +13,8 @@ use crate::{PadCell, Quantity, RollSample, RollSeries};
 
 /// Largest number of times that the bounds are linearised to find one extreme of the set.
 const PASSES: usize = 8;
-/// An extreme has converged if it changes by less than this part of its distance from the mean.
+/// An extreme has converged if it changes by less than this part of its distance from the mean. The next change is about
+/// the square of this part, and is added to the extreme.
 const CONVERGED: f64 = 0.03;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
@@ -75,8 +76,11 @@ impl BoundedRoll {
                     .step_by(step)
                     .map(|at| samples[at].rotation),
             );
-            last = edge.2;
-            rotations.push(samples[last].rotation);
+            // Bounds of the same sample share its rotation.
+            if rotations.is_empty() || edge.2 != last {
+                last = edge.2;
+                rotations.push(samples[last].rotation);
+            }
             edge.2 = rotations.len() - 1;
         }
         // The bounds are widened by the error of the path.
@@ -237,7 +241,7 @@ impl PadEdgeSet {
         (0..4).any(|at| {
             let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_4 * f64::from(at));
             let direction = Vector3::new(cos * cos, 2.0 * sin * cos, sin * sin);
-            let own = entries_of(&self.centre);
+            let own = unique_entries(&self.centre);
             let end = furthest_change(&self.rows, &direction, &mut programs);
             end.is_some_and(|(change, _)| direction.dot(&(own + change)) <= 0.0)
         })
@@ -289,8 +293,9 @@ impl PadEdgeSet {
         Some(all)
     }
 
-    /// Largest value of `direction · β` over the set. The bounds are linearised again at each point that is found, so that
-    /// the result is exact. `None` if the set is open in this direction.
+    /// Largest value of `direction · β` over the set. The bounds are linearised again at each point that is found, until
+    /// the value changes by less than [`CONVERGED`]. Then the expected next change is added to the value. `None` if the set
+    /// is open in this direction.
     fn furthest(&self, direction: &Vector3<f64>, programs: &mut Programs) -> Option<f64> {
         let mean = direction.dot(&self.mean);
         let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;
@@ -319,7 +324,7 @@ impl PadEdgeSet {
             }
             // In a direction in which the set is round, the corners of the linear bounds alternate around its end.
             if pass > PASSES / 2 {
-                largest = largest.max(found);
+                largest = largest.max(found.max(last) + apart * (apart / distance).min(1.0));
             }
         }
         Some(largest)
@@ -462,7 +467,7 @@ fn is_rolling(mobility: &Matrix2<f64>) -> bool {
 }
 
 /// The entries uu, uv, vv of a symmetric matrix.
-fn entries_of(matrix: &Matrix2<f64>) -> Vector3<f64> {
+fn unique_entries(matrix: &Matrix2<f64>) -> Vector3<f64> {
     Vector3::new(matrix[(0, 0)], matrix[(0, 1)], matrix[(1, 1)])
 }
 

@@ -81,7 +81,7 @@ pub struct SeriesEstimate {
     /// Goodness of fit; `None` if no noise is stated.
     pub goodness: Option<GoodnessOfFit>,
     radius: f64,
-    arc_length: f64,
+    pub(crate) arc_length: f64,
     uncertainty: Uncertainty,
 }
 
@@ -137,7 +137,7 @@ impl SeriesEstimate {
     }
 
     /// The curvatures along u, along v and mixed.
-    fn entries(&self) -> Vector3<f64> {
+    pub(crate) fn entries(&self) -> Vector3<f64> {
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;
         Vector3::new(k_uu, k_vv, k_uv)
     }
@@ -154,9 +154,8 @@ impl SeriesEstimate {
         root.map_or(0.0, |root| apart.dot(&root.solve(&apart)))
     }
 
-    /// Adds `share` of the difference from `other` to the standard errors.
-    pub(crate) fn widen(&mut self, other: &Self, share: f64) {
-        let apart = (self.entries() - other.entries()) * share;
+    /// Adds the error `apart` of the curvatures along u, along v and mixed to the standard errors.
+    pub(crate) fn widen(&mut self, apart: Vector3<f64>) {
         let covariance = self.covariance_matrix() + apart * apart.transpose();
         self.covariance = [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)]));
     }
@@ -369,7 +368,16 @@ impl SeriesEstimate {
         let mut all: Vec<f64> = self.draws().map(value).collect();
         all.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| all[(share * (all.len() - 1) as f64).round() as usize];
-        [at(0.025), at(0.975)].map(|end| end.is_finite().then_some(end))
+        let mean = self.curvature.mean_curvature();
+        let [low, high] = self.around(mean, self.std([0.5, 0.5, 0.0]));
+        let is_flat = low.is_none_or(|low| low <= 0.0) && high.is_none_or(|high| high >= 0.0);
+        // The curvatures of draws around a flat object are products of two errors, which are seldom 0.
+        let least = if is_flat {
+            at(0.025).min(0.0)
+        } else {
+            at(0.025)
+        };
+        [least, at(0.975)].map(|end| end.is_finite().then_some(end))
     }
 }
 

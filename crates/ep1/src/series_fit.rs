@@ -95,15 +95,11 @@ impl Problem<'_> {
             let usable = data.iter().filter(is_used).count();
             let first = SeriesFit::<3>::new(&data, &noise, FLAT, tolerance);
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
-                let is_determined = |fit: &&SeriesFit<3>, sign: f64| {
+                let is_determined = |fit: &&SeriesFit<3>| {
                     let mobility = fit.shape.relative().try_inverse().unwrap_or_default();
-                    largest_spread(&(mobility * sign), &fit.covariance) < MAX_SPREAD
+                    largest_spread(&mobility, &fit.covariance) < MAX_SPREAD
                 };
-                // A contact that moves against the roll is not a contact of a rolling probe.
-                if first.as_ref().is_some_and(|fit| is_determined(&fit, -1.0)) {
-                    return Err(undetermined);
-                }
-                let first = first.as_ref().filter(|fit| is_determined(fit, 1.0));
+                let first = first.as_ref().filter(is_determined);
                 return self.of_sets(cell, &data, &noise, first);
             }
             if usable < 2 {
@@ -377,6 +373,15 @@ impl Problem<'_> {
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);
         }
+        // Without a fit with three terms, the readings do not show how the curvature changes to the same side in opposite
+        // directions. On a paraboloid, a roll of length s from the apex has the relative change (k s)² / 2.
+        if all.iter().all(|one| one.estimate.terms < 3) {
+            for Candidate { estimate, .. } in &mut all {
+                let entries = estimate.entries();
+                let turned = entries.amax() * estimate.arc_length;
+                estimate.widen(entries * (0.5 * turned * turned));
+            }
+        }
         // The criterion of a fit with few terms may be good although the fit has a bias at the start of the rolls. So its
         // curvature there must also agree with the one of the fit with the most terms, which needs 3 numbers for it.
         if let Some(last) = all.pop() {
@@ -431,8 +436,8 @@ impl Problem<'_> {
                 .rfind(|one| one.estimate.terms + 2 == shape.terms)
             {
                 let ends = fit.rolls.iter().map(|roll| shape.last_share(&roll.end));
-                one.estimate
-                    .widen(&before.estimate, ends.fold(0.0, f64::max));
+                let apart = one.estimate.entries() - before.estimate.entries();
+                one.estimate.widen(apart * ends.fold(0.0, f64::max));
             }
             all.push(one);
         }
