@@ -4,10 +4,11 @@
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use crate::Contact;
 use crate::patch::FingerMap;
+use crate::surface_outliers::median;
 
 /// Largest distance between consecutive contacts of a finger that count as one reading, relative to the length of a
 /// long step.
@@ -31,8 +32,11 @@ const MAX_SHORT_BREAKS: f64 = 0.2;
 const MAX_GAPS: usize = 4;
 /// Smallest number of contacts of a rest during which the noise is as large as the steps of the moving finger.
 const MIN_NOISY_REST: usize = 20;
-/// Largest distance of such contacts from their mean, relative to the root mean square of their steps.
+/// Largest distance of such contacts from the finger's median position, relative to the median of its steps.
 const MAX_NOISY_EXTENT: f64 = 2.5;
+/// Smallest median distance of the other contacts from a finger at rest, relative to the largest distance of the contacts
+/// at rest. Otherwise, the contacts may be in no order.
+const MIN_REST_DISTANCE: f64 = 4.0;
 /// Number of residuals that is sufficient to estimate their correlation. If the strokes used so far contain this
 /// number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
@@ -79,10 +83,12 @@ impl DistinctContacts {
     /// do not affect the result.
     pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
         let distinct = merged(contacts, 0.0, true);
-        match rests(&distinct.contacts) {
+        let distinct = match rests(&distinct.contacts) {
             Some(rests) => distinct.again(rests),
             None => distinct,
-        }
+        };
+        let noisy = merged_noisy_rests(&distinct.contacts);
+        distinct.again(noisy)
     }
 
     /// Also merges consecutive contacts that are closer to each other than a tenth of a long step. Remove lost readings
@@ -129,10 +135,6 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
         normal: Vector3<f64>,
         count: f64,
     }
-    let unit = |contact: &Contact| {
-        let normal = contact.normal.map(|normal| normal / normal.amax());
-        normal.map_or(Vector3::zeros(), |normal| normal.normalize())
-    };
     let capacity = if with_copies { contacts.len() } else { 0 };
     let mut copies = HashMap::with_capacity(capacity);
     // `runs` contains the first contact of each run. `rests` contains the sums over runs of several contacts. It is a
@@ -187,6 +189,12 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
         contacts: runs,
         run_of_row,
     }
+}
+
+/// The contact's normal with length 1; zeros for a contact without a normal.
+fn unit(contact: &Contact) -> Vector3<f64> {
+    let normal = contact.normal.map(|normal| normal / normal.amax());
+    normal.map_or(Vector3::zeros(), |normal| normal.normalize())
 }
 
 /// Bits of a contact's coordinates and normal. Equal contacts have equal bits, also if their zeros have different
@@ -258,35 +266,49 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     None
 }
 
-/// The contacts, in which each rest of a finger is replaced by its mean, even if the noise during the rest is as large as
-/// a step. The distance of a resting finger from its mean does not grow with the number of contacts, unlike that of a
-/// moving finger.
-pub(crate) fn without_noisy_rests(contacts: &[Contact]) -> Vec<Contact> {
-    let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
-    for contact in contacts {
-        fingers.entry(contact.finger).push(*contact);
+/// Merges the contacts of each rest during which the noise is as large as the steps of the moving finger. Without a gap
+/// between the step lengths, only a finger that rests for most of its contacts is known to rest: they are near its
+/// median position, and the other contacts are far from it.
+fn merged_noisy_rests(contacts: &[Contact]) -> DistinctContacts {
+    let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
+    for (row, contact) in contacts.iter().enumerate() {
+        fingers.entry(contact.finger).push(row);
     }
-    let mut all = Vec::new();
-    for finger in fingers.iter() {
-        let mut rest: &[Contact] = finger;
-        while let Some((first, others)) = rest.split_first() {
-            let start = &rest[..rest.len().min(MIN_NOISY_REST)];
-            let offsets = start.iter().map(|one| one.position - first.position);
-            let mean = first.position + offsets.sum::<Vector3<f64>>() / start.len() as f64;
-            let steps = start.windows(2);
-            let steps = steps.map(|pair| (pair[1].position - pair[0].position).norm_squared());
-            let limit = MAX_NOISY_EXTENT * (steps.sum::<f64>() / start.len() as f64).sqrt();
-            let near = rest
-                .iter()
-                .take_while(|one| (one.position - mean).norm() <= limit);
-            let near = near.count();
-            let is_rest = near >= MIN_NOISY_REST;
-            let position = if is_rest { mean } else { first.position };
-            all.push(Contact { position, ..*first });
-            rest = if is_rest { &rest[near..] } else { others };
+    let mut moved = contacts.to_vec();
+    for rows in fingers.iter().filter(|rows| rows.len() >= MIN_NOISY_REST) {
+        let position = |&row: &usize| contacts[row].position;
+        let centre = Point3::from([0, 1, 2].map(|axis| {
+            let places = rows.iter().map(|row| position(row)[axis]);
+            median(places.collect())
+        }));
+        let steps = rows.windows(2);
+        let steps = steps.map(|pair| (position(&pair[1]) - position(&pair[0])).norm());
+        let limit = MAX_NOISY_EXTENT * median(steps.collect());
+        let is_near = |at: Point3<f64>| (at - centre).norm() <= limit;
+        let near: Vec<usize> = rows
+            .iter()
+            .copied()
+            .filter(|row| is_near(position(row)))
+            .collect();
+        let count = near.len();
+        if count < MIN_NOISY_REST || 2 * count <= rows.len() {
+            continue;
+        }
+        let others = contacts.iter().filter(|one| !is_near(one.position));
+        let others: Vec<f64> = others.map(|one| (one.position - centre).norm()).collect();
+        if others.is_empty() || median(others) < MIN_REST_DISTANCE * limit {
+            continue;
+        }
+        let offsets = near.iter().map(|row| position(row) - centre);
+        let mean = centre + offsets.sum::<Vector3<f64>>() / count as f64;
+        let normals = near.iter().map(|&row| unit(&contacts[row]));
+        let normal = normals.sum::<Vector3<f64>>().try_normalize(1e-6);
+        for row in near {
+            moved[row].position = mean;
+            moved[row].normal = contacts[row].normal.map(|own| normal.unwrap_or(own));
         }
     }
-    all
+    merged(&moved, 0.0, true)
 }
 
 /// Number of consecutive residuals that count as one independent residual: 1 + 2 Σ ρ, which is at least 1. The sum of

@@ -132,7 +132,7 @@ pub enum Ep2Error {
          unknowns are determined"
     )]
     Undetermined {
-        /// Radius of curvature (length) of the surface on which the tip's centre moves.
+        /// Number of contacts.
         contacts: usize,
         /// Number of independent combinations of the unknowns that the contacts determine.
         rank: usize,

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use nalgebra::{Point3, Vector3};
 use strum::IntoStaticStr;
 
-use crate::effective_readings::{DistinctContacts, distinct_contacts, without_noisy_rests};
+use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
@@ -87,6 +87,19 @@ impl SoundContacts {
         // Lost readings often have normals of zeros. Such normals are wrong only if their contacts are used.
         let has_normal = |one: &Contact| one.normal != Some(Vector3::zeros());
         let rows = || contacts.iter().enumerate();
+        let without = rows().filter(|(_, one)| !has_normal(one));
+        let places: Vec<_> = without
+            .map(|(row, &one)| {
+                (
+                    row,
+                    Contact {
+                        normal: None,
+                        ..one
+                    },
+                )
+            })
+            .collect();
+        check(places.iter().map(|(row, one)| (*row, one)))?;
         check(rows().filter(|(_, one)| has_normal(one)))?;
         let distinct = DistinctContacts::without_rests(contacts);
         let outliers = gross_outliers(contacts, &distinct.contacts)?;
@@ -120,13 +133,7 @@ impl SoundContacts {
 /// Finds gross outliers among contacts with finite numbers. `runs` are the merged contacts, in which the contacts of a
 /// resting finger count only once. Returns an error if more than a fifth of the contacts are gross outliers.
 fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
-    let outliers = within_share(far_contacts(contacts, runs), contacts.len());
-    outliers.or_else(|error| {
-        // A finger at rest may have recorded most contacts. If noise moves these contacts as far as the steps of a stroke,
-        // they are no copies, and contacts of the strokes seem to be far from most contacts.
-        let outliers = far_contacts(contacts, &without_noisy_rests(runs));
-        within_share(outliers, contacts.len()).map_err(|_| error)
-    })
+    within_share(far_contacts(contacts, runs), contacts.len())
 }
 
 /// Contacts that are far from most of `runs`, and lost readings.

@@ -1,7 +1,7 @@
 //! Fits to logs whose contacts are not independent, because of copies, resting fingers, and noise that is correlated
 //! along a stroke.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use crate::effective_readings::{
     DistinctContacts, EffectiveReadings, correlation_time, distinct_contacts,
@@ -9,7 +9,7 @@ use crate::effective_readings::{
 use crate::patch::{FingerMap, check};
 use crate::{
     Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Penalised, Shape, ShapeFit,
-    ShapeSettings,
+    ShapeSettings, stroke_curvature,
 };
 
 /// Smallest number of contacts of a finger from which the correlation of its noise is estimated.
@@ -132,23 +132,32 @@ impl IndependentFit {
     /// a shape: its mean square error is at least the square of their difference plus the variance of the spline. Both
     /// methods are also compared with the fit around an implicit quadric that the contacts do not exclude.
     ///
-    /// Heights on up to four strokes do not show whether the surface bends like a circle or like a parabola across the
-    /// strokes. Without normals, the standard error of the mean curvature is at least this difference.
+    /// Heights on up to four strokes, or heights and normals on two strokes, do not show whether the surface bends like a
+    /// circle or like a parabola across the strokes. The standard error of the mean curvature is at least this difference.
     ///
     /// # Errors
-    /// The errors of [`Fit::centre`].
+    /// [`Ep2Error::Undetermined`] for two strokes without normals, and the errors of [`Fit::centre`].
     pub fn widen_to_shape(
         &mut self,
         outward: &Vector3<f64>,
         is_quadric: bool,
     ) -> Result<(), Ep2Error> {
-        if self.fit.mean.is_some() {
-            return Ok(());
+        if self.are_two_strokes(outward) {
+            return Err(Ep2Error::Undetermined {
+                contacts: self.contacts.len(),
+                rank: 5,
+                unknowns: 6,
+            });
         }
         let centre = self.fit.centre()?;
         let Some(stds) = centre.curvature.uncertainty else {
             return Ok(());
         };
+        let of_strokes = self.bias_across_strokes(&centre) / stds.mean_std;
+        if self.fit.mean.is_some() {
+            self.widen(of_strokes);
+            return Ok(());
+        }
         let step = self.contacts.len().div_ceil(MAX_COMPARED).max(1);
         let selection: Vec<Contact> = self.contacts.iter().copied().step_by(step).collect();
         let settings = ShapeSettings {
@@ -185,28 +194,58 @@ impl IndependentFit {
             let of_gaussian = (other.gaussian - centre.curvature.gaussian).hypot(gaussian_std);
             (of_mean / stds.mean_std).max(of_gaussian / stds.gaussian_std)
         });
-        let of_strokes = self.bias_across_strokes(&centre) / stds.mean_std;
-        let factor = factors.fold(of_strokes, f64::max);
-        if let Some(posterior) = self
-            .fit
-            .posterior
-            .as_mut()
-            .filter(|_| factor > 1.0 && factor.is_finite())
-        {
-            posterior.widen(factor * factor);
-        }
+        self.widen(factors.fold(of_strokes, f64::max));
         Ok(())
     }
 
+    /// Multiplies the standard errors by `factor` if it is greater than 1.
+    fn widen(&mut self, factor: f64) {
+        let posterior = self.fit.posterior.as_mut();
+        if let Some(posterior) = posterior.filter(|_| factor > 1.0 && factor.is_finite()) {
+            posterior.widen(factor * factor);
+        }
+    }
+
+    /// Whether the contacts are of two strokes without normals. A quadric through two strokes has one free parameter: a
+    /// quadric that is 0 on both strokes can be added to it. Noise across the strokes only seems to determine it.
+    fn are_two_strokes(&self, outward: &Vector3<f64>) -> bool {
+        let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
+        for contact in &self.contacts {
+            fingers.entry(contact.finger).push(*contact);
+        }
+        let is_stroke = |contacts: &Vec<Contact>| stroke_curvature(contacts, outward).is_some();
+        !self.patch.has_normals() && self.patch.fingers == 2 && fingers.iter().all(is_stroke)
+    }
+
     /// Difference of the mean curvature between a circle and a parabola across the strokes, 1/length, for the curvature
-    /// at `centre`. 0 if the contacts have normals, or if there are more than four strokes.
+    /// at `centre`. 0 if there are more than four strokes, or more than two strokes with normals.
     fn bias_across_strokes(&self, centre: &MapPoint) -> f64 {
-        if self.patch.has_normals() || !(2..=MAX_FEW_STROKES).contains(&self.patch.fingers) {
+        let few = if self.patch.has_normals() {
+            2
+        } else {
+            MAX_FEW_STROKES
+        };
+        if !(2..=few).contains(&self.patch.fingers) {
             return 0.0;
         }
         let place = self.fit.frame.point(&centre.position);
-        let curvature = self.fit.jet(place.x, place.y).vv.abs();
-        let [low, high] = self.fit.domain[1];
+        let jet = self.fit.jet(place.x, place.y);
+        // The strokes run along the axis along which consecutive contacts of a finger are farther apart.
+        let pairs = self.contacts.windows(2);
+        let steps = pairs
+            .filter(|pair| pair[0].finger == pair[1].finger)
+            .map(|pair| {
+                let step = self
+                    .fit
+                    .frame
+                    .direction(&(pair[1].position - pair[0].position));
+                Vector2::new(step.x.abs(), step.y.abs())
+            });
+        let steps: Vector2<f64> = steps.sum();
+        let (curvature, [low, high]) = match steps.x > steps.y {
+            true => (jet.vv.abs(), self.fit.domain[1]),
+            false => (jet.uu.abs(), self.fit.domain[0]),
+        };
         let angle = 0.5 * curvature * (high - low);
         0.5 * 0.25 * curvature * angle * angle / self.fit.frame.scale()
     }

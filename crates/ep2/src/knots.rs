@@ -18,11 +18,11 @@ impl Knots {
     /// Knots of a spline with `degree` (at most [`MAX_DEGREE`]) on `[start, end]`. The interior knots must be strictly
     /// inside the interval and in ascending order.
     pub(crate) fn new(degree: usize, start: f64, end: f64, interior: &[f64]) -> Self {
-        debug_assert!((1..=MAX_DEGREE).contains(&degree) && start < end);
+        assert!((1..=MAX_DEGREE).contains(&degree) && start < end);
         let mut knots = vec![start; degree + 1];
         knots.extend_from_slice(interior);
         knots.resize(knots.len() + degree + 1, end);
-        debug_assert!(knots.is_sorted());
+        assert!(knots.is_sorted());
         Self { degree, knots }
     }
 

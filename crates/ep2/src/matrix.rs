@@ -13,7 +13,7 @@ pub(crate) struct SparseMap {
 
 impl SparseMap {
     pub(crate) fn new(from: usize, to: usize, entries: Vec<(usize, usize, f64)>) -> Self {
-        debug_assert!(entries.iter().all(|entry| entry.0 < from && entry.1 < to));
+        assert!(entries.iter().all(|entry| entry.0 < from && entry.1 < to));
         Self { from, to, entries }
     }
 
@@ -37,7 +37,7 @@ impl SparseMap {
     }
 
     pub(crate) fn apply_to_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
-        debug_assert_eq!(rows.ncols(), self.from);
+        assert_eq!(rows.ncols(), self.from);
         let height = rows.nrows();
         let mut result = DMatrix::zeros(height, self.to);
         let (rows, sums) = (rows.as_slice(), result.as_mut_slice());

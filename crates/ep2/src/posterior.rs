@@ -25,6 +25,8 @@ pub(crate) struct Posterior {
     /// Coefficients of the covariance of each pair of derivatives, for twice the degree of the surface. The products
     /// T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
+    /// Factor by which the mean products of the errors are multiplied.
+    widening: f64,
 }
 
 /// Values of the Chebyshev polynomials in u, from degree 0 on, at several places.
@@ -60,13 +62,13 @@ impl Posterior {
             degree,
             means,
             covariances,
+            widening: 1.0,
         }
     }
 
+    /// Multiplies the mean products of the errors by `factor`.
     pub(crate) fn widen(&mut self, factor: f64) {
-        for covariance in self.covariances.iter_mut().flatten() {
-            *covariance *= factor;
-        }
+        self.widening *= factor;
     }
 
     pub(crate) fn series(&self, u: Lanes) -> Series {
@@ -93,6 +95,7 @@ impl Posterior {
         PosteriorLine {
             means,
             covariances: covariances.collect(),
+            widening: self.widening,
         }
     }
 }
@@ -180,6 +183,7 @@ fn add<const N: usize>(sums: &mut [f64; N], coefficients: &[f64; N], factor: f64
 pub(crate) struct PosteriorLine {
     means: Vec<[f64; DERIVATIVES]>,
     covariances: Vec<[f64; PAIRS]>,
+    widening: f64,
 }
 
 impl PosteriorLine {
@@ -199,11 +203,12 @@ impl PosteriorLine {
                 *spread += *value * *covariance;
             }
         }
+        let widening = Lanes::splat(self.widening);
         let mut errors = JetCovariance::default();
         let mut pair = 0;
         for one in 0..DERIVATIVES {
             for other in one..DERIVATIVES {
-                let both = spread[pair] + distance[one] * distance[other];
+                let both = (spread[pair] + distance[one] * distance[other]) * widening;
                 errors[one][other] = both;
                 errors[other][one] = both;
                 pair += 1;

@@ -113,15 +113,16 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     }
     let distance =
         |one: usize, other: usize| (contacts[one].position - contacts[other].position).norm();
-    let pairs = fingers.iter().flat_map(|finger| finger.windows(2));
-    let steps: Vec<f64> = pairs.map(|pair| distance(pair[0], pair[1])).collect();
+    let steps_of = |finger: &Vec<usize>| -> Vec<f64> {
+        let pairs = finger.windows(2);
+        pairs.map(|pair| distance(pair[0], pair[1])).collect()
+    };
+    let steps: Vec<f64> = fingers.iter().flat_map(steps_of).collect();
     let mut is_beside = vec![false; contacts.len()];
-    if steps.is_empty() {
-        return is_beside;
-    }
-    let limits =
-        [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * median(steps.clone()));
-    for finger in fingers.iter() {
+    for finger in fingers.iter().filter(|finger| finger.len() > 1) {
+        // A finger may have recorded its contacts farther apart than the other fingers.
+        let step = median(steps_of(finger)).max(median(steps.clone()));
+        let limits = [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * step);
         // For each contact: the number of contacts on the longest path that ends at it, and the contact before it.
         let mut paths: Vec<(usize, Option<usize>)> = Vec::with_capacity(finger.len());
         for place in 0..finger.len() {
@@ -388,7 +389,7 @@ fn std(residuals: Vec<f64>, coefficients: usize) -> f64 {
     (STD_PER_MEDIAN * correction * median(residuals)).max(MIN_STD)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -41,7 +41,7 @@ impl Block {
 
     /// Adds a row of zeros with the right-hand side `right`. Returns the index of the row.
     pub(super) fn push(&mut self, right: f64) -> usize {
-        debug_assert!(!self.is_full());
+        assert!(!self.is_full());
         if self.is_stale {
             self.columns.fill([0.0; LANES]);
             self.is_stale = false;
