@@ -1,9 +1,10 @@
 //! Reads frames of a camera sensor from image files, and tracks the markers from a frame at rest to a pressed frame.
 
 use std::f64::consts::TAU;
+use std::io::Cursor;
 use std::num::NonZeroU8;
 
-use image::{ImageError, ImageFormat, RgbImage};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, RgbImage};
 use palpate_tracking::{
     Change, Finder, Found, Marker, Status, Track, TrackingError, difference, match_markers,
 };
@@ -25,7 +26,7 @@ pub struct Frame {
     pub jpeg_quality: Option<f64>,
 }
 
-/// Largest side of a frame, px.
+/// Largest side of a frame, px. Larger frames are rejected before they are decoded.
 const LARGEST_SIDE: u32 = 8192;
 
 const FORMATS: [(ImageFormat, &str); 5] = [
@@ -87,6 +88,8 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     let format = FORMATS.into_iter().find(|(one, _)| Some(*one) == format);
     let (format, name) =
         format.ok_or_else(|| file.error("is not a PNG, JPEG, BMP, TIFF or WebP image"))?;
+    let broken =
+        |error: ImageError| file.error(format!("is a broken or truncated {name} image: {error}"));
     let scan = file.bytes.windows(2).rposition(|bytes| bytes == SCAN);
     let scan = &file.bytes[scan.unwrap_or_default()..];
     // Check for the marker that ends a JPEG image. If the image is truncated, the decoder returns no error but fills
@@ -94,19 +97,15 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     if format == ImageFormat::Jpeg && !scan.windows(2).any(|bytes| bytes == END) {
         return Err(file.error("is a truncated JPEG image: the marker of its end is missing"));
     }
-    let too_large = |size: String| {
-        file.error(format!(
-            "has {size} px; at most {LARGEST_SIDE} x {LARGEST_SIDE} are accepted"
-        ))
-    };
-    let image = image::load_from_memory_with_format(&file.bytes, format);
-    let image = image.map_err(|error| match error {
-        ImageError::Limits(_) => too_large("too many".to_owned()),
-        error => file.error(format!("is a broken or truncated {name} image: {error}")),
-    })?;
-    if image.width().max(image.height()) > LARGEST_SIDE {
-        return Err(too_large(format!("{} x {}", image.width(), image.height())));
+    let reader = ImageReader::with_format(Cursor::new(&file.bytes), format);
+    let decoder = reader.into_decoder().map_err(broken)?;
+    let (width, height) = decoder.dimensions();
+    if width > LARGEST_SIDE || height > LARGEST_SIDE {
+        return Err(file.error(format!(
+            "has {width} x {height} px; at most {LARGEST_SIDE} x {LARGEST_SIDE} are accepted"
+        )));
     }
+    let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
     if image.color().has_alpha()
         && image
             .to_rgba16()

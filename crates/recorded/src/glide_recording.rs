@@ -9,7 +9,7 @@ use super::RecordedFile;
 use super::error::{RecordedError, explained};
 use super::finger_assignment::assign_fingers;
 use super::glide_warnings::directions;
-use super::heading::bracketed;
+use super::heading::{bracketed, is_tip_radius};
 use super::log_warnings::{across, listed};
 use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};
@@ -93,45 +93,47 @@ impl GlideRecording {
     /// Returns an error if the file has a column with a radius. The positions may then be those of round fingertips
     /// instead of contacts.
     pub(super) fn check_contacts(&self) -> Result<(), RecordedError> {
-        let Some((name, mut radii)) = self.radii() else {
+        let mut radii = self.radii();
+        let Some((name, radius)) = radii.next() else {
             return Ok(());
         };
-        let radius = radii.next().unwrap_or_default();
-        if let Some(other) = radii.find(|other| *other != radius) {
+        if let Some((other_name, other)) = radii.find(|(_, other)| is_other(*other, radius, 1e-9)) {
             return Err(self.source.fail(format!(
-                "column `{name}` has the values {radius} and {other}, but setting `tip_radius` is one radius; write the contacts of other tips into another file"
+                "the radius of tips is {radius} in column `{name}` and {other} in column `{other_name}`, but setting `tip_radius` is one radius; write the contacts of other tips into another file"
             )));
         }
+        let unit = self
+            .unit
+            .map_or(String::new(), |unit| format!(" {}", unit.as_str()));
         Err(self.source.fail(format!(
-            "column `{name}` is {radius}, so the positions may be those of round tips instead of contacts; state setting `tip_radius` {radius} for tips (setting `reports`: their lowest point or their centre), or 0 for contacts"
+            "column `{name}` is {radius}{unit}, so the positions may be those of round tips instead of contacts; state setting `tip_radius` {radius} for tips (setting `reports`: their lowest point or their centre), or 0 for contacts"
         )))
     }
 
-    /// Name of the column with the radius of the fingertips, and its values in the unit of the recording.
-    fn radii(&self) -> Option<(&str, impl Iterator<Item = String>)> {
-        let mut names = self.extras.names.iter().enumerate();
-        let is_radius = |name: &str| spelt(name).split('_').any(|word| word == "radius");
-        let (place, name) = names.find(|(_, name)| is_radius(name))?;
-        let in_name = bracketed(name).1.or(name.rsplit('_').next());
-        let unit = in_name.and_then(|unit| Measure::Length.unit(unit));
-        let factor = unit.and_then(|unit| unit.to(self.unit?));
-        let converted = move |row| {
-            let radius = self.extras.row(row).swap_remove(place);
-            let value = factor.and_then(|factor| Some(factor * radius.parse::<f64>().ok()?));
-            value.map_or(radius, |value| Number(value).to_string())
-        };
-        Some((name, (0..self.contacts.len()).map(converted)))
+    /// The positive radii in columns with the radius of fingertips, in the unit of the recording, with the names of their
+    /// columns.
+    fn radii(&self) -> impl Iterator<Item = (&str, Number)> {
+        let columns = self.extras.names.iter().enumerate();
+        let columns = columns.filter(|(_, name)| is_tip_radius(name));
+        columns.flat_map(move |(place, name)| {
+            let (base, bracket) = bracketed(name);
+            let base = spelt(base);
+            let unit = bracket.or(base.rsplit('_').next());
+            let unit = unit.and_then(|unit| Measure::Length.unit(unit));
+            let factor = unit.zip(self.unit).and_then(|(unit, own)| unit.to(own));
+            (0..self.contacts.len()).filter_map(move |row| {
+                let radius = self.extras.row(row).swap_remove(place);
+                let radius = factor.unwrap_or(1.0) * radius.trim().parse::<f64>().ok()?;
+                (radius > 0.0 && radius.is_finite()).then_some((name.as_str(), Number(radius)))
+            })
+        })
     }
 
     /// Text of a warning: the stated radius of the fingertips, if it is not 0, differs from a column of the file.
     pub(super) fn other_tip_radius(&self, stated: f64) -> Option<String> {
-        let (name, mut radii) = self.radii()?;
-        let differs = |radius: &String| {
-            let value = radius.trim().parse::<f64>();
-            stated > 0.0
-                && value.is_ok_and(|value| (value - stated).abs() > MAX_RADIUS_ERROR * stated)
-        };
-        let radius = radii.find(differs)?;
+        let mut radii = self.radii().filter(|_| stated > 0.0);
+        let (name, radius) =
+            radii.find(|(_, one)| is_other(*one, Number(stated), MAX_RADIUS_ERROR))?;
         Some(format!(
             "setting `tip_radius` is {stated}, but column `{name}` is {radius}: which one is right?"
         ))
@@ -149,6 +151,10 @@ impl GlideRecording {
             "orientations (`{name}`) are not used; if the positions are those of round tips instead of contacts, state setting `tip_radius`"
         ))
     }
+}
+
+fn is_other(one: Number, other: Number, tolerance: f64) -> bool {
+    (one.0 / other.0 - 1.0).abs() > tolerance
 }
 
 /// Maps the number of a finger in the readings to its index. The indices follow the order in which the numbers first

@@ -61,6 +61,28 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     }
 }
 
+/// Whether a column or an array contains the radius of a fingertip. The radius of an object, for example, has another
+/// word in its name.
+pub(super) fn is_tip_radius(name: &str) -> bool {
+    let name = spelt(bracketed(name).0);
+    let is_known = |word: &str| {
+        let word = word.trim_end_matches(|one: char| one.is_ascii_digit());
+        word.is_empty() || TIP_WORDS.contains(&word) || Measure::Length.unit(word).is_some()
+    };
+    name.split('_').any(|word| word == "radius") && name.split('_').all(is_known)
+}
+
+/// Words in the name of a column with the radius of a fingertip.
+const TIP_WORDS: [&str; 7] = [
+    "radius",
+    "tip",
+    "finger",
+    "fingertip",
+    "probe",
+    "sensor",
+    "meta",
+];
+
 /// Whether a word is the unit of a quantity other than a plain number.
 pub(super) fn has_unit(word: &str) -> bool {
     [

@@ -43,7 +43,10 @@ impl<'a> JsonTable<'a> {
             header_line,
         };
         if let Ok(object) = serde_json::from_str(text.all) {
-            if let Some(rows) = records(file, &object)?.or_else(|| nested(&object)) {
+            if let Some(rows) = match records(file, &object)? {
+                Some(rows) => Some(rows),
+                None => nested(file, &object)?,
+            } {
                 table.rows = Rows::Records(rows);
             } else if let Some((names, columns)) = columns(file, object)? {
                 table.rows = Rows::Columns(columns);
@@ -112,8 +115,9 @@ impl<'a> JsonTable<'a> {
             let mut fields = StringRecord::new();
             for name in &self.names {
                 let value = values.get(name);
-                let mut keys = values.keys().filter(|_| value.is_none());
-                if let Some(key) = keys.find(|key| is_within(key, name) || is_within(name, key)) {
+                let keys = values.keys().filter(|_| value.is_none());
+                let keys = keys.filter(|key| is_within(key, name) || is_within(name, key));
+                if let Some(key) = keys.min() {
                     let message = format!("has `{key}`, but the first row has `{name}`");
                     return Err(file.fail(line, message));
                 }
@@ -139,37 +143,62 @@ fn is_within(key: &str, name: &str) -> bool {
 /// Rows of a table, if the object contains a single list of objects (the rows), or if its lists have the same length
 /// and one of them contains a vector for each row. The single values of the object are added to each row. `None` for
 /// other objects.
-fn nested(object: &Map<String, Json>) -> Option<Vec<Json>> {
+///
+/// # Errors
+/// An error if the object contains several lists of objects.
+fn nested(
+    file: &RecordedFile,
+    object: &Map<String, Json>,
+) -> Result<Option<Vec<Json>>, RecordedError> {
     let lists = || {
         let lists = object.iter();
         lists.filter_map(|(name, value)| Some((name, value.as_array()?)))
     };
-    let shared = || {
-        let single = |value: &Json| !value.is_array() && !value.is_object();
-        let values = object.iter().filter(move |(_, value)| single(value));
-        values.map(|(name, value)| (name.clone(), value.clone()))
-    };
+    let mut single = Vec::new();
+    single_values(object, "", &mut single);
+    let shared = || single.iter().cloned();
     let has_objects = |list: &[Json]| list.len() > 1 && list.iter().all(Json::is_object);
-    let mut of_objects = lists().filter(|(_, list)| has_objects(list));
-    if let (Some((_, rows)), None) = (of_objects.next(), of_objects.next()) {
-        let row = |row: &Json| shared().chain(row.as_object().cloned().unwrap_or_default());
-        return Some(rows.iter().map(|one| row(one).collect()).collect());
+    let of_objects: Vec<_> = lists().filter(|(_, list)| has_objects(list)).collect();
+    match of_objects[..] {
+        [] => {}
+        [(_, rows)] => {
+            let row = |row: &Json| shared().chain(row.as_object().cloned().unwrap_or_default());
+            return Ok(Some(rows.iter().map(|one| row(one).collect()).collect()));
+        }
+        [(one, _), (other, _), ..] => {
+            return Err(file.error(format!(
+                "has several lists of objects (`{one}`, `{other}`); write the list with the readings into its own file"
+            )));
+        }
     }
-    let count = lists().map(|(_, list)| list.len()).max()?;
+    let count = lists().map(|(_, list)| list.len()).max().unwrap_or(0);
     let is_vector = |(_, list): (&String, &Vec<Json>)| list.iter().all(Json::is_array);
     if count <= MAX_COMPONENTS || lists().any(|(_, list)| list.len() != count) {
-        return None;
+        return Ok(None);
     }
     let row = |row: usize| {
         let own = lists().map(|(name, list)| (name.clone(), list[row].clone()));
         shared().chain(own).collect()
     };
-    lists()
+    Ok(lists()
         .any(is_vector)
-        .then(|| (0..count).map(row).collect())
+        .then(|| (0..count).map(row).collect()))
 }
 
-/// Names and values of the columns, if the object has one list per column; otherwise `None`.
+/// Collects the values of an object that are neither lists nor in lists, with their paths: `meta.tip_radius`.
+fn single_values(object: &Map<String, Json>, path: &str, values: &mut Vec<(String, Json)>) {
+    for (name, value) in object {
+        let name = format!("{path}{name}");
+        match value {
+            Json::Array(_) => {}
+            Json::Object(inner) => single_values(inner, &format!("{name}."), values),
+            value => values.push((name, value.clone())),
+        }
+    }
+}
+
+/// Names and values of the columns, if the object has one list per column; otherwise `None`. Single values of the object
+/// are added to each row.
 #[expect(clippy::type_complexity, reason = "names and values of the columns")]
 fn columns(
     file: &RecordedFile,
@@ -191,12 +220,17 @@ fn columns(
         let mut words = name.split('_');
         words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))
     };
-    let is_table = object.keys().any(is_of_axis) || object.values().any(is_long);
-    if !is_table || object.len() < 2 || object.len() > MAX_KEYS || !object.values().all(is_column) {
+    let is_list = |value: &Json| value.is_array() || value.is_object();
+    let (lists, shared): (Vec<_>, Vec<_>) =
+        object.into_iter().partition(|(_, value)| is_list(value));
+    let count = lists.len();
+    let is_table = (lists.iter()).any(|(name, value)| is_of_axis(name) || is_long(value));
+    if !is_table || !(2..=MAX_KEYS).contains(&count) || !lists.iter().all(|(_, one)| is_column(one))
+    {
         return Ok(None);
     }
     let (mut names, mut columns) = (Vec::new(), Vec::<Vec<Json>>::new());
-    for (name, value) in object {
+    for (name, value) in lists {
         let column: Vec<Json> = match value {
             Json::Array(items) => items,
             Json::Object(items) => {
@@ -215,6 +249,11 @@ fn columns(
         }
         names.push(name);
         columns.push(column);
+    }
+    let rows = columns[0].len();
+    for (name, value) in shared {
+        names.push(name);
+        columns.push(vec![value; rows]);
     }
     Ok(Some((names, columns)))
 }

@@ -145,15 +145,16 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
     let is_line = scatters.iter().any(|scatter| {
         let mut squares: [f64; 3] = scatter.symmetric_eigenvalues().into();
         squares.sort_unstable_by(f64::total_cmp);
-        squares[1] < MIN_WIDTH_RATIO * MIN_WIDTH_RATIO * squares[2]
+        squares[1] <= MIN_WIDTH_RATIO * MIN_WIDTH_RATIO * squares[2]
     });
     let least = match is_line {
         true => 2.0 * radius,
         false if gap > MIN_GAP_RATIO * widest => {
             let mut places: Vec<f64> = contacts.iter().map(along).collect();
             places.sort_unstable_by(f64::total_cmp);
-            let gaps = places.windows(2).map(|pair| pair[1] - pair[0]);
-            let next = gaps.filter(|one| *one < gap).fold(0.0, f64::max);
+            let mut gaps: Vec<f64> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            gaps.sort_unstable_by(|one, other| other.total_cmp(one));
+            let next = gaps.get(1).copied().unwrap_or(0.0);
             MIN_GAPS_RATIO * next
         }
         false => f64::INFINITY,

@@ -8,6 +8,7 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::error::RecordedError;
 use super::file::RecordedFile;
+use super::heading::is_tip_radius;
 use super::text_table::{Record, RowResult};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -136,7 +137,7 @@ impl<'a> NumpyTable<'a> {
     }
 
     /// The table of an `.npz` file. Its columns are the columns of all arrays in the file. Single numbers in the file
-    /// are ignored, except a radius, which is a column with the same number in all rows.
+    /// are ignored, except the radius of a tip, which is a column with the same number in all rows.
     fn archive(bytes: &'a [u8]) -> Result<(Self, Vec<String>), String> {
         let (mut arrays, mut radii) = (Vec::new(), Vec::new());
         for (name, member) in members(bytes)? {
@@ -146,8 +147,10 @@ impl<'a> NumpyTable<'a> {
             let array = Array::of(member).map_err(|message| format!("array `{name}` {message}"))?;
             if array.shape.iter().any(|&length| length != 1) {
                 arrays.push((name.to_owned(), array));
-            } else if name.contains("radius") {
-                radii.push((name.to_owned(), array));
+            } else if let ([(field, scalar, 1)], true) = (&array.fields[..], is_tip_radius(name))
+                && field.is_empty()
+            {
+                radii.push((name.to_owned(), *scalar, array.data));
             }
         }
         // Arrays with more than 9 columns are maps, because a vector has only a few components. Each of several maps of
@@ -183,15 +186,14 @@ impl<'a> NumpyTable<'a> {
                     }
                     names.extend(table.add(&name, array)?);
                 }
-                for (name, array) in radii {
-                    let scalar = array.fields[0].1;
+                for (name, scalar, data) in radii {
                     table.columns.push(ArrayColumn {
                         array: table.arrays.len(),
                         scalar,
                         start: 0,
                         stride: 0,
                     });
-                    table.arrays.push(array.data);
+                    table.arrays.push(data);
                     names.push(name);
                 }
                 // NumPy numbers the arrays to which no name is given.

@@ -5,6 +5,7 @@ use std::collections::hash_map::Entry;
 
 use nalgebra::{Vector2, Vector3};
 use palpate_ep1::RollSeries;
+use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::readings::{
     CONTACTS, Column, GLIDES, QUATERNION, ROLL_SERIES, ROLLS, columns_of,
@@ -132,9 +133,14 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
                     ));
                 }
                 if t_s <= before {
-                    let message =
-                        format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
-                    return Err(sheet.fail(line, message));
+                    let (name, t_s) = (header.time().unwrap_or("t_s"), Number(t_s));
+                    let before = Number(before);
+                    return Err(sheet.fail(
+                        line,
+                        format!(
+                            "column `{name}`: the times of probe {probe} must increase, but {t_s} s follows {before} s"
+                        ),
+                    ));
                 }
                 entry.insert((place, t_s));
                 (rolls[place].row, rolls[place].end) = (row, (line, numbers));

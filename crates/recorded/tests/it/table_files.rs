@@ -250,8 +250,33 @@ fn poses_of_tips_need_their_radius() {
         error.contains("state setting `tip_radius` 5 for tips"),
         "{error}"
     );
+    // The radius may be beside a list of contacts. Other radii are not those of tips, and lost readings have none.
+    let list = r#"{"tip":{"radius_mm":4},"contacts":[{"x_mm":1,"y_mm":2,"z_mm":3},{"x_mm":1,"y_mm":3,"z_mm":3}]}"#;
+    let error = glide(list, "").unwrap_err();
+    assert!(error.contains("column `tip.radius_mm` is 4 mm"), "{error}");
+    let two = list.replace("\"tip\"", "\"log\":[{\"a\":1},{\"a\":2}],\"tip\"");
+    let error = glide(two, "").unwrap_err();
+    assert!(
+        error.contains("several lists of objects (`contacts`, `log`)"),
+        "{error}"
+    );
+    for rows in [
+        "tip_radius\n1,2,3,5\n1,3,3,5.0\n1,4,3,\n",
+        "Tip Radius-mm\n1,2,3,5\n1,3,3,nan\n",
+    ] {
+        let error = glide(format!("x,y,z,{rows}"), "").unwrap_err();
+        assert!(
+            error.contains("state setting `tip_radius` 5 for tips"),
+            "{error}"
+        );
+    }
+    let error = glide("x,y,z,object_radius\n1,2,3,5\n1,3,3,5\n", "").unwrap_err();
+    assert!(!error.contains("tip_radius"), "{error}");
     let error = glide("x,y,z,tip_radius\n1,2,3,5\n1,3,3,6\n", "").unwrap_err();
-    assert!(error.contains("has the values 5 and 6"), "{error}");
+    assert!(
+        error.contains("the radius of tips is 5 in column"),
+        "{error}"
+    );
 }
 
 /// Each row is for one time. It contains the columns of three fingers side by side.
