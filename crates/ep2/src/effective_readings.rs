@@ -42,6 +42,9 @@ const MIN_REST_DISTANCE: f64 = 4.0;
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, in residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;
+/// Largest lag of the correlations that are added, relative to the resulting number of residuals that count as one. The
+/// correlations at longer lags are mostly noise.
+const MAX_LAG_RATIO: f64 = 1.5;
 /// Correlations are corrected for the variance that the fit removes from the residuals, but only if the ratio of fitted
 /// parameters to independent readings is at most this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
@@ -87,8 +90,10 @@ impl DistinctContacts {
             Some(rests) => distinct.again(rests),
             None => distinct,
         };
-        let noisy = merged_noisy_rests(&distinct.contacts);
-        distinct.again(noisy)
+        match noisy_rests(&distinct.contacts) {
+            Some(rests) => distinct.again(rests),
+            None => distinct,
+        }
     }
 
     /// Also merges consecutive contacts that are closer to each other than a tenth of a long step. Remove lost readings
@@ -268,13 +273,13 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
 
 /// Merges the contacts of each rest during which the noise is as large as the steps of the moving finger. Without a gap
 /// between the step lengths, only a finger that rests for most of its contacts is known to rest: they are near its
-/// median position, and the other contacts are far from it.
-fn merged_noisy_rests(contacts: &[Contact]) -> DistinctContacts {
+/// median position, and the other contacts are far from it. `None` if there is no such rest.
+fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (row, contact) in contacts.iter().enumerate() {
         fingers.entry(contact.finger).push(row);
     }
-    let mut moved = contacts.to_vec();
+    let mut moved = Vec::new();
     for rows in fingers.iter().filter(|rows| rows.len() >= MIN_NOISY_REST) {
         let position = |&row: &usize| contacts[row].position;
         let centre = Point3::from([0, 1, 2].map(|axis| {
@@ -303,12 +308,15 @@ fn merged_noisy_rests(contacts: &[Contact]) -> DistinctContacts {
         let mean = centre + offsets.sum::<Vector3<f64>>() / count as f64;
         let normals = near.iter().map(|&row| unit(&contacts[row]));
         let normal = normals.sum::<Vector3<f64>>().try_normalize(1e-6);
+        if moved.is_empty() {
+            moved = contacts.to_vec();
+        }
         for row in near {
             moved[row].position = mean;
             moved[row].normal = contacts[row].normal.map(|own| normal.unwrap_or(own));
         }
     }
-    merged(&moved, 0.0, true)
+    (!moved.is_empty()).then(|| merged(&moved, 0.0, true))
 }
 
 /// Number of consecutive residuals that count as one independent residual: 1 + 2 Σ ρ, which is at least 1. The sum of
@@ -352,6 +360,9 @@ pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
         let lost = variance * share / (1.0 - share);
         let mut sum = 0.0;
         for lag in 1..MAX_LAG {
+            if lag as f64 > MAX_LAG_RATIO * (1.0 + 2.0 * sum) {
+                break;
+            }
             if lag > covariances.len() {
                 covariances.push(covariance(lag));
             }

@@ -22,6 +22,11 @@ const MIN_MEANS: usize = 8;
 /// Largest accepted ratio of the root-mean-square distances of the contacts from two surfaces: a surface fitted to
 /// means of contacts, and a surface fitted to all contacts. At a larger ratio, the first surface is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
+/// Largest such ratio if the distances from the second surface are correlated, too. Then the noise is correlated, and the
+/// second surface follows a part of this noise. On surfaces that no spline can follow, the ratio is larger.
+const MAX_CORRELATED_RATIO: f64 = 3.0;
+/// Smallest number of consecutive distances that count as one if the distances are correlated.
+const MIN_CORRELATION: f64 = 1.5;
 /// If the correlation length of the residuals exceeds the length that the fit assumed by more than this factor, the fit
 /// is repeated with means over more contacts.
 const MAX_GROWTH: f64 = 1.3;
@@ -334,8 +339,12 @@ impl<M: Method> Log<'_, M> {
             found = times;
         }
         let (residual, times) = plain.correlations(self);
+        let largest_ratio = match times[0] >= MIN_CORRELATION {
+            true => MAX_CORRELATED_RATIO,
+            false => MAX_RESIDUAL_RATIO,
+        };
         Ok(match best {
-            Some((fit, of_means)) if of_means <= MAX_RESIDUAL_RATIO * residual => fit,
+            Some((fit, of_means)) if of_means <= largest_ratio * residual => fit,
             _ => plain.with(times, largest(times)),
         })
     }

@@ -97,7 +97,7 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     if format == ImageFormat::Jpeg && !scan.windows(2).any(|bytes| bytes == END) {
         return Err(file.error("is a truncated JPEG image: the marker of its end is missing"));
     }
-    let reader = ImageReader::with_format(Cursor::new(&file.bytes), format);
+    let reader = ImageReader::with_format(Cursor::new(file.bytes.as_slice()), format);
     let decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
     if width > LARGEST_SIDE || height > LARGEST_SIDE {

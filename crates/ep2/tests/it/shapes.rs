@@ -239,10 +239,10 @@ fn dependent_readings_count_once() {
     }
 }
 
-/// Share of the logs whose interval contains the true mean curvature, and share of the logs that are reported to have
-/// correlated noise.
-fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 2] {
-    let mut shares = [0.0; 2];
+/// Share of the logs whose interval contains the true mean curvature, share of the logs that are reported to have
+/// correlated noise, and median half-width of the intervals.
+fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 3] {
+    let (mut shares, mut widths) = ([0.0; 2], Vec::new());
     let mut count = 0.0;
     for log in logs {
         let fit = IndependentFit::new(|_| Penalised::default(), &log, None, &Vector3::z()).unwrap();
@@ -250,17 +250,27 @@ fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 2] 
         let half = 1.96 * found.uncertainty.unwrap().mean_std;
         shares[0] += f64::from((found.mean - truth).abs() <= half);
         shares[1] += f64::from(fit.readings.position_correlation > 1.5);
+        widths.push(half);
         count += 1.0;
     }
-    shares.map(|share| share / count)
+    let [held, found] = shares.map(|share| share / count);
+    [held, found, median(widths)]
 }
 
 #[test]
 fn surfaces_are_not_fitted_to_correlated_noise() {
     let random = |case: u64| Random::new(83_000 + case);
-    let correlated = (0..40).map(|case| correlated(&mut random(case), 500, 25.0, true));
-    let [held, found] = of_surface(correlated, 0.04);
-    assert!(held > 0.85 && found > 0.9, "{held} {found}");
+    for with_normals in [true, false] {
+        let log = |case| correlated(&mut random(case), 500, 25.0, with_normals);
+        let thinned = |case| log(case).into_iter().skip(50).step_by(100).collect();
+        let [held, found, width] = of_surface((0..40).map(log), 0.04);
+        let [_, _, plain] = of_surface((0..40).map(thinned), 0.04);
+        let figures = format!("{held} {found} {width} {plain}");
+        assert!(
+            held > 0.85 && found > 0.9 && width < 1.3 * plain,
+            "{figures}"
+        );
+    }
     // A wave on the surface must not be mistaken for correlated noise.
     let wave = Surface::Wave(1.0, 20.0, 0.5 * PI);
     let waves = (0..40).map(|case| {
@@ -272,7 +282,7 @@ fn surfaces_are_not_fitted_to_correlated_noise() {
             Some(0.01),
         )
     });
-    let [held, found] = of_surface(waves, 0.5 * (0.1 * PI).powi(2));
+    let [held, found, _] = of_surface(waves, 0.5 * (0.1 * PI).powi(2));
     assert!(held > 0.85 && found < 0.1, "{held} {found}");
 }
 
