@@ -46,7 +46,6 @@ struct Truth {
     /// Diameter of the yellow discs (length).
     yellow: f64,
     lost: usize,
-    white: f64,
     misalignment: f64,
     terms: OddTerms,
     light_at_rim: f64,
@@ -60,7 +59,6 @@ impl Default for Truth {
             scale: 0.02,
             yellow: 2.0,
             lost: 0,
-            white: 0.96,
             misalignment: 0.25,
             terms: OddTerms::default(),
             light_at_rim: 1.0,
@@ -91,7 +89,7 @@ impl Truth {
             ..Blemishes::default()
         };
         let colours = Colours {
-            white: [self.white; 3],
+            white: [0.96; 3],
             ..Colours::default()
         };
         let optics = Optics::new(
@@ -141,9 +139,14 @@ fn pulls(estimate: &CameraEstimate, truth: &Truth) -> Vec<f64> {
 
 #[test]
 fn one_frame_locates_the_camera() {
-    let (study, truth) = (study(20.0), Truth::default());
+    let study = study(20.0);
+    let above = Truth {
+        place: [0.4, -0.3, 0.5],
+        turn_deg: [1.0, -2.0, 0.0],
+        ..Truth::default()
+    };
     let (mut square, mut count) = (0.0, 0.0);
-    for seed in 1..4 {
+    for (seed, truth) in (1..).zip([Truth::default(), Truth::default(), above]) {
         let estimate =
             calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
         for pull in pulls(&estimate, &truth) {
@@ -151,9 +154,11 @@ fn one_frame_locates_the_camera() {
             square += pull * pull;
             count += 1.0;
         }
+        // If the rim of the frame cuts some of the 77 markers, as in the last frame, they do not count as missing.
         assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
-        // Of 77 markers, one or two are cut by the rim of the frame and not used.
-        assert!(estimate.residuals_px.len() >= 75, "{estimate:?}");
+        let used = estimate.residuals_px.len();
+        let expected = if seed < 3 { 75..=77 } else { 0..=76 };
+        assert!(expected.contains(&used), "{used}");
         // The frame must determine the camera much better than the priors do, whose standard deviations are 2 mm, 5
         // degrees and 10 %.
         assert!(
@@ -288,24 +293,6 @@ fn an_error_names_the_blur_that_hides_all_markers() {
 }
 
 #[test]
-fn markers_cut_by_the_rim_do_not_count_as_missing() {
-    let truth = Truth {
-        place: [0.4, -0.3, 0.5],
-        turn_deg: [1.0, -2.0, 0.0],
-        ..Truth::default()
-    };
-    let estimate = calibrate_camera(&frame(truth.frame(1)), &study(20.0).config).expect("a camera");
-    assert!(
-        estimate.residuals_px.len() < 77 && estimate.warnings.is_empty(),
-        "{estimate:?}"
-    );
-    assert!(
-        pulls(&estimate, &truth).iter().all(|pull| pull.abs() < 4.0),
-        "{estimate:?}"
-    );
-}
-
-#[test]
 fn errors_name_unusable_frames() {
     let here = study(20.0);
     let truth = Truth::default();
@@ -322,12 +309,6 @@ fn errors_name_unusable_frames() {
     };
     let said = refused(narrow.frame(1), &here);
     assert!(said.contains("contradicts the layout: "), "{said}");
-    let dark = Truth {
-        white: 0.1,
-        ..Truth::default()
-    };
-    let said = refused(dark.frame(1), &here);
-    assert!(said.contains("is under-exposed"), "{said}");
     let mut bright = truth.frame(1);
     for pixel in bright.pixels_mut() {
         *pixel = Rgb(pixel.0.map(|level| level.saturating_add(20)));

