@@ -91,15 +91,29 @@ fn needs_describe_the_scene() {
         );
         needs_of(&scene_of(&text))
     };
-    let plain = needs(PLANE, "1.0", "");
-    for line in [
-        "Hertz contact on a half-space, at the markers' depth: closed form",
-        "flat contact",
-        "no noise: no random numbers are drawn",
-        "direct sensor: 77 markers, with displacements along the skin",
-        "least-squares fit of a half-space, indentation given, noise as stated",
+    let (plain, noisy) = (needs(PLANE, "1.0", ""), needs(BALL, "1.0", NOISE));
+    for (needs, line) in [
+        (
+            &plain,
+            "Hertz contact on a half-space, at the markers' depth: closed form",
+        ),
+        (&plain, "flat contact"),
+        (&plain, "no noise: no random numbers are drawn"),
+        (
+            &plain,
+            "direct sensor: 77 markers, with displacements along the skin",
+        ),
+        (
+            &plain,
+            "least-squares fit of a half-space, indentation given, noise as stated",
+        ),
+        (&noisy, "convex contact: the object bulges"),
+        (
+            &noisy,
+            "noise: Gaussian errors of normal displacements, drawn per marker; of tangential displacements, drawn per marker and component; of the given indentation",
+        ),
     ] {
-        assert!(plain.lines().any(|need| need == line), "{line}: {plain}");
+        assert!(needs.lines().any(|need| need == line), "{line}: {needs}");
     }
     assert!(!plain.contains("warning"), "{plain}");
     // The contact radius is a = 6.32. For this radius, the indentation is a atanh(a/R) = 2.0710 by Sneddon's relation,
@@ -182,6 +196,10 @@ fn bad_scenes_are_refused_at_their_field() {
             "scene.probe.marker_depth: the markers lie below the layer: their depth must be at most `scene.model.thickness`",
         ),
         (
+            with("model = { kind = \"auto\", thickness = 1.5 }"),
+            "scene.probe.marker_depth: the markers lie below the layer",
+        ),
+        (
             text(
                 &cylinder(9.0, 0.0),
                 "model = { kind = \"bonded-layer\", thickness = 9 }",
@@ -203,6 +221,10 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             with("model = { kind = \"bonded-layer\", thickness = 21 }"),
             "scene.model.thickness: must be at most the sensor's radius 20, is 21",
+        ),
+        (
+            with("model = { kind = \"auto\", thickness = 21 }"),
+            "scene.model.thickness: ",
         ),
         (
             with("estimator = { kind = \"bonded-layer\" }"),

@@ -137,17 +137,6 @@ fn true_values_are_available_without_a_trial() {
     assert!((scene.truth(1).unwrap() - 0.2).abs() < 1e-12);
 }
 
-#[test]
-fn a_trial_can_be_replayed_alone() {
-    let scene = scene(r#"{ kind = "sphere", radius = 4 }"#, NOISE);
-    assert_eq!(scene.trials(1000), 1000);
-    let forwards: Vec<_> = (0..20).map(|number| trial(&scene, number)).collect();
-    for number in (0..20).rev() {
-        assert_eq!(trial(&scene, number), forwards[number as usize]);
-    }
-    assert!((1..20).all(|number| forwards[number] != forwards[0]));
-}
-
 /// All models compute the same rolls, so equal random draws lead to equal estimates.
 #[test]
 fn models_share_draws_and_results() {
@@ -184,17 +173,6 @@ fn channels_are_apart() {
             assert!((a - b).abs() < 1e-9, "{a}, {b}");
         }
     }
-}
-
-#[test]
-fn failures_have_a_stable_name() {
-    let scene = scene(
-        r#"{ kind = "sphere", radius = 4 }"#,
-        r#"sensor = { kind = "pads", pitch = 0.01, cap_deg = 2 }"#,
-    );
-    let mut observed = 0;
-    assert_eq!(scene.trial(0, |_, _| observed += 1), Err("beyond-pads"));
-    assert_eq!(observed, 0, "nothing of a failed trial counts");
 }
 
 #[test]
@@ -367,35 +345,18 @@ fn rotations_err_as_they_state() {
 }
 
 #[test]
-fn a_probe_inside_the_object_is_refused_before_the_run() {
-    let roll = |radius: f64, formula: &str, noise: &str| {
+fn a_probe_that_noise_turns_into_the_object_fails_in_some_trials() {
+    // Without noise, the probe just misses the step. With noise, it hits the step in some trials.
+    let step = |noise: &str| {
         let text = format!(
-            "name = \"a-study\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = {radius} }}\n\
-             object = {{ kind = \"height-field\", formula = \"{formula}\" }}\nmotion = {{ angle_deg = 20 }}\n\
-             noise = {{ {noise} }}\n"
+            "name = \"a-study\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 1 }}\n\
+             object = {{ kind = \"height-field\", formula = \"1.5*(1+tanh(20*(x-1.5)))\" }}\n\
+             motion = {{ angle_deg = 20 }}\nnoise = {{ {noise} }}\n"
         );
         parse("study.toml", &text).unwrap().estimable_scene(0)
     };
-    for (radius, formula) in [
-        (1.0, "1.5*(1+tanh(20*(x-0.8)))"),
-        (10.0, "8*exp(-((x-6)^2+y^2)/2)"),
-    ] {
-        let error = roll(radius, formula, "").unwrap_err().to_string();
-        assert!(error.contains("scene.motion"), "{error}");
-        assert!(
-            error.contains("the probe overlaps the object by ") && error.contains(" at ("),
-            "{error}"
-        );
-    }
-    // Without noise, the probe just misses the step. With noise, it hits the step in some trials.
-    let step = "1.5*(1+tanh(20*(x-1.5)))";
-    assert!(roll(1.0, step, "").is_ok());
-    let noisy = roll(
-        1.0,
-        step,
-        r#"angular_velocity = { kind = "gaussian", fraction = 0.5 }"#,
-    )
-    .unwrap();
+    assert!(step("").is_ok());
+    let noisy = step(r#"angular_velocity = { kind = "gaussian", fraction = 0.5 }"#).unwrap();
     assert!(
         noisy
             .needs()
