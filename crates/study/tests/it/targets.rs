@@ -26,13 +26,7 @@ fn what_is_no_target() {
     for (text, words) in [
         ("", "is not of the form STATISTIC(QUANTITY) <= LIMIT"),
         ("rms_error", "is not of the form STATISTIC"),
-        ("<= 5", "is not of the form STATISTIC"),
         ("rms_error() <= 5", "is not of the form STATISTIC"),
-        (
-            "rms_error(mean_curvature <= 5",
-            "is not of the form STATISTIC",
-        ),
-        ("rms_error <=", "is not of the form STATISTIC"),
         ("rms_eror <= 5", "did you mean `rms_error`?"),
         ("rms_error(mean_curvatur) <= 5", "mean `mean_curvature`?"),
         ("rms_error(weather) <= 5", "known: normal_curvature_u"),
@@ -44,14 +38,9 @@ fn what_is_no_target() {
         ("coverage95 >= 95", "95 % or 9500 %"),
         ("relative_rms_error <= 5", "write 5 % or 0.05"),
         ("mean(class) >= 90", "write 90 % or 0.9"),
-        ("coverage95(object_curvature) >= 95", "write 95 % or 0.95"),
         (
             "rms_error(mean_curvature) <= 5 %",
             "is not a share; write its limit without %",
-        ),
-        (
-            "rms_error <= 5 %",
-            "rms_error is not a share; write its limit without %",
         ),
         ("coverage95 >= 200 %", "at most 1, and the limit is 2"),
     ] {

@@ -63,16 +63,6 @@ fn cells_of_plain_values_are_those_that_the_schema_checks() {
 }
 
 #[test]
-fn one_long_axis_is_thinned() {
-    let one =
-        "[[sweep]]\npath = \"scene.object.radius\"\nfrom = 1.0\nto = 1000.0\ncount = 1000000\n";
-    let long = study(one);
-    assert_eq!(long.cell_count(), 1_000_000);
-    assert!((1000..10_000).contains(&long.sample().len()));
-    assert_eq!(long.cell(999_999).unwrap().coordinates, ["1000"]);
-}
-
-#[test]
 fn the_extremes_of_a_long_axis_are_in_its_sample_wherever_they_stand() {
     for place in [1, 13_577, 19_998] {
         for extreme in [0.125, 70.0] {
@@ -86,16 +76,9 @@ fn the_extremes_of_a_long_axis_are_in_its_sample_wherever_they_stand() {
             ));
             assert!(long.sample().contains(&place), "{place} {extreme}");
             assert!(long.sample().contains(&19_999));
+            assert!((1000..10_000).contains(&long.sample().len()));
         }
     }
-}
-
-#[test]
-fn the_last_cell_of_three_axes_is_in_the_sample() {
-    let third = "[[sweep]]\npath = \"seed\"\nvalues = [1, 2, 3]\n";
-    let fewer = MILLION.replace("count = 1000", "count = 100");
-    let study = study(&format!("{fewer}{third}"));
-    assert!(study.sample().contains(&29_999));
 }
 
 #[test]
@@ -123,6 +106,7 @@ fn many_short_axes_have_each_value_and_each_pair_of_ends() {
     for (a, b) in [(0, 1), (0, 13), (5, 9)] {
         assert!(sample.contains(&((1 << a) | (1 << b))), "{a} {b}");
     }
+    assert!(sample.contains(&((1 << 14) - 1)), "the last cell");
 }
 
 #[test]
