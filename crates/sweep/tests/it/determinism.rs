@@ -79,21 +79,6 @@ fn trials_that_run_together_are_those_that_run_one_by_one() {
 }
 
 #[test]
-fn every_trial_of_a_cell_runs_once_whatever_the_block_boundaries() {
-    for trials in [0, 1, BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK] {
-        let sum = AtomicU64::new(0);
-        let trial = observing(|trial| {
-            sum.fetch_add(trial + 1, Ordering::Relaxed);
-            observation(trial as f64, 0.0, None)
-        });
-        let cell = run_cell(trials, &trial);
-        assert_eq!(cell.trials, trials);
-        assert_eq!(cell.quantities[0].observations, trials);
-        assert_eq!(sum.load(Ordering::Relaxed), trials * (trials + 1) / 2);
-    }
-}
-
-#[test]
 fn progress_adds_up_to_all_trials() {
     let trial = observing(|_| observation(0.0, 0.0, None));
     let cells = [0, 1, 1025, 10_000].map(|trials| Cell {

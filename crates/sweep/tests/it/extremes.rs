@@ -9,29 +9,36 @@ fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
     run_cell(trials, &observing(of)).quantities[0]
 }
 
-/// The test uses the numbers 1, 2, … n, multiplied by a unit. In this unit, their mean is (n + 1)/2, their mean square
-/// is (n + 1)(2n + 1)/6, and their variance is n(n + 1)/12.
+/// The errors are the numbers 1, 2, … n, multiplied by a unit, and the true value is −4 units. In this unit, the mean of
+/// the errors is (n + 1)/2, their mean square is (n + 1)(2n + 1)/6, and their variance is n(n + 1)/12.
 #[test]
 fn sequences_in_any_unit_have_their_closed_forms() {
-    for unit in [1e-320, 1e-300, 1e-150, 1e300] {
+    for unit in [1e-320, 1e-300, 1e-150, 1.0, 1e300] {
         // Subnormal numbers are integer multiples of the smallest positive double.
         let bound = f64::max(1e-13, 2.0 * f64::from_bits(1) / unit);
         let close = |found: Option<f64>, due: f64| {
             let found = found.unwrap() / unit;
             assert_relative_eq!(found, due, epsilon = bound, max_relative = bound);
         };
-        for trials in [2, 5000] {
+        for trials in [2, 1023, 1024, 1025, 5000] {
+            let truth = -4.0 * unit;
             let found = summary(trials, |trial| {
-                observation((trial + 1) as f64 * unit, 0.0, Some(unit))
+                observation((trial as f64 - 3.0) * unit, truth, Some(unit))
             });
             let n = trials as f64;
             let mean = 0.5 * (n + 1.0);
-            for moment in [found.bias, found.mean_abs_error, found.mean] {
-                close(moment, mean);
-            }
-            close(found.rms_error, ((n + 1.0) * (2.0 * n + 1.0) / 6.0).sqrt());
+            let rms = ((n + 1.0) * (2.0 * n + 1.0) / 6.0).sqrt();
+            assert_eq!(found.truth, Some(truth));
+            close(found.mean, mean - 4.0);
+            close(found.bias, mean);
+            close(found.mean_abs_error, mean);
+            close(found.rms_error, rms);
             close(found.std, (n * (n + 1.0) / 12.0).sqrt());
             close(found.mean_reported_std, 1.0);
+            let relative = [found.relative_rms_error, found.relative_mean_abs_error];
+            for (relative, due) in relative.into_iter().zip([rms, mean]) {
+                assert_relative_eq!(relative.unwrap(), due / 4.0, max_relative = bound);
+            }
         }
         // A share p of the n errors is 1, and all other errors are 0. Then the mean square error is p, and its variance
         // is p (1 − p)/(n − 1).

@@ -7,38 +7,6 @@ use palpate_sweep::{BLOCK, Failure, Observation, Record};
 use crate::{Function, normal, observation, observing, run_cell};
 
 #[test]
-fn an_arithmetic_sequence_has_its_closed_forms() {
-    for trials in [2, 1023, 1024, 1025, 10_000] {
-        // The errors are 1, 2, … n, and the true value is −4.
-        let cell = run_cell(
-            trials,
-            &observing(|trial| observation(trial as f64 - 3.0, -4.0, None)),
-        );
-        let n = trials as f64;
-        let summary = cell.quantities[0];
-        let close = |value: Option<f64>, expected: f64| {
-            assert_relative_eq!(value.unwrap(), expected, max_relative = 1e-13);
-        };
-        let bias = (n + 1.0) / 2.0;
-        let rms = ((n + 1.0) * (2.0 * n + 1.0) / 6.0).sqrt();
-        assert_eq!(summary.truth, Some(-4.0));
-        close(summary.mean, bias - 4.0);
-        close(summary.std, (n * (n + 1.0) / 12.0).sqrt());
-        close(summary.bias, bias);
-        close(summary.rms_error, rms);
-        close(summary.mean_abs_error, bias);
-        close(summary.relative_rms_error, rms / 4.0);
-        close(summary.relative_mean_abs_error, bias / 4.0);
-        for (quantile, p) in [(summary.q05, 0.05), (summary.q50, 0.5), (summary.q95, 0.95)] {
-            let error = 1.0 + p * (n - 1.0);
-            assert_relative_eq!(quantile.unwrap() + 4.0, error, max_relative = 0.01);
-        }
-        assert_eq!(summary.mean_reported_std, None);
-        assert_eq!(summary.coverage95, None);
-    }
-}
-
-#[test]
 fn rms_errors_scatter_as_stated() {
     // There are three kinds of trials: one observation without bias; three equal observations with a bias; and one to
     // three different observations with a bias.
