@@ -94,29 +94,6 @@ fn target_error_sets_the_number_of_trials() {
 }
 
 #[test]
-fn rms_errors_scatter_by_at_most_the_target() {
-    const SEEDS: usize = 30;
-    let desk = Desk::with(SCENE);
-    desk.write("c.toml", edited(STUDY, "[50, 5]", "[50]"));
-    let rms: Vec<f64> = (0..SEEDS)
-        .map(|seed| {
-            desk.palpate(&format!(
-                "run c.toml --out o --target-error 0.1 --seed {seed}"
-            ))
-            .printed();
-            desk.table("o/cells.csv").number(0, "rms_error")
-        })
-        .collect();
-    let mean = rms.iter().sum::<f64>() / SEEDS as f64;
-    let variance = rms.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
-    // The standard deviation of 30 numbers has a relative standard error of 13 %. The upper limit of the scatter
-    // between the runs is three such standard errors above the target 0.1. If the runs had far too many trials, this
-    // scatter would be below the lower limit.
-    let relative = variance.sqrt() / mean;
-    assert!((0.04..0.14).contains(&relative), "{relative}");
-}
-
-#[test]
 fn a_target_run_has_the_same_bytes_on_any_threads_and_in_a_rerun() {
     for (config, target) in [
         (STUDY, "0.05"),
@@ -145,20 +122,15 @@ fn a_target_run_has_the_same_bytes_on_any_threads_and_in_a_rerun() {
 
 #[test]
 fn a_budget_sets_trials_and_its_rerun_has_the_same_bytes() {
-    for config in [STUDY, &saddles(), GLIDE, PRESS] {
-        let desk = Desk::with(config);
-        let printed = desk.palpate("run c.toml --out one --budget 1s").printed();
-        assert!(
-            printed.contains(" per cell with random numbers: the budget; "),
-            "{printed}"
+    let desk = Desk::with(&saddles());
+    desk.palpate("run c.toml --out one --budget 1s")
+        .prints(" per cell with random numbers: the budget; ");
+    desk.palpate("run one/run.toml --out again").printed();
+    for file in RUN_FILES {
+        assert_eq!(
+            desk.read(&format!("one/{file}")),
+            desk.read(&format!("again/{file}"))
         );
-        desk.palpate("run one/run.toml --out again").printed();
-        for file in RUN_FILES {
-            assert_eq!(
-                desk.read(&format!("one/{file}")),
-                desk.read(&format!("again/{file}"))
-            );
-        }
     }
 }
 
@@ -167,12 +139,12 @@ fn the_smaller_number_of_trials_applies() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o --budget 1h --target-error 0.1")
         .prints("the target error decides; the budget has time for ");
-    desk.palpate("run c.toml --out o --budget 3s --target-error 0.00001")
+    desk.palpate("run c.toml --out o --budget 1s --target-error 0.00001")
         .prints("the budget decides");
 }
 
 #[test]
-fn run_toml_names_a_single_rung_and_keeps_auto_for_several() {
+fn run_toml_names_a_single_rung_and_keeps_auto_if_skipped_cells_need_another() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o --target-error 0.1")
         .printed();
@@ -186,27 +158,12 @@ fn run_toml_names_a_single_rung_and_keeps_auto_for_several() {
         "[{ label = \"a\", kind = \"plane\" }, { label = \"b\", kind = \"saddle\", a = 0.01 }]";
     let study = edited(STUDY, "scene.object.radius", "scene.object");
     desk.write("c.toml", edited(&study, "[50, 5]", objects));
-    desk.palpate("run c.toml --out o --target-error 0.1")
-        .printed();
-    let config = desk.read("o/run.toml");
-    assert!(
-        config.contains("[scene.model]\nkind = \"auto\"\ntolerance = "),
-        "{config}"
-    );
-}
-
-#[test]
-fn run_toml_keeps_auto_if_skipped_cells_need_another_rung() {
-    let objects =
-        "[{ label = \"a\", kind = \"plane\" }, { label = \"b\", kind = \"saddle\", a = 0.01 }]";
-    let study = edited(STUDY, "scene.object.radius", "scene.object");
-    let desk = Desk::with(&edited(&study, "[50, 5]", objects));
     for allowed in ["--target-error 0.1", "--budget 1s"] {
         desk.palpate(&format!("run c.toml --out o --every-nth-cell 2 {allowed}"))
             .printed();
         let config = desk.read("o/run.toml");
         assert!(
-            config.contains("[scene.model]\nkind = \"auto\"\n"),
+            config.contains("[scene.model]\nkind = \"auto\"\ntolerance = "),
             "{config}"
         );
         desk.palpate("run o/run.toml --out again --trials 2")
@@ -217,9 +174,8 @@ fn run_toml_keeps_auto_if_skipped_cells_need_another_rung() {
 #[test]
 fn a_target_is_refused_if_all_trials_of_the_pilot_fail() {
     // The pads are so coarse that no roll moves the contact to another pad, so all trials fail.
-    let coarse =
-        |pitch: &str| format!("{STUDY}\n[scene.sensor]\nkind = \"pads\"\npitch = {pitch}\n");
-    let desk = Desk::with(&coarse("9.9"));
+    let coarse = format!("{STUDY}\n[scene.sensor]\nkind = \"pads\"\npitch = 9.9\n");
+    let desk = Desk::with(&coarse);
     desk.palpate("run c.toml --target-error 0.1").fails(
         2,
         "trials of a pilot fail (unresolved), so no error can be estimated",

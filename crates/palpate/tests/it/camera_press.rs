@@ -146,7 +146,7 @@ place | place = [3.0, 0.0, 0.0] | contradicts the frame at rest: `place[0]` is 3
 place | place = [nan, 0.0, 0.0] | `place[0]` is NaN; it must be finite
 place_std | place_std = [1.0, 1.0, 1.0] | `covariance[3][3]` belongs to a standard deviation
 place_std |  | missing field `place_std`
-px_per_rad | px_per_rad = 180.0 | `px_per_rad` is 180
+turn_deg | turn_deg = [1e40, 0.0, 0.0] | contradicts the frame at rest
 px_per_rad | px_per_rad = -1.0 | `px_per_rad` is -1; it must be finite and > 0
 covariance | covariance = [[1.0]] | `covariance` must have 11 rows of 11 numbers
 turn_deg | turned = 1 | turned
@@ -174,15 +174,12 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
         "{said}"
     );
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
-    desk.palpate("sensor calibrate --rest t/rest.png --layout c.toml --out camera.toml")
-        .printed();
     // This study has two cells with frames of 300 and 400 pixels. The frames of this test belong to the second cell,
     // which is cell 1.
     let sizes = "[[sweep]]\npath = \"scene.sensor.size_px\"\nvalues = [300, 400]\n";
     desk.write("sizes.toml", PRESS.to_owned() + sizes);
-    let calibrate = "sensor calibrate --rest t/rest.png --layout sizes.toml --out same.toml";
+    let calibrate = "sensor calibrate --rest t/rest.png --layout sizes.toml --out camera.toml";
     desk.palpate(&format!("{calibrate} --cell 1")).printed();
-    assert_eq!(desk.read("same.toml"), desk.read("camera.toml"));
     desk.palpate(&format!("{calibrate} --cell 2"))
         .fails(2, "--cell is 2");
     let run = format!("{FRAMES} {IMAGE} --calibration camera.toml");
@@ -286,10 +283,6 @@ fn errors_name_frames_and_arguments_that_do_not_match() {
         desk.palpate(&format!("sensor track {FRAMES} {arguments}"))
             .fails(1, words);
     }
-    desk.palpate(&format!(
-        "sensor track t/rest.png t/rest.png --out o {IMAGE}"
-    ))
-    .fails(1, "no contact was found");
     // The stated layer thickness is wrong, so the interval is wider, and a warning states the cause.
     let estimate = track(&desk, &format!("{FRAMES} {IMAGE} --thickness 6"));
     let warnings = estimate["warnings"].to_string();

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::desk::{Desk, assert_close};
+use super::desk::{Desk, assert_close, number_at};
 
 /// Two noiseless rolls of a probe of radius 10 mm on a sphere of radius 40 mm.
 const EXACT: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
@@ -21,10 +21,7 @@ const SCATTERED: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_
 fn estimate(readings: &str, options: &str) -> Value {
     let desk = Desk::new();
     desk.write("r.csv", readings);
-    let printed = desk
-        .palpate(&format!("estimate roll r.csv --probe-radius 10 {options}"))
-        .printed();
-    serde_json::from_str(&printed).unwrap()
+    desk.json(&format!("estimate roll r.csv --probe-radius 10 {options}"))
 }
 
 fn curvatures(json: &Value) -> [f64; 2] {
@@ -60,10 +57,9 @@ fn quantities_have_value_std_and_unit() {
 fn intervals_use_students_t_unless_the_noise_is_stated() {
     let half_width = |options: &str| {
         let quantity = &estimate(SCATTERED, options)["mean_curvature"];
-        let number = |value: &Value| value.as_f64().unwrap();
-        let [low, high] = [0, 1].map(|end| number(&quantity["interval95"][end]));
-        assert_close(0.5 * (low + high), number(&quantity["value"]), 1e-12);
-        (high - low) / (2.0 * number(&quantity["std"]))
+        let [low, high] = ["/interval95/0", "/interval95/1"].map(|end| number_at(quantity, end));
+        assert_close(0.5 * (low + high), number_at(quantity, "/value"), 1e-12);
+        (high - low) / (2.0 * number_at(quantity, "/std"))
     };
     // The half-width of the 95 % interval, in standard deviations, is a quantile. Without stated noise, it is a
     // quantile of Student's t distribution with five degrees of freedom; with stated noise, it is a quantile of the
@@ -92,19 +88,11 @@ fn standard_errors_are_estimated_from_the_residuals() {
     // Four components of the shifts deviate by 0.1 mm. Four rolls have 8 components and the fit has 3 parameters, so
     // there are 5 degrees of freedom.
     let residual = (4.0 * 0.1_f64.powi(2) / 5.0).sqrt();
-    assert_close(
-        json["residual_rms"]["value"].as_f64().unwrap(),
-        residual,
-        1e-9,
-    );
+    assert_close(number_at(&json, "/residual_rms/value"), residual, 1e-9);
     // Two rolls of 0.5 rad determine the travel t of the contact per radian, which is 8 mm. The curvature contains 1/t,
     // so its standard deviation contains 1/t² = 1/64.
     let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
-    assert_close(
-        json["normal_curvature_u"]["std"].as_f64().unwrap(),
-        std,
-        1e-9,
-    );
+    assert_close(number_at(&json, "/normal_curvature_u/std"), std, 1e-9);
 }
 
 #[test]
@@ -127,31 +115,18 @@ fn an_outlier_is_named_by_its_number() {
     );
     let json = estimate(&readings, "--shift-std 0.02");
     assert!(json["p_value"].as_f64().unwrap() < 1e-6);
-    let names: Vec<&str> = json["warnings"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|warning| warning["code"].as_str().unwrap())
-        .collect();
-    assert!(
-        names.contains(&"outlier") && names.contains(&"poor-fit"),
-        "{names:?}"
-    );
     let warnings = json["warnings"].to_string();
-    assert!(
-        warnings.contains("probe 13 contradicts the other readings"),
-        "{warnings}"
-    );
+    for words in [
+        r#""code":"outlier""#,
+        r#""code":"poor-fit""#,
+        "probe 13 contradicts the other readings",
+    ] {
+        assert!(warnings.contains(words), "{words}: {warnings}");
+    }
     // If the noise is estimated, there is no p-value, but the warning nevertheless names the probe.
     let found = estimate(&readings, "");
     assert_eq!(found["p_value"], Value::Null);
     assert!(found["warnings"].to_string().contains("outlier"), "{found}");
-    let sound = estimate(
-        &readings.replace("-0.5,0,0,-3", "-0.5,0,0,-3.98"),
-        "--shift-std 0.02",
-    );
-    assert!(!sound["warnings"].to_string().contains("p_value"));
-    assert!(sound["p_value"].as_f64().unwrap() > 0.01);
 }
 
 #[test]
@@ -169,11 +144,7 @@ fn standard_errors_follow_from_the_pitch() {
     let json = estimate(SCATTERED, "--pitch 0.3");
     assert_eq!(json["std_from"], "the pads' pitch");
     let std = 0.3 / 6.0_f64.sqrt() / (0.5 * 2.0_f64.sqrt()) / 64.0;
-    assert_close(
-        json["normal_curvature_u"]["std"].as_f64().unwrap(),
-        std,
-        1e-9,
-    );
+    assert_close(number_at(&json, "/normal_curvature_u/std"), std, 1e-9);
     assert_eq!(curvatures(&json), curvatures(&estimate(SCATTERED, "")));
 }
 

@@ -29,10 +29,7 @@ fn desk(contacts: &str) -> Desk {
 }
 
 fn estimate(contacts: &str, options: &str) -> Value {
-    let printed = desk(contacts)
-        .palpate(&format!("estimate glide r.csv {options}"))
-        .printed();
-    serde_json::from_str(&printed).unwrap()
+    desk(contacts).json(&format!("estimate glide r.csv {options}"))
 }
 
 fn mean(json: &Value) -> f64 {
@@ -172,15 +169,4 @@ fn a_map_at_the_contacts_has_their_positions_in_their_order() {
         );
         assert_eq!((map.text(row, "region"), z >= 0.0), ("", true));
     }
-}
-
-#[test]
-fn a_map_needs_a_directory() {
-    let desk = desk(&bowl());
-    desk.write("file", "");
-    for (map, directory) in [("file/m.csv", "file"), ("a/b/m.csv", "a/b")] {
-        desk.palpate(&format!("estimate glide r.csv --map {map}"))
-            .fails(1, &format!("no directory {directory}"));
-    }
-    assert!(!desk.path("a").exists());
 }

@@ -1,7 +1,5 @@
 //! Tests `palpate estimate press` with simulated markers.
 
-use serde_json::Value;
-
 use super::desk::{Desk, assert_close, number_at};
 
 #[test]
@@ -48,7 +46,7 @@ fn estimates_scale_with_the_unit_of_length() {
         let desk = Desk::new();
         desk.write("r.csv", &readings);
         let line = format!("estimate press r.csv --sensor-radius {}", 20.0 * scale);
-        let estimate: Value = serde_json::from_str(&desk.palpate(&line).printed()).unwrap();
+        let estimate = desk.json(&line);
         for (name, value) in [
             ("effective_radius", 12.0),
             ("object_radius", 30.0),
@@ -71,7 +69,7 @@ fn both_curvatures_of_a_roller_are_estimated() {
         include_str!("../../../../examples/press-roller.csv"),
     );
     let line = "estimate press r.csv --sensor-radius 20 --depth 0 --method elliptic";
-    let estimate: Value = serde_json::from_str(&desk.palpate(line).printed()).unwrap();
+    let estimate = desk.json(line);
     for (name, curvature) in [("curvature_max", 0.1), ("curvature_min", 0.0)] {
         let end = |end| number_at(&estimate, &format!("/principal/{name}/interval95/{end}"));
         assert!(end(0) <= curvature && curvature <= end(1), "{estimate}");

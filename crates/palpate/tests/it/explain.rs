@@ -10,20 +10,11 @@ fn words_are_explained() {
             "not-rolling",
             "not-rolling\n  The contact moved against the direction of the roll",
         ),
-        ("IFD", "Inter-finger distance"),
         ("ifd", "Inter-finger distance"),
         ("rung", "One of several models"),
-        (
-            "conforming",
-            "almost the same radius as the probe or sensor",
-        ),
         ("class", "class\n  Shape class at a point of the patch"),
         ("relative curvature", "1/R_s + 1/R_o"),
         ("coverage95", "Share of the estimator's 95 % intervals"),
-        (
-            "fingertip",
-            "A scene of a sensor with markers, without an object",
-        ),
         ("u", "Tangent direction at the contact"),
         (
             "Encoder",

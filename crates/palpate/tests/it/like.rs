@@ -47,7 +47,7 @@ fn traced(study: &str) -> Desk {
 }
 
 fn json(desk: &Desk, arguments: &str) -> Value {
-    serde_json::from_str(&desk.palpate(&format!("estimate {arguments}")).printed()).unwrap()
+    desk.json(&format!("estimate {arguments}"))
 }
 
 #[test]

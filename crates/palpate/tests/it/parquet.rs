@@ -184,10 +184,13 @@ fn every_value_equals_that_of_the_csv() {
 
 #[test]
 fn columns_have_types_and_units() {
-    let types = |study: &str, table: &str| {
+    let run = |study: &str| {
         let desk = Desk::with(study);
         desk.palpate("run c.toml --out o --format parquet --trials-out o/t.parquet");
-        let columns = read(&desk, &format!("o/{table}.parquet"))
+        desk
+    };
+    let types = |desk: &Desk, table: &str| {
+        let columns = read(desk, &format!("o/{table}.parquet"))
             .columns
             .into_iter();
         let words = columns.map(|(name, kind, unit)| {
@@ -202,29 +205,30 @@ fn columns_have_types_and_units() {
         q05 f64 in column unit\nq50 f64 in column unit\nq95 f64 in column unit\n\
         mean_reported_std f64 in column unit\ncoverage50 f64 in 1\ncoverage80 f64 in 1\ncoverage95 f64 in 1";
     assert_eq!(
-        types(KINDS, "cells"),
+        types(&run(KINDS), "cells"),
         format!(
             "cell u64 in 1\nseed i64 in 1\nscene.sensor text\nscene.object.parameters.k f64\n\
              scene.motion.rate_rad_per_s f64 in rad/s\n{statistics}"
         )
     );
+    let presses = run(PRESSES);
     assert_eq!(
-        types(PRESSES, "cells"),
+        types(&presses, "cells"),
         format!(
             "cell u64 in 1\nscene.motion.indentation_mm f64 in mm\n{statistics}\n\
              std_bound f64 in column unit"
         )
     );
     assert_eq!(
-        types(PRESSES, "failures"),
+        types(&presses, "failures"),
         "cell u64 in 1\nkind text\ncount u64 in 1\nfirst_trial u64 in 1"
     );
     assert_eq!(
-        types(STUDY, "t"),
+        types(&run(STUDY), "t"),
         "cell u64 in 1\ntrial u64 in 1\nquantity text\nunit text\nestimate f64 in column unit\n\
          truth f64 in column unit\nstd f64 in column unit\nfailure text"
     );
-    let of_maps = types(GLIDE, "map");
+    let of_maps = types(&run(GLIDE), "map");
     for words in [
         "cell u64 in 1\nx_mm f64 in mm\n",
         "\nnormal_x f64 in 1\n",
@@ -235,7 +239,7 @@ fn columns_have_types_and_units() {
     ] {
         assert!(of_maps.contains(words), "{words}: {of_maps}");
     }
-    assert!(types(PRESSES, "map").contains("\nradial_position_mm f64 in mm\n"));
+    assert!(types(&presses, "map").contains("\nradial_position_mm f64 in mm\n"));
 }
 
 #[test]
@@ -294,7 +298,7 @@ fn threads_shards_and_pipes_write_the_same_bytes() {
 
 #[test]
 fn long_tables_have_groups_of_rows() {
-    let desk = Desk::with(&edited(STUDY, "trials = 20", "trials = 10000"));
+    let desk = Desk::with(&edited(STUDY, "trials = 20", "trials = 7000"));
     desk.palpate("run c.toml --out o --trials-out t.csv")
         .printed();
     desk.palpate("run c.toml --out o --trials-out t.parquet")

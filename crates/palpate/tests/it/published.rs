@@ -69,11 +69,7 @@ values = [{fine}, {coarse}, {}]
 }
 
 #[test]
-fn exact_zeros_in_millimetres() {
+fn exact_zeros_in_millimetres_and_centimetres() {
     assert_exact_zeros("mm", 1.0);
-}
-
-#[test]
-fn exact_zeros_in_centimetres() {
     assert_exact_zeros("cm", 0.1);
 }

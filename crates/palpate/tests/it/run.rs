@@ -19,18 +19,12 @@ const QUANTITIES: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn three_files_are_written() {
+fn cells_have_a_row_per_cell_and_quantity() {
     let desk = Desk::with(STUDY);
     let printed = desk.palpate("run c.toml --out o").printed();
     assert_eq!(printed, "a-study: 2 cells, 40 trials, 0 failed -> o\n");
     assert_eq!(desk.names("o"), RUN_FILES);
     assert_eq!(desk.read("o/failures.csv"), "cell,kind,count,first_trial\n");
-}
-
-#[test]
-fn cells_have_a_row_per_cell_and_quantity() {
-    let desk = Desk::with(STUDY);
-    desk.palpate("run c.toml --out o").printed();
     assert_eq!(desk.read("o/cells.csv").lines().next(), Some(HEADER));
     let table = desk.table("o/cells.csv");
     assert_eq!(table.rows.len(), 2 * QUANTITIES.len());
@@ -54,22 +48,6 @@ fn cells_have_a_row_per_cell_and_quantity() {
     }
     assert_eq!(table.number(0, "truth"), 0.02);
     assert_eq!(table.number(7, "truth"), 0.2 * 0.2);
-}
-
-#[test]
-fn relative_errors_are_empty_if_the_truth_is_zero() {
-    let desk = Desk::with(&edited(
-        SCENE,
-        r#"{ kind = "sphere", radius = 50.0 }"#,
-        r#"{ kind = "plane" }"#,
-    ));
-    desk.palpate("run c.toml --out o").printed();
-    let table = desk.table("o/cells.csv");
-    let row = table.row_of(0, "normal_curvature_u");
-    assert_eq!(table.text(row, "truth"), "0");
-    assert_eq!(table.text(row, "relative_rms_error"), "");
-    assert_eq!(table.text(row, "relative_mean_abs_error"), "");
-    assert!(table.number(row, "mean_abs_error") < 1e-12);
 }
 
 #[test]
@@ -101,25 +79,6 @@ fn run_toml_runs_again_to_the_same_bytes() {
     assert!(
         !resolved.contains("threads") && !resolved.contains("date"),
         "{resolved}"
-    );
-}
-
-#[test]
-fn overrides_have_the_effect_of_the_same_lines_in_the_config() {
-    let desk = Desk::with(STUDY);
-    let seeded = edited(STUDY, "seed = 7", "seed = 8");
-    desk.write("said.toml", edited(&seeded, "trials = 20", "trials = 33"));
-    desk.palpate("run c.toml --out plain").printed();
-    desk.palpate("run c.toml --out overridden --seed 8 --trials 33")
-        .printed();
-    desk.palpate("run said.toml --out said").printed();
-    assert_eq!(
-        desk.read("overridden/cells.csv"),
-        desk.read("said/cells.csv")
-    );
-    assert_ne!(
-        desk.read("overridden/cells.csv"),
-        desk.read("plain/cells.csv")
     );
 }
 
@@ -184,22 +143,6 @@ fn a_scene_without_noise_runs_one_trial() {
 }
 
 #[test]
-fn labels_of_swept_tables_are_shown() {
-    let desk = Desk::with(&edited(
-        STUDY,
-        "path = \"scene.object.radius\"\nvalues = [50, 5]",
-        "path = \"scene.object\"\nvalues = [{ label = \"a flat, wide table\", kind = \"plane\" }, \
-         { label = \"ball\", kind = \"sphere\", radius = 3 }]",
-    ));
-    desk.palpate("run c.toml --out o").printed();
-    let table = desk.table("o/cells.csv");
-    assert_eq!(table.text(0, "scene.object"), "a flat, wide table");
-    assert_eq!(table.text(5, "scene.object"), "ball");
-    desk.palpate("run o/run.toml --out again").printed();
-    assert_eq!(desk.read("o/cells.csv"), desk.read("again/cells.csv"));
-}
-
-#[test]
 fn outputs_can_include_a_trace() {
     let outputs = "outputs = [\"cells\", \"trace\"]\nlength_unit";
     let desk = Desk::with(&edited(STUDY, "length_unit", outputs));
@@ -255,36 +198,6 @@ fn a_cell_in_which_every_trial_fails_still_has_rows() {
     }
     assert_eq!(table.text(5, "failures"), "0");
     assert!(table.number(5, "mean") > 0.0);
-}
-
-#[test]
-fn failures_name_their_kind_and_first_trial() {
-    let desk = Desk::with(&edited(STUDY, "fraction = 0.01", "fraction = 2.0"));
-    desk.palpate("run c.toml --out o --trials 200").printed();
-    let (cells, failures) = (desk.table("o/cells.csv"), desk.table("o/failures.csv"));
-    assert!(!failures.rows.is_empty());
-    for cell in 0..2 {
-        let of_cell =
-            (0..failures.rows.len()).filter(|&row| failures.text(row, "cell") == cell.to_string());
-        let counted: f64 = of_cell
-            .clone()
-            .map(|row| failures.number(row, "count"))
-            .sum();
-        assert_eq!(cells.number(5 * cell, "failures"), counted);
-        for row in of_cell {
-            assert!(failures.number(row, "first_trial") < 200.0);
-            // `first_trial` in the table must be the first trial with this kind of failure.
-            let trials = failures.number(row, "first_trial") as usize;
-            if trials == 0 {
-                continue;
-            }
-            let kind = failures.text(row, "kind");
-            desk.palpate(&format!("run c.toml --out until --trials {trials}"))
-                .printed();
-            let until = desk.read("until/failures.csv");
-            assert!(!until.contains(&format!("{cell},{kind},")), "{until}");
-        }
-    }
 }
 
 /// In the tables of this study, the column `trials` contains two things: the swept field `trials`, and the statistic of

@@ -5,18 +5,8 @@ use image::{DynamicImage, Rgb, RgbImage};
 use super::desk::{Desk, assert_close};
 use super::frames::{DISTANCE, PX_PER_RAD, SIDE, frame, places, png, png_header, write};
 
-const MARKERS: [&str; 10] = [
-    "marker",
-    "x_px",
-    "y_px",
-    "hue_turns",
-    "dx_px",
-    "dy_px",
-    "dhue_turns",
-    "status",
-    "mean_hue_turns",
-    "dmean_hue_turns",
-];
+const MARKERS: &str =
+    "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status,mean_hue_turns,dmean_hue_turns";
 
 /// Normal displacement (mm) at a depth of 2 mm in an incompressible half-space, if a sensor of radius 20 mm is pressed
 /// 1 mm onto a plane. The formula is the closed form for the Hertz pressure.
@@ -93,12 +83,12 @@ fn frames_calibrate_and_are_tracked() {
         .find_map(|line| line.strip_prefix("slope = "));
     assert_close(slope.unwrap().parse().unwrap(), 1.0 / DISTANCE, 0.02);
 
-    let printed = desk
-        .palpate(&format!(
-            "sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --px-per-rad {PX_PER_RAD} --indentation 1 --out o"
-        ))
-        .printed();
-    let json: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    let track = |options: &str| -> serde_json::Value {
+        let frames = "sensor track rest.png pressed.png --calibration c.toml --out o";
+        let command = format!("{frames} --px-per-rad {PX_PER_RAD} {options}");
+        serde_json::from_str(&desk.palpate(&command).printed()).unwrap()
+    };
+    let json = track("--sensor-radius 20 --depth 2 --indentation 1");
     assert_eq!(json["frames"]["tracked"], places().len());
     assert_close(
         json["effective_radius"]["value"].as_f64().unwrap(),
@@ -117,7 +107,7 @@ fn frames_calibrate_and_are_tracked() {
     );
 
     let markers = desk.table("o/markers.csv");
-    assert_eq!(markers.header, MARKERS);
+    assert_eq!(markers.header.join(","), MARKERS);
     assert_eq!(markers.text(0, "status"), "tracked");
     assert_close(markers.number(0, "x_px"), 0.5 * f64::from(SIDE), 0.02);
     let readings = desk.table("o/readings.csv");
@@ -133,21 +123,13 @@ fn frames_calibrate_and_are_tracked() {
         );
     }
     // `estimate press` results in the same estimate from the readings that were written.
-    let again = desk
-        .palpate("estimate press o/readings.csv --sensor-radius 20 --depth 2 --indentation 1")
-        .printed();
-    let again: serde_json::Value = serde_json::from_str(&again).unwrap();
+    let again =
+        desk.json("estimate press o/readings.csv --sensor-radius 20 --depth 2 --indentation 1");
     assert_eq!(again["effective_radius"], json["effective_radius"]);
     // `sensor track` and `estimate press` also print the same estimate for a soft layer on a rigid core.
     let layer = "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 12 --indentation 1";
-    let [tracked, estimated] = [
-        format!("sensor track rest.png pressed.png --calibration c.toml --px-per-rad {PX_PER_RAD} --out o {layer}"),
-        format!("estimate press o/readings.csv {layer}"),
-    ]
-    .map(|command| {
-        let printed = desk.palpate(&command).printed();
-        serde_json::from_str::<serde_json::Value>(&printed).unwrap()
-    });
+    let tracked = track(layer);
+    let estimated = desk.json(&format!("estimate press o/readings.csv {layer}"));
     assert_eq!(tracked["method"], "bonded-layer");
     assert_eq!(tracked["effective_radius"], estimated["effective_radius"]);
     let field = desk.table("o/field.csv");

@@ -62,9 +62,7 @@ fn refused(desk: &Desk, line: &str, words: &[&str]) {
 fn merged_shards_equal_one_run() {
     for (config, of) in [
         (many(), 1),
-        (many(), 2),
         (many(), 3),
-        (many(), 7),
         // With 9 shards for 7 cells, some shards have no cells.
         (many(), 9),
         (PRESSES.to_owned(), 3),
