@@ -9,5 +9,4 @@ mod extremes;
 mod laws;
 mod meridians;
 mod refusals;
-mod scaling;
 mod specimens;

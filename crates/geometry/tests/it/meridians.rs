@@ -1,13 +1,13 @@
-//! Compares meridians with the charts of their surfaces, with finite differences and with quadrature.
+//! Compares meridians with the charts of their surfaces, and with finite differences.
 
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere, Torus};
-use palpate_geometry::{Meridian, Surface};
+use palpate_geometry::{Meridian, Shape, Surface};
 
 const PARABOLOIDS: [f64; 4] = [5.0, 0.5, 0.01, -0.3];
 const SPHEROIDS: [[f64; 2]; 4] = [[1.0, 2.0], [2.0, 0.5], [1.0, 1.0], [0.3, 30.0]];
@@ -129,19 +129,6 @@ fn derivatives_are_those_of_the_meridian() {
     }
 }
 
-fn integral(f: impl Fn(f64) -> f64, to: f64) -> f64 {
-    let h = to / 2000.0;
-    let weight = |i: i32| match i {
-        0 | 2000 => 1.0,
-        _ => 2.0 + 2.0 * f64::from(i % 2),
-    };
-    (0..=2000)
-        .map(|i| weight(i) * f(f64::from(i) * h))
-        .sum::<f64>()
-        * h
-        / 3.0
-}
-
 #[test]
 fn the_slope_of_a_spheroid_turns_on_through_the_equator() {
     for [a, c] in SPHEROIDS.into_iter().chain([[1.0, 1e-9], [1e-9, 1.0]]) {
@@ -162,52 +149,44 @@ fn the_slope_of_a_spheroid_turns_on_through_the_equator() {
                 assert_abs_diff_eq!(slope, t, epsilon = tolerance);
             }
         }
-        if a.max(c) < 10.0 * a.min(c) {
-            let turned = integral(|t| meridian.slope(t).slope_per_parameter, 3.0 * TAU);
-            assert_relative_eq!(turned, 3.0 * TAU, max_relative = 1e-6);
-        }
     }
 }
 
 #[test]
 fn only_an_apex_has_a_meridian() {
-    const ASLANT: Vector3<f64> = Vector3::new(0.6, 0.8, 0.0);
-    let top = Point3::new(0.0, 0.0, 2.0);
-    let spheroid = Ellipsoid::new([1.0, 1.0, 2.0]).unwrap();
-    assert_eq!(
-        spheroid.meridian(&top, &ASLANT),
-        Some(Meridian::Spheroid { a: 1.0, c: 2.0 })
-    );
-    assert_eq!(
-        spheroid.meridian(&Point3::new(1.0, 0.0, 0.0), &ASLANT),
-        None
-    );
-    assert_eq!(
-        spheroid.meridian(&Point3::new(0.0, 0.0, -2.0), &ASLANT),
-        None
-    );
-    let triaxial = Ellipsoid::new([1.0, 1.5, 2.0]).unwrap();
-    assert_eq!(triaxial.meridian(&top, &ASLANT), None);
-    assert_eq!(
-        triaxial.meridian(&top, &-Vector3::x()),
-        Some(Meridian::Spheroid { a: 1.0, c: 2.0 })
-    );
-    assert_eq!(
-        triaxial.meridian(&top, &Vector3::y()),
-        Some(Meridian::Spheroid { a: 1.5, c: 2.0 })
-    );
-    let hill = Graph::paraboloid(0.5).unwrap();
-    assert_eq!(
-        hill.meridian(&Point3::origin(), &ASLANT),
-        Some(Meridian::Paraboloid { c: 0.5 })
-    );
-    assert_eq!(hill.meridian(&Point3::new(0.1, 0.0, -0.005), &ASLANT), None);
-    assert_eq!(
-        Graph::saddle(0.5)
-            .unwrap()
-            .meridian(&Point3::origin(), &ASLANT),
-        None
-    );
-    assert_eq!(Sphere::new(2.0).unwrap().meridian(&top, &ASLANT), None);
-    assert_eq!(Torus::new(2.0, 1.0).unwrap().meridian(&top, &ASLANT), None);
+    let aslant = Vector3::new(0.6, 0.8, 0.0);
+    let (top, origin) = (Point3::new(0.0, 0.0, 2.0), Point3::origin());
+    let ellipsoid = |a, b| Shape::Ellipsoid(Ellipsoid::new([a, b, 2.0]).unwrap());
+    let hill = Shape::Paraboloid(Graph::paraboloid(0.5).unwrap());
+    let saddle = Shape::Saddle(Graph::saddle(0.5).unwrap());
+    let sphere = Shape::Sphere(Sphere::new(2.0).unwrap());
+    let torus = Shape::Torus(Torus::new(2.0, 1.0).unwrap());
+    let beside = Point3::new(0.1, 0.0, -0.005);
+    let spheroid = |a| Some(Meridian::Spheroid { a, c: 2.0 });
+    for (surface, place, direction, expected) in [
+        (ellipsoid(1.0, 1.0), top, aslant, spheroid(1.0)),
+        (
+            ellipsoid(1.0, 1.0),
+            Point3::new(1.0, 0.0, 0.0),
+            aslant,
+            None,
+        ),
+        (ellipsoid(1.0, 1.0), -top, aslant, None),
+        (ellipsoid(1.0, 1.5), top, aslant, None),
+        (ellipsoid(1.0, 1.5), top, -Vector3::x(), spheroid(1.0)),
+        (ellipsoid(1.0, 1.5), top, Vector3::y(), spheroid(1.5)),
+        (
+            hill.clone(),
+            origin,
+            aslant,
+            Some(Meridian::Paraboloid { c: 0.5 }),
+        ),
+        (hill, beside, aslant, None),
+        (saddle, origin, aslant, None),
+        (sphere, top, aslant, None),
+        (torus, top, aslant, None),
+    ] {
+        let found = surface.meridian(&place, &direction);
+        assert_eq!(found, expected, "{surface:?} at {place}");
+    }
 }

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use super::*;
 
 fn error(text: &str) -> FormulaError {
@@ -10,54 +12,32 @@ fn assert_shown(text: &str, expected: &[&str]) {
     assert_eq!(error(text).to_string(), expected.join("\n"));
 }
 
+/// Checks the message for a formula. `marked` are the columns under which the message has marks.
+#[track_caller]
+fn assert_marked(text: &str, message: &str, marked: Range<usize>) {
+    let marks = " ".repeat(marked.start) + &"^".repeat(marked.len());
+    let shown = [text.trim_end(), &marks].map(|line| format!("  {line}"));
+    assert_shown(text, &[message, &shown[0], &shown[1]]);
+}
+
 #[test]
 fn unknown_names() {
-    assert_shown(
-        "A*sin(kk*x)",
-        &[
-            "unknown name `kk` (did you mean `k`?)",
-            "  A*sin(kk*x)",
-            "        ^^",
-        ],
-    );
-    assert_shown(
-        "X+1",
-        &["unknown name `X` (did you mean `x`?)", "  X+1", "  ^"],
-    );
-    assert_shown("q+1", &["unknown name `q`", "  q+1", "  ^"]);
-    assert_shown(
-        "x^e",
-        &[
-            "unknown name `e` (did you mean `exp(1)`?)",
-            "  x^e",
-            "    ^",
-        ],
-    );
-    assert_shown(
-        "1 + sine(x)",
-        &[
-            "unknown function `sine` (did you mean `sin`?)",
-            "  1 + sine(x)",
-            "      ^^^^",
-        ],
-    );
-    assert_shown(
-        "arctan(x)",
-        &[
-            "unknown function `arctan` (did you mean `atan`?)",
-            "  arctan(x)",
-            "  ^^^^^^",
-        ],
-    );
-    assert_shown(
-        "log(x)",
-        &[
-            "unknown function `log` (did you mean `ln`?)",
-            "  log(x)",
-            "  ^^^",
-        ],
-    );
-    assert_shown("f(x)", &["unknown function `f`", "  f(x)", "  ^"]);
+    for (text, unknown, marked) in [
+        ("A*sin(kk*x)", "name `kk` (did you mean `k`?)", 6..8),
+        ("X+1", "name `X` (did you mean `x`?)", 0..1),
+        ("q+1", "name `q`", 0..1),
+        ("x^e", "name `e` (did you mean `exp(1)`?)", 2..3),
+        ("1 + sine(x)", "function `sine` (did you mean `sin`?)", 4..8),
+        (
+            "arctan(x)",
+            "function `arctan` (did you mean `atan`?)",
+            0..6,
+        ),
+        ("log(x)", "function `log` (did you mean `ln`?)", 0..3),
+        ("f(x)", "function `f`", 0..1),
+    ] {
+        assert_marked(text, &format!("unknown {unknown}"), marked);
+    }
 }
 
 #[test]
@@ -87,173 +67,70 @@ fn marks_stand_under_their_place_after_wide_letters() {
 
 #[test]
 fn numbers() {
-    assert_shown(
-        "x+1.2.3",
-        &["`1.2.3` is not a number", "  x+1.2.3", "    ^^^^^"],
-    );
-    assert_shown("1e+ + x", &["`1e+` is not a number", "  1e+ + x", "  ^^^"]);
-    assert_shown("2e", &["`2e` is not a number", "  2e", "  ^^"]);
-    assert_shown(".", &["`.` is not a number", "  .", "  ^"]);
-    assert_shown(
-        "x+1e999",
-        &["this part is inf, not finite", "  x+1e999", "    ^^^^^"],
-    );
-    assert_shown(
-        "x+2/(1-1)",
-        &["this part is inf, not finite", "  x+2/(1-1)", "    ^^^^^^^"],
-    );
-    assert_shown(
-        "x*sqrt( -1 )",
-        &[
-            "this part is NaN, not finite",
-            "  x*sqrt( -1 )",
-            "    ^^^^^^^^^^",
-        ],
-    );
+    for (text, message, marked) in [
+        ("x+1.2.3", "`1.2.3` is not a number", 2..7),
+        ("1e+ + x", "`1e+` is not a number", 0..3),
+        ("2e", "`2e` is not a number", 0..2),
+        (".", "`.` is not a number", 0..1),
+        ("x+1e999", "this part is inf, not finite", 2..7),
+        ("x+2/(1-1)", "this part is inf, not finite", 2..9),
+        ("x*sqrt( -1 )", "this part is NaN, not finite", 2..12),
+    ] {
+        assert_marked(text, message, marked);
+    }
 }
 
 #[test]
 fn multiplication_without_a_sign() {
-    assert_shown(
-        "2x",
-        &["multiplication needs a sign: write `2*x`", "  2x", "   ^"],
-    );
-    assert_shown(
-        "x y",
-        &["multiplication needs a sign: write `x*y`", "  x y", "    ^"],
-    );
-    assert_shown(
-        "x (1)",
-        &[
-            "multiplication needs a sign: write `x*(`",
-            "  x (1)",
-            "    ^",
-        ],
-    );
-    assert_shown(
-        "(x)pi",
-        &[
-            "multiplication needs a sign: write `)*pi`",
-            "  (x)pi",
-            "     ^^",
-        ],
-    );
-    assert_shown(
-        "x 2",
-        &["multiplication needs a sign: write `x*2`", "  x 2", "    ^"],
-    );
-    assert_shown(
-        "2exp(x)",
-        &[
-            "multiplication needs a sign: write `2*exp`",
-            "  2exp(x)",
-            "   ^^^",
-        ],
-    );
+    for (text, product, marked) in [
+        ("2x", "2*x", 1..2),
+        ("x y", "x*y", 2..3),
+        ("x (1)", "x*(", 2..3),
+        ("(x)pi", ")*pi", 3..5),
+        ("x 2", "x*2", 2..3),
+        ("2exp(x)", "2*exp", 1..4),
+    ] {
+        let message = format!("multiplication needs a sign: write `{product}`");
+        assert_marked(text, &message, marked);
+    }
 }
 
 #[test]
 fn missing_operands() {
     let end = "the formula ends where a number, a name or `(` should follow";
-    assert_shown("x +", &[end, "  x +", "     ^"]);
-    assert_shown("x +  ", &[end, "  x +", "     ^"]);
-    assert_shown("-", &[end, "  -", "   ^"]);
-    assert_shown("(", &[end, "  (", "   ^"]);
-    assert_shown(
-        "*x",
-        &["expected a number, a name or `(`, found `*`", "  *x", "  ^"],
-    );
-    assert_shown(
-        "x/*2",
-        &[
-            "expected a number, a name or `(`, found `*`",
-            "  x/*2",
-            "    ^",
-        ],
-    );
-    assert_shown(
-        "()",
-        &[
-            "expected a number, a name or `(`, found `)`",
-            "  ()",
-            "   ^",
-        ],
-    );
-    assert_shown(
-        "hypot(x,)",
-        &[
-            "expected a number, a name or `(`, found `)`",
-            "  hypot(x,)",
-            "          ^",
-        ],
-    );
-    assert_shown(
-        "x**2",
-        &["write `^` for a power, not `**`", "  x**2", "   ^^"],
-    );
+    for (text, marked) in [("x +", 3..4), ("x +  ", 3..4), ("-", 1..2), ("(", 1..2)] {
+        assert_marked(text, end, marked);
+    }
+    for (text, found, marked) in [
+        ("*x", '*', 0..1),
+        ("x/*2", '*', 2..3),
+        ("()", ')', 1..2),
+        ("hypot(x,)", ')', 8..9),
+    ] {
+        let message = format!("expected a number, a name or `(`, found `{found}`");
+        assert_marked(text, &message, marked);
+    }
+    assert_marked("x**2", "write `^` for a power, not `**`", 1..3);
 }
 
 #[test]
-fn parentheses_and_commas() {
-    assert_shown(
-        "2*(x+(1)",
-        &["this `(` has no matching `)`", "  2*(x+(1)", "    ^"],
-    );
-    assert_shown(
-        "sin(x",
-        &["this `(` has no matching `)`", "  sin(x", "     ^"],
-    );
-    assert_shown(
-        "x+1)",
-        &["this `)` has no matching `(`", "  x+1)", "     ^"],
-    );
+fn parentheses_commas_and_functions() {
     let comma = "a comma belongs only between the arguments of a function";
-    assert_shown("x, y", &[comma, "  x, y", "   ^"]);
-    assert_shown("(x, y)", &[comma, "  (x, y)", "    ^"]);
-}
-
-#[test]
-fn functions() {
-    assert_shown(
-        "sin x",
-        &["`sin` is a function: write `sin(...)`", "  sin x", "  ^^^"],
-    );
-    assert_shown(
-        "x*sin",
-        &[
-            "`sin` is a function: write `sin(...)`",
-            "  x*sin",
-            "    ^^^",
-        ],
-    );
-    assert_shown(
-        "1+sin()",
-        &["`sin` takes 1 argument, not 0", "  1+sin()", "    ^^^^^"],
-    );
-    assert_shown(
-        "sin(x, y)",
-        &[
-            "`sin` takes 1 argument, not 2",
-            "  sin(x, y)",
-            "  ^^^^^^^^^",
-        ],
-    );
-    assert_shown(
-        "atan2(x)",
-        &[
-            "`atan2` takes 2 arguments, not 1",
-            "  atan2(x)",
-            "  ^^^^^^^^",
-        ],
-    );
-    assert_shown(
-        "hypot(x,y,1)",
-        &[
-            "`hypot` takes 2 arguments, not 3",
-            "  hypot(x,y,1)",
-            "  ^^^^^^^^^^^^",
-        ],
-    );
+    for (text, message, marked) in [
+        ("2*(x+(1)", "this `(` has no matching `)`", 2..3),
+        ("sin(x", "this `(` has no matching `)`", 3..4),
+        ("x+1)", "this `)` has no matching `(`", 3..4),
+        ("x, y", comma, 1..2),
+        ("(x, y)", comma, 2..3),
+        ("sin x", "`sin` is a function: write `sin(...)`", 0..3),
+        ("x*sin", "`sin` is a function: write `sin(...)`", 2..5),
+        ("1+sin()", "`sin` takes 1 argument, not 0", 2..7),
+        ("sin(x, y)", "`sin` takes 1 argument, not 2", 0..9),
+        ("atan2(x)", "`atan2` takes 2 arguments, not 1", 0..8),
+        ("hypot(x,y,1)", "`hypot` takes 2 arguments, not 3", 0..12),
+    ] {
+        assert_marked(text, message, marked);
+    }
 }
 
 #[test]
