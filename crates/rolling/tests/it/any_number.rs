@@ -12,7 +12,9 @@ use palpate_rolling::{
 };
 use proptest::prelude::*;
 
-use crate::scenes::{cylinder, dish, ellipsoid, paraboloid, plane, roll, saddle, sphere, torus};
+use crate::scenes::{
+    auto, cylinder, dish, dop853, ellipsoid, paraboloid, plane, saddle, sphere, torus,
+};
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
@@ -47,10 +49,7 @@ fn objects(a: f64, b: f64, c: f64) -> Vec<Shape> {
 fn models(tolerance: f64) -> [Model; 6] {
     let held = Chart::Montana(HeldAxis::Transported);
     [
-        Model::Auto {
-            tolerance: 1e-3,
-            chart: Chart::Free,
-        },
+        auto(1e-3),
         Model::Auto {
             tolerance,
             chart: held,
@@ -129,8 +128,8 @@ proptest! {
             }
             let motions = [vec![motion]];
             for model in [
-                Model::Auto { tolerance: 1e-6, chart: Chart::Free },
-                Model::Dop853 { tolerance: 1e-6, chart: Chart::Free },
+                auto(1e-6),
+                dop853(1e-6, Chart::Free),
                 Model::Rk4 { steps: 2, chart: Chart::Free },
             ] {
                 let roller = Roller::new(made, object.clone(), place, model, Rolls::exact(&motions));
@@ -225,7 +224,7 @@ proptest! {
         let size = probe * ratio;
         let there = Motion::rolling(direction, 1.0, theta);
         let back = Motion { angular_velocity: -there.angular_velocity, ..there };
-        let auto = Model::Auto { tolerance: 1e-10, chart: Chart::Free };
+        let auto = auto(1e-10);
         let smaller = probe.min(size);
         for (object, scale) in [
             (sphere(size), smaller),
@@ -243,17 +242,5 @@ proptest! {
             let shift = end.shift_from(roller.first_contact(), probe);
             prop_assert!(shift.displacement.norm() <= scale, "{}: {shift:?}", object.name());
         }
-    }
-
-    #[test]
-    fn an_arc_lasts_as_long_as_it_takes(
-        arc in (-12.0..1.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
-        c in -0.4..5.0_f64,
-    ) {
-        let unit = Motion::rolling(0.3, 1.0, 1.0);
-        let roller = crate::scenes::roller(1.0, &paraboloid(c), (0.0, 0.0), Model::Meridian, unit);
-        let duration_s = roller.duration_for_arc(&unit, arc).unwrap();
-        let end = roll(1.0, &paraboloid(c), (0.0, 0.0), Model::Meridian, Motion { duration_s, ..unit });
-        prop_assert!((end.arc_length / arc - 1.0).abs() < 1e-12, "{}", end.arc_length);
     }
 }

@@ -2,10 +2,10 @@
 //! found by a search on a fine grid.
 
 use nalgebra::{Point3, Vector2};
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::Graph;
 use palpate_geometry::{Shape, Surface};
-use palpate_rolling::{Model, Motion, Probe, RollFault, Roller, Rolls};
+use palpate_rolling::{Motion, Probe, RollError, RollFault, Roller, Rolls};
+
+use crate::scenes::{auto, height_field, saddle};
 
 const SCENES: u64 = 40;
 
@@ -23,12 +23,6 @@ impl Draws {
     }
 }
 
-fn height_field(formula: &str) -> Shape {
-    Shape::HeightField(Graph::of_formula(
-        Formula::parse(formula, &Default::default()).unwrap(),
-    ))
-}
-
 /// A height field of one of five kinds, and the radius of a probe that may or may not fit into it.
 fn scene(number: u64) -> (Shape, f64) {
     let mut draws = Draws(number.wrapping_mul(77));
@@ -37,17 +31,17 @@ fn scene(number: u64) -> (Shape, f64) {
         0 => {
             let (height, far, width) = (draw(0.5, 8.0), draw(3.0, 9.0), draw(0.5, 2.0));
             let formula = format!("{height}*exp(-((x-{far})^2+y^2)/(2*{width}^2))");
-            (height_field(&formula), draw(0.5, 10.0))
+            (height_field(&formula, &[]), draw(0.5, 10.0))
         }
         1 => {
             let (height, steep, far) = (draw(0.1, 1.5), draw(3.0, 20.0), draw(0.4, 1.6));
             let formula = format!("{height}*(1+tanh({steep}*(x-{far})))");
-            (height_field(&formula), draw(0.2, 1.5))
+            (height_field(&formula, &[]), draw(0.2, 1.5))
         }
         2 => {
             let (height, along, aside) = (draw(0.02, 0.3), draw(0.5, 3.0), draw(0.5, 3.0));
             let formula = format!("{height}*sin({along}*x+{})*cos({aside}*y)", draw(0.0, 6.0));
-            (height_field(&formula), draw(0.3, 3.0))
+            (height_field(&formula, &[]), draw(0.3, 3.0))
         }
         3 => {
             let hill = |height: f64, x: f64, y: f64, width: f64| {
@@ -61,11 +55,11 @@ fn scene(number: u64) -> (Shape, f64) {
                     hill(draw(-0.5, 1.0), place[0], place[1], draw(0.1, 2.0))
                 );
             }
-            (height_field(&hills), draw(0.2, 2.0))
+            (height_field(&hills, &[]), draw(0.2, 2.0))
         }
         _ => {
             let (a, radius) = (draw(0.1, 1.0), draw(0.5, 3.0));
-            (Shape::Saddle(Graph::saddle(a).unwrap()), radius)
+            (saddle(a), radius)
         }
     }
 }
@@ -120,10 +114,7 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
         let mut draws = Draws(number.wrapping_mul(131) + 5);
         let motion = Motion::rolling(draws.between(0.0, 6.3), 1.0, draws.between(0.1, 0.6));
         let place = (draws.between(-0.5, 0.5), draws.between(-0.5, 0.5));
-        let model = Model::Auto {
-            tolerance: 1e-9,
-            chart: Default::default(),
-        };
+        let model = auto(1e-9);
         let rolls = [vec![motion]];
         // The roller rejects a hollow object if the radius of the hollow is not larger than the probe's radius. Such
         // objects are skipped.
@@ -169,26 +160,24 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
     assert!(refused > 4 && accepted > 8, "{refused} {accepted}");
 }
 
-fn along_x(formula: &str, angle_rad: f64, spin: f64) -> Result<f64, RollFault> {
+/// Largest clearance of a roll from the origin along x, or the error.
+fn along_x(formula: &str, radius: f64, angle_rad: f64, spin: f64) -> Result<f64, RollError> {
     let mut motion = Motion::rolling(0.0, angle_rad, 1.0);
     motion.angular_velocity.z = spin;
     let rolls = [vec![motion]];
-    let model = Model::Auto {
-        tolerance: 1e-9,
-        chart: Default::default(),
-    };
-    let roller = Roller::new(
-        Probe::new(1.0).unwrap(),
-        height_field(formula),
-        (0.0, 0.0),
-        model,
-        Rolls::exact(&rolls),
-    )
-    .unwrap();
+    let model = auto(1e-9);
+    let (probe, exact) = (Probe::new(radius).unwrap(), Rolls::exact(&rolls));
+    let object = height_field(formula, &[]);
+    let roller = Roller::new(probe, object, (0.0, 0.0), model, exact).unwrap();
     let terrain = roller.terrain(&rolls[0], 0.0).unwrap();
-    roller
-        .clearance(&rolls[0], &terrain, 0.0)
-        .map_err(|error| error.fault)
+    roller.clearance(&rolls[0], &terrain, 0.0)
+}
+
+#[track_caller]
+fn assert_overlapping(found: Result<f64, RollError>) -> RollError {
+    let error = found.unwrap_err();
+    assert_eq!(error.fault.name(), "overlapping", "{error}");
+    error
 }
 
 #[test]
@@ -196,42 +185,21 @@ fn steep_steps_and_paths_that_close_are_checked() {
     for steep in [20.0, 200.0, 1e3, 1e4] {
         for far in [0.55, 0.6, 0.731, 0.8] {
             let step = |far: f64| format!("1.5*(1+tanh({steep}*(x-{far})))");
-            let fault = along_x(&step(far), 0.3, 0.0).unwrap_err();
-            assert!(
-                matches!(fault, RollFault::Overlapping { .. }),
-                "{steep} {far}: {fault}"
-            );
-            assert!(along_x(&step(far + 0.9), 0.3, 0.0).is_ok(), "{steep} {far}");
+            assert_overlapping(along_x(&step(far), 1.0, 0.3, 0.0));
+            let found = along_x(&step(far + 0.9), 1.0, 0.3, 0.0);
+            assert!(found.is_ok(), "{steep} {far}");
         }
     }
     // The probe spins as fast as it rolls, so its path is a circle of radius 1 through the origin. On this path, it
     // hits the object's steps at y = ±2.6.
     let tau = std::f64::consts::TAU;
-    let fault = along_x("1.5*(1+tanh(20*(y^2-6.76)))", tau, tau).unwrap_err();
-    assert!(matches!(fault, RollFault::Overlapping { .. }), "{fault}");
+    assert_overlapping(along_x("1.5*(1+tanh(20*(y^2-6.76)))", 1.0, tau, tau));
 }
 
 #[test]
 fn the_error_names_place_and_depth() {
-    let hill = height_field("8*exp(-((x-6)^2+y^2)/2)");
-    let motion = Motion::rolling(0.0, 0.1, 1.0);
-    let rolls = [vec![motion]];
-    let model = Model::Auto {
-        tolerance: 1e-9,
-        chart: Default::default(),
-    };
-    let roller = Roller::new(
-        Probe::new(10.0).unwrap(),
-        hill,
-        (0.0, 0.0),
-        model,
-        Rolls::exact(&rolls),
-    )
-    .unwrap();
-    let terrain = roller.terrain(&[motion], 0.0).unwrap();
-    let error = roller.clearance(&[motion], &terrain, 0.0).unwrap_err();
-    assert_eq!(error.fault.name(), "overlapping");
-    let text = error.to_string();
+    let found = along_x("8*exp(-((x-6)^2+y^2)/2)", 10.0, 0.1, 0.0);
+    let text = assert_overlapping(found).to_string();
     assert!(
         text.starts_with("the probe overlaps the object by "),
         "{text}"

@@ -6,7 +6,9 @@ use palpate_rolling::{
     Chart, InvalidRoll, Model, Motion, Probe, RollError, RollFault, Roller, Rolls,
 };
 
-use crate::scenes::{DOP853, dish, height_field, paraboloid, plane, roll, roller, saddle, sphere};
+use crate::scenes::{
+    DOP853, auto, dish, dop853, height_field, paraboloid, plane, roll, roller, saddle, sphere,
+};
 
 fn refused(radius: f64, object: Shape, model: Model, motion: Motion) -> InvalidRoll {
     let rolls = vec![vec![motion]];
@@ -70,10 +72,7 @@ fn conforming_on_the_way_is_located() {
 /// Errors of a roll that ends at a wall, one error for each form of the contact equations.
 fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
     [Chart::Free, Chart::Montana(Default::default())].map(|chart| {
-        let model = Model::Dop853 {
-            tolerance: 1e-12,
-            chart,
-        };
+        let model = dop853(1e-12, chart);
         let roller = roller(1.0, object, (0.0, 0.0), model, motion);
         let error = roller.roll(&[motion]).unwrap_err();
         let is_wall = matches!(
@@ -162,10 +161,7 @@ fn forced_rungs_say_why_not() {
     }
     let chart = Chart::Free;
     for tolerance in [0.0, 1e-15, 0.11, f64::NAN] {
-        for model in [
-            Model::Auto { tolerance, chart },
-            Model::Dop853 { tolerance, chart },
-        ] {
+        for model in [Model::Auto { tolerance, chart }, dop853(tolerance, chart)] {
             let error = refused(1.0, paraboloid(1.0), model, rolling);
             assert!(matches!(error, InvalidRoll::Tolerance { .. }));
         }
@@ -176,31 +172,30 @@ fn forced_rungs_say_why_not() {
 fn motions_that_are_not_numbers_are_errors() {
     let motion = Motion::rolling(0.0, 0.1, 1.0);
     for object in [plane(), paraboloid(1.0), saddle(0.1)] {
-        let model = Model::Auto {
-            tolerance: 1e-9,
-            chart: Chart::Free,
-        };
+        let model = auto(1e-9);
         let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
         for bad in [f64::NAN, f64::INFINITY, 1e300] {
             let lasting = Motion {
                 duration_s: bad,
                 ..motion
             };
-            let fast = Motion::rolling(0.0, bad, 1e10);
-            for motion in [lasting, fast] {
-                // The roll may fail if numbers are out of range or if it needs too many steps.
-                match roller.roll(&[motion]) {
-                    Ok(contact) => assert!(contact.arc_length.is_finite()),
-                    Err(error) => assert!(error.time_s.is_finite(), "{error}"),
-                }
-                match roller.shift(&[motion]) {
-                    Ok(shift) => assert!(shift.arc_length.is_finite()),
-                    Err(error) => assert!(error.time_s.is_finite(), "{error}"),
-                }
-                if !bad.is_finite() {
-                    let error = roller.roll(&[motion]).unwrap_err();
+            for motion in [lasting, Motion::rolling(0.0, bad, 1e10)] {
+                let (end, shift) = (roller.roll(&[motion]), roller.shift(&[motion]));
+                if bad.is_finite() {
+                    // The roll may fail if numbers are out of range or if it needs too many steps.
+                    let lengths = [
+                        end.map(|one| one.arc_length),
+                        shift.map(|one| one.arc_length),
+                    ];
+                    let numbers = lengths.map(|one| one.unwrap_or_else(|error| error.time_s));
+                    assert!(
+                        numbers.iter().all(|number| number.is_finite()),
+                        "{numbers:?}"
+                    );
+                } else {
+                    let error = end.unwrap_err();
                     assert_eq!(error.fault, RollFault::NotFinite);
-                    assert_eq!(roller.shift(&[motion]), Err(error));
+                    assert_eq!(shift, Err(error));
                 }
             }
             assert!(roller.duration_for_arc(&motion, -bad).is_err());

@@ -9,8 +9,8 @@ use palpate_rolling::{Chart, Fingertip, Glider, HeldAxis, Model, Motion, RollFau
 use proptest::prelude::*;
 
 use crate::scenes::{
-    DOP853, cylinder, difference, dish, ellipsoid, paraboloid, plane, roll, roller, saddle, sphere,
-    torus,
+    DOP853, auto, cylinder, difference, dish, dop853, ellipsoid, paraboloid, plane, roll, roller,
+    saddle, sphere, torus,
 };
 
 #[test]
@@ -20,10 +20,7 @@ fn nothing_moves_without_a_motion() {
             Motion::rolling(0.0, 0.0, 1.0),
             Motion::rolling(0.0, 1.0, 0.0),
         ] {
-            let model = Model::Auto {
-                tolerance: 1e-9,
-                chart: Chart::Free,
-            };
+            let model = auto(1e-9);
             let end = roll(1.0, &object, (0.0, 0.0), model, motion);
             assert_eq!(end.arc_length, 0.0, "{}", object.name());
         }
@@ -89,10 +86,7 @@ fn spinning_and_sliding_on_the_spot() {
             ..still
         };
         for chart in CHARTS {
-            let model = Model::Dop853 {
-                tolerance: 1e-12,
-                chart,
-            };
+            let model = dop853(1e-12, chart);
             let roller = roller(1.0, &object, place, model, spin);
             let (first, end) = (roller.first_contact(), roller.roll(&[spin]).unwrap());
             assert!(
@@ -115,13 +109,7 @@ fn spinning_and_sliding_on_the_spot() {
             sliding: Vector2::new(0.1, -0.2),
             ..still
         };
-        for model in [
-            DOP853,
-            Model::Auto {
-                tolerance: 1e-9,
-                chart: Chart::Free,
-            },
-        ] {
+        for model in [DOP853, auto(1e-9)] {
             let roller = roller(1.0, &object, place, model, slide);
             let (first, end) = (roller.first_contact(), roller.roll(&[slide]).unwrap());
             assert!(
@@ -184,10 +172,7 @@ fn slow_motions_that_last() {
 
 #[test]
 fn rolls_of_any_length_on_a_sphere_and_a_plane() {
-    let auto = Model::Auto {
-        tolerance: 1e-9,
-        chart: Chart::Free,
-    };
+    let auto = auto(1e-9);
     for theta in [1e-300, 1e-12, 0.1, TAU, 1e3 * TAU, 1e9 * TAU] {
         let motion = Motion::rolling(0.0, 1.0, theta);
         // The rounding error of an angle grows with the number of turns.
@@ -233,10 +218,7 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
         (1e-9, 1e-12),
         (1e-9, 1e3 * TAU),
     ] {
-        let model = Model::Dop853 {
-            tolerance,
-            chart: Chart::Free,
-        };
+        let model = dop853(tolerance, Chart::Free);
         let off = off_great_circle((0.3, 0.2), 0.4, theta, model);
         // Errors add up over turns, so the bound of the error is proportional to the number of turns.
         let bound = tolerance * (theta / TAU).max(1.0) + 1e-14;
@@ -262,7 +244,7 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
         assert!(off_great_circle(start, 0.0, theta, DOP853) < 1e-11);
         for chart in [CHARTS[1], CHARTS[2]] {
             let tolerance = 1e-9;
-            let model = Model::Dop853 { tolerance, chart };
+            let model = dop853(tolerance, chart);
             let motion = Motion::rolling(0.0, 1.0, theta);
             let roller = roller(1.0, &sphere(2.0), start, model, motion);
             let error = roller.roll(&[motion]).unwrap_err();

@@ -1,13 +1,13 @@
 //! Compares all models that can compute the same roll with each other and with exact solutions.
 
 use approx::assert_relative_eq;
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 use palpate_geometry::Shape;
 use palpate_rolling::{Chart, HeldAxis, Model, Motion, Probe, Roller, Rolls};
 
 use crate::scenes::{
-    DOP853, cylinder, difference, dish, ellipsoid, height_field, paraboloid, plane, roll, roller,
-    saddle, sphere, torus,
+    DOP853, auto, cylinder, difference, dish, dop853, ellipsoid, height_field, paraboloid, plane,
+    roll, roller, saddle, sphere, torus,
 };
 
 fn homogeneous() -> [(Shape, (f64, f64)); 6] {
@@ -23,51 +23,17 @@ fn homogeneous() -> [(Shape, (f64, f64)); 6] {
 
 #[test]
 fn closed_form_is_the_integrated_law() {
+    let sliding = Motion {
+        sliding: Vector2::new(0.05, -0.03),
+        ..Motion::rolling(0.3, 0.5, 1.5)
+    };
+    let rolling = [0.0_f64, 0.4, 2.0, -1.2].map(|direction| Motion::rolling(direction, 0.7, 2.0));
     for (object, start) in homogeneous() {
-        for direction in [0.0_f64, 0.4, 2.0, -1.2] {
-            let motion = Motion::rolling(direction, 0.7, 2.0);
+        for motion in rolling.into_iter().chain([sliding]) {
             let closed = roll(1.0, &object, start, Model::ClosedForm, motion);
             let integrated = roll(1.0, &object, start, DOP853, motion);
             let off = difference(&closed, &integrated, 1.0);
-            assert!(off < 1e-12, "{} {direction}: {off:e}", object.name());
-        }
-    }
-}
-
-#[test]
-fn closed_form_slides_too() {
-    for (object, start) in homogeneous() {
-        let motion = Motion {
-            sliding: Vector2::new(0.05, -0.03),
-            ..Motion::rolling(0.3, 0.5, 1.5)
-        };
-        let closed = roll(1.0, &object, start, Model::ClosedForm, motion);
-        let integrated = roll(1.0, &object, start, DOP853, motion);
-        assert!(
-            difference(&closed, &integrated, 1.0) < 1e-12,
-            "{}",
-            object.name()
-        );
-    }
-}
-
-#[test]
-fn sphere_on_sphere_travels_as_the_formula_says() {
-    // The path length is s = θ/(1/R₁ + 1/R₂), also for many turns of the probe. Here θ is the roll angle, and R₁ and R₂
-    // are the radii of probe and object.
-    for (object, curvature) in [
-        (sphere(5.0), 0.2),
-        (plane(), 0.0),
-        (dish(3.0), -1.0 / 3.0),
-        (sphere(0.01), 100.0),
-    ] {
-        for theta in [1e-9, 0.1, 3.0, 40.0] {
-            let motion = Motion::rolling(0.3, 1.0, theta);
-            let travel = theta / (1.0 / 0.5 + curvature);
-            for model in [Model::ClosedForm, DOP853] {
-                let end = roll(0.5, &object, (0.0, 0.0), model, motion);
-                assert_relative_eq!(end.arc_length, travel, max_relative = 1e-11);
-            }
+            assert!(off < 1e-12, "{} {motion:?}: {off:e}", object.name());
         }
     }
 }
@@ -85,6 +51,8 @@ fn meridian_is_the_integrated_law() {
         paraboloid(0.0),
         ellipsoid(2.0, 2.0, 1.0),
         ellipsoid(1.0, 1.0, 3.0),
+        ellipsoid(1.0, 1.0, 0.02),
+        ellipsoid(0.05, 0.05, 5.0),
     ];
     for object in objects {
         for theta in [1e-6, 0.1, 1.0, 4.0] {
@@ -101,10 +69,7 @@ fn meridian_is_the_integrated_law() {
 fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
     use std::f64::consts::FRAC_PI_2;
 
-    let auto = Model::Auto {
-        tolerance: 1e-9,
-        chart: Chart::Free,
-    };
+    let auto = auto(1e-9);
     let formula = height_field("1 - 0.3*x^2 + y*y/20", &[]);
     for object in [saddle(0.3), saddle(-0.1), ellipsoid(3.0, 2.0, 1.0), formula] {
         for quarter in 0..4 {
@@ -141,25 +106,6 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
 }
 
 #[test]
-fn paraboloid_rolls_as_the_formula_says() {
-    // The roll angle is θ = α + s/R₁. Here α is the slope angle of the paraboloid z = −c r², s is the arc length, and
-    // R₁ is the radius of the probe. The slope is tan α = 2 c r.
-    let (c, radius) = (0.8, 1.3);
-    let end = roll(
-        radius,
-        &paraboloid(c),
-        (0.0, 0.0),
-        DOP853,
-        Motion::rolling(0.0, 1.0, 1.7),
-    );
-    let r = end.on_object.x;
-    let slope: f64 = 2.0 * c * r;
-    let arc = 0.5 * r * (1.0 + slope * slope).sqrt() + libm::asinh(slope) / (4.0 * c);
-    assert_relative_eq!(libm::atan(slope) + arc / radius, 1.7, max_relative = 1e-12);
-    assert_relative_eq!(end.arc_length, arc, max_relative = 1e-12);
-}
-
-#[test]
 fn charts_agree_with_the_chart_free_form_under_spin_and_sliding() {
     let objects = [
         (saddle(0.1), (0.3, -0.2)),
@@ -176,10 +122,7 @@ fn charts_agree_with_the_chart_free_form_under_spin_and_sliding() {
         sliding: Vector2::new(0.1, -0.05),
         duration_s: 1.5,
     };
-    let montana = Model::Dop853 {
-        tolerance: 1e-13,
-        chart: Chart::Montana(HeldAxis::Transported),
-    };
+    let montana = dop853(1e-13, Chart::Montana(HeldAxis::Transported));
     for (object, start) in objects {
         let free = roll(1.0, &object, start, DOP853, motion);
         let charts = roll(1.0, &object, start, montana, motion);
@@ -190,10 +133,7 @@ fn charts_agree_with_the_chart_free_form_under_spin_and_sliding() {
 
 #[test]
 fn an_axis_held_in_the_chart_agrees_along_a_line_of_symmetry_only() {
-    let held = Model::Dop853 {
-        tolerance: 1e-12,
-        chart: Chart::Montana(HeldAxis::Chart),
-    };
+    let held = dop853(1e-12, Chart::Montana(HeldAxis::Chart));
     let along_symmetry = Motion::rolling(0.0, 1.0, 1.0);
     let off = difference(
         &roll(1.0, &saddle(0.1), (0.0, 0.0), held, along_symmetry),
@@ -208,31 +148,6 @@ fn an_axis_held_in_the_chart_agrees_along_a_line_of_symmetry_only() {
         1.0,
     );
     assert!(off > 1e-3, "{off:e}");
-}
-
-#[test]
-fn rolling_back_returns() {
-    for (object, start) in [(saddle(0.2), (0.3, 0.1)), (torus(3.0, 1.0), (3.2, 0.0))] {
-        let there = Motion::rolling(0.7, 1.0, 1.2);
-        let back = Motion {
-            angular_velocity: -there.angular_velocity,
-            ..there
-        };
-        for tolerance in [1e-6, 1e-9, 1e-12] {
-            let model = Model::Dop853 {
-                tolerance,
-                chart: Chart::Free,
-            };
-            let roller = roller(1.0, &object, start, model, there);
-            let end = roller.roll(&[there, back]).unwrap();
-            let moved = (end.on_object - roller.first_contact().on_object).norm();
-            let turned = end.object_from_probe().matrix() - Matrix3::identity();
-            // The rolls there and back may each have an error as large as the tolerance, so the bound is twice the
-            // tolerance.
-            let off = moved.max(turned.norm());
-            assert!(off < 2.0 * tolerance, "{}: {off:e}", object.name());
-        }
-    }
 }
 
 #[test]
@@ -308,18 +223,6 @@ fn shift_is_the_displacement_of_the_contact() {
 }
 
 #[test]
-fn past_half_a_turn_the_shift_is_the_shorter_way_round() {
-    let motion = Motion::rolling(0.0, 1.0, 4.0);
-    for model in [Model::ClosedForm, DOP853] {
-        let roller = roller(1.0, &plane(), (0.0, 0.0), model, motion);
-        let shift = roller.shift(&[motion]).unwrap();
-        assert_relative_eq!(shift.arc_length, 4.0, max_relative = 1e-11);
-        let wrapped = 4.0 - 2.0 * std::f64::consts::PI;
-        assert_relative_eq!(shift.displacement.x, wrapped, max_relative = 1e-10);
-    }
-}
-
-#[test]
 fn duration_for_arc_inverts_the_arc_length() {
     for (object, start, model) in [
         (sphere(5.0), (0.0, 0.0), Model::ClosedForm),
@@ -350,59 +253,18 @@ fn duration_for_arc_inverts_the_arc_length() {
 fn auto_meets_its_tolerance_and_takes_the_cheapest() {
     let motion = Motion::rolling(0.5, 0.1, 1.0);
     let rung = |object: &Shape, start, tolerance| {
-        let model = Model::Auto {
-            tolerance,
-            chart: Chart::Free,
-        };
+        let model = auto(tolerance);
         let roller = roller(1.0, object, start, model, motion);
         let end = roller.roll(&[motion]).unwrap();
         let truth = roll(1.0, object, start, DOP853, motion);
         let off = difference(&end, &truth, 1.0);
-        assert!(off <= tolerance.max(1e-13), "{off:e} > {tolerance:e}");
+        // The bound on the error is increased by the rounding errors of the reference.
+        let bound = tolerance.min(roller.choice().error_bound.unwrap()) + 1e-13;
+        assert!(off <= bound, "{off:e} > {bound:e}");
         roller.choice().rung.clone()
     };
     assert!(rung(&sphere(5.0), (0.0, 0.0), 1e-9).starts_with("closed form"));
     assert!(rung(&paraboloid(1.0), (0.0, 0.0), 1e-9).starts_with("meridian"));
     assert!(rung(&paraboloid(1.0), (0.1, 0.0), 1e-12).starts_with("DOP853"));
     assert!(rung(&saddle(0.1), (0.1, 0.0), 1e-4).starts_with("RK4"));
-}
-
-#[test]
-fn meridians_of_flat_and_of_long_spheroids() {
-    // The roll angle is θ = α + s/R₁, with the slope angle α, the arc length s and the probe's radius R₁. The arc
-    // length is computed by the trapezoidal rule, because this rule is exact for a full period of a smooth function.
-    let quarter = |a: f64, c: f64| {
-        let nodes = 200_000;
-        let width = std::f64::consts::FRAC_PI_2 / f64::from(nodes);
-        let speed = |t: f64| libm::hypot(a * libm::cos(t), c * libm::sin(t));
-        let inner: f64 = (1..nodes).map(|node| speed(f64::from(node) * width)).sum();
-        width * (inner + 0.5 * (a + c))
-    };
-    for (a, c) in [
-        (1.0, 0.02),
-        (1.0, 0.5),
-        (0.3, 3.0),
-        (0.05, 5.0),
-        (50.0, 0.5),
-    ] {
-        // Between the pole and the equator, the normal of the object turns by a quarter turn.
-        let arc = quarter(a, c);
-        let theta = std::f64::consts::FRAC_PI_2 + arc / 1.3;
-        let motion = Motion::rolling(0.7, 1.0, theta);
-        let end = roll(
-            1.3,
-            &ellipsoid(a, a, c),
-            (0.0, 0.0),
-            Model::Meridian,
-            motion,
-        );
-        let out = end.on_object.coords.xy().norm();
-        assert_relative_eq!(out, a, max_relative = 1e-13);
-        assert!(
-            end.on_object.z.abs() < 1e-12 * (a + c),
-            "{a} {c} {}",
-            end.on_object
-        );
-        assert_relative_eq!(end.arc_length, arc, max_relative = 1e-13);
-    }
 }

@@ -48,10 +48,16 @@ pub(crate) fn height_field(formula: &str, parameters: &[(&str, f64)]) -> Shape {
     Shape::HeightField(Graph::of_formula(formula))
 }
 
-pub(crate) const DOP853: Model = Model::Dop853 {
-    tolerance: 1e-13,
-    chart: Chart::Free,
-};
+pub(crate) const DOP853: Model = dop853(1e-13, Chart::Free);
+
+pub(crate) const fn dop853(tolerance: f64, chart: Chart) -> Model {
+    Model::Dop853 { tolerance, chart }
+}
+
+pub(crate) const fn auto(tolerance: f64) -> Model {
+    let chart = Chart::Free;
+    Model::Auto { tolerance, chart }
+}
 
 pub(crate) fn roller(
     radius: f64,
