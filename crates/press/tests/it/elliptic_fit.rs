@@ -1,9 +1,9 @@
 //! Tests estimates of principal curvatures from presses on cylinders, ellipsoids and balls.
 
-use palpate_press::{EllipticContact, ForwardFit, Markers, Measured, PressError, Reading};
+use palpate_press::{EllipticContact, ForwardFit, Markers, PressError, Reading};
 use palpate_sensing::{Channel, Stream};
 
-use crate::sensor::{DEPTH, RADIUS, Readings, at, half_space, published};
+use crate::sensor::{DEPTH, RADIUS, Readings, at, half_space, measured, published};
 
 /// A press on an object with two principal curvatures. `axis` is the angle between the direction of the smaller
 /// curvature and the x axis.
@@ -135,10 +135,7 @@ fn intervals_hold_both_curvatures() {
         for trial in (0..trials).map(|trial| 1000 * scene + trial) {
             let readings = exact.noisy(std, trial);
             let error = 0.02 * Stream::new(2020, trial, Channel::Normal).standard_normal();
-            let known = Some(Measured {
-                value: press.indentation + error,
-                std: 0.02,
-            });
+            let known = measured(press.indentation + error, 0.02);
             let found = fit.estimate(&readings.reading(&markers, known)).unwrap();
             count += 1;
             for (hits, (found, curvature)) in hits.iter_mut().zip(
@@ -162,10 +159,7 @@ fn intervals_hold_both_curvatures() {
 #[test]
 fn a_sensor_at_rest_has_no_contact() {
     let markers = published();
-    let rest = Readings {
-        normal: vec![0.0; 77],
-        tangential: vec![[0.0; 2]; 77],
-    };
+    let rest = Readings::inward(vec![0.0; 77]);
     let fit = elliptic(Some(0.02));
     for trial in 0..5 {
         let readings = rest.noisy(0.02, trial);

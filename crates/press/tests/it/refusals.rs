@@ -4,17 +4,16 @@ use palpate_press::{
     Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,
 };
 
-use crate::sensor::{DEPTH, RADIUS, Readings, along, at, exactly, fit_of, half_space, published};
+use crate::sensor::{
+    DEPTH, RADIUS, Readings, along, at, exactly, fit_of, half_space, measured, published,
+};
 
 fn refusal<T>(result: Result<T, PressError>) -> &'static str {
     result.err().map_or("none", |error| error.name())
 }
 
 fn read(normal: Vec<f64>, known: Option<Measured>) -> Result<PressEstimate, PressError> {
-    let readings = Readings {
-        normal,
-        tangential: Vec::new(),
-    };
+    let readings = Readings::inward(normal);
     ForwardFit::new(half_space()).estimate(&readings.reading(&published(), known))
 }
 
@@ -78,13 +77,8 @@ fn too_few_markers() {
         (&[3.0; 1000], "no-contact"),
     ] {
         let markers = along(distances);
-        let readings = Readings {
-            normal: distances
-                .iter()
-                .map(|distance| 1.0 / (1.0 + distance))
-                .collect(),
-            tangential: Vec::new(),
-        };
+        let normal = distances.iter().map(|distance| 1.0 / (1.0 + distance));
+        let readings = Readings::inward(normal.collect());
         let fit = ForwardFit::new(half_space());
         let refused = fit.estimate(&readings.reading(&markers, exactly(1.0)));
         assert_eq!(refusal(refused), expected);
@@ -94,10 +88,7 @@ fn too_few_markers() {
 #[test]
 fn noise_alone_is_no_contact() {
     let markers = published();
-    let nothing = Readings {
-        normal: vec![0.0; markers.places().len()],
-        tangential: Vec::new(),
-    };
+    let nothing = Readings::inward(vec![0.0; markers.places().len()]);
     let fit = fit_of(&half_space(), 0.05);
     for trial in 0..20 {
         let readings = nothing.noisy(0.05, trial);
@@ -229,11 +220,7 @@ fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     for trial in 0..200 {
         let mut readings = exact.noisy(0.05, trial);
         readings.normal[trial as usize % 5] += 1.0;
-        let known = Some(Measured {
-            value: 1.0,
-            std: 0.02,
-        });
-        if let Ok(found) = fit.estimate(&readings.reading(&markers, known)) {
+        if let Ok(found) = fit.estimate(&readings.reading(&markers, measured(1.0, 0.02))) {
             estimated += 1;
             assert!(found.normal_std > 1e-4, "trial {trial}: {found:?}");
         }
@@ -249,18 +236,11 @@ fn a_bad_fit_with_estimated_noise_is_not_called_no_contact() {
     let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
     let contact = markers.skin().contact(&layer, 1.0 / 30.0, 1.0).unwrap();
     let moved = Readings::of(&markers, &contact, [0.6, -0.3]);
-    let nothing = Readings {
-        normal: vec![0.0; moved.normal.len()],
-        tangential: Vec::new(),
-    };
-    let known = Some(Measured {
-        value: 1.0,
-        std: 0.02,
-    });
+    let nothing = Readings::inward(vec![0.0; moved.normal.len()]);
     let fit = ForwardFit::new(half_space());
     for trial in 0..15 {
         let readings = moved.noisy(0.015, trial);
-        let refused = refusal(fit.estimate(&readings.reading(&markers, known)));
+        let refused = refusal(fit.estimate(&readings.reading(&markers, measured(1.0, 0.02))));
         assert_ne!(refused, "no-contact", "trial {trial}");
         let readings = nothing.noisy(0.03, trial);
         let refused = refusal(fit.estimate(&readings.reading(&markers, None)));

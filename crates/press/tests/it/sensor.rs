@@ -75,6 +75,12 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
+    /// Readings of the displacements inward alone.
+    pub(crate) fn inward(normal: Vec<f64>) -> Self {
+        let tangential = Vec::new();
+        Self { normal, tangential }
+    }
+
     pub(crate) fn of(markers: &Markers, contact: &Contact<'_>, at: [f64; 2]) -> Self {
         let moved = markers.displacements(contact, at);
         Self {
@@ -116,5 +122,9 @@ impl Readings {
 }
 
 pub(crate) fn exactly(value: f64) -> Option<Measured> {
-    Some(Measured { value, std: 0.0 })
+    measured(value, 0.0)
+}
+
+pub(crate) fn measured(value: f64, std: f64) -> Option<Measured> {
+    Some(Measured { value, std })
 }

@@ -53,9 +53,10 @@ impl Press {
 /// The p-values of 120 presses are compared with the uniform distribution. The Kolmogorov distance of 120 uniform
 /// numbers from this distribution exceeds 0.149 with a probability of 1 %.
 #[test]
-fn p_values_are_uniform_if_the_model_is_right() {
+fn p_values_are_uniform_and_misfits_are_rare_if_the_model_is_right() {
     for given in [None, Some(STATED)] {
-        let p_value = |number| {
+        let (mut p_values, mut codes) = (Vec::new(), Vec::new());
+        for number in 0..PRESSES {
             let mut stream = Stream::new(5, number, Channel::Indentation);
             let given = given.map(|given| Measured {
                 value: given.value + given.std * stream.standard_normal(),
@@ -67,10 +68,16 @@ fn p_values_are_uniform_if_the_model_is_right() {
             // of the contact and, if no indentation is given, the indentation.
             let unknowns = 4 - usize::from(given.is_some());
             assert_eq!(goodness.freedom, 4 * 81 - unknowns);
-            goodness.p_value
-        };
-        let distance = distance_from_uniform((0..PRESSES).map(p_value).collect());
+            p_values.push(goodness.p_value);
+            if given.is_some() {
+                codes.push(press.codes(given).unwrap());
+            }
+        }
+        let distance = distance_from_uniform(p_values);
         assert!(distance < 0.149, "{distance}");
+        // By chance, 6 of 120 presses (5 %) are expected to have a misfit; the probability of more than 11 is 2 %.
+        let misfits = codes.iter().filter(|codes| !codes.is_empty()).count();
+        assert!(misfits <= 11, "{codes:?}");
     }
 }
 
@@ -82,14 +89,6 @@ fn codes(
 ) -> Vec<Vec<&'static str>> {
     let of_trial = |number| Press::of(number, fit(), &change).codes(given).ok();
     (0..trials).filter_map(of_trial).collect()
-}
-
-#[test]
-fn sound_images_seldom_have_a_misfit() {
-    let codes = codes(PRESSES, || fit(None, ROUGHLY), Some(STATED), |_| {});
-    assert_eq!(codes.len() as u64, PRESSES);
-    // By chance, 6 of 120 presses (5 %) are expected to have a misfit; the probability of more than 11 is 2 %.
-    assert!(misfit_share(&codes, None) <= 11.0 / 120.0, "{codes:?}");
 }
 
 /// The same contact with both bodies. One body computes displacements at the depth of the magenta discs, the other at
@@ -182,24 +181,4 @@ fn one_marker_is_named() {
     let codes = codes(40, || fit(None, ROUGHLY), None, change);
     let share = misfit_share(&codes, Some("outlier"));
     assert!(share > 0.3, "{codes:?}");
-}
-
-#[test]
-fn bad_estimates_are_refused_or_finite() {
-    let press = Press::of(0, fit(None, ROUGHLY), |_| {});
-    let good = press.estimate(None).unwrap();
-    for number in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e-300, 1e300] {
-        let mut bad = good.clone();
-        bad.most_likely_curvature = number;
-        let mut deep = good.clone();
-        deep.indentation.value = number;
-        let mut aside = good.clone();
-        aside.contact = [number; 2];
-        for estimate in [bad, deep, aside] {
-            let found = press.fit.misfits(&press.rest, &press.seen, None, &estimate);
-            for misfit in found.into_iter().flatten() {
-                assert!((0.0..=1.0).contains(&misfit.p_value()), "{misfit:?}");
-            }
-        }
-    }
 }

@@ -286,26 +286,19 @@ fn impossible_estimates_have_named_errors() {
         let at = (curvature, [x; 2], depth);
         name(PRESS.fit().std_bound(&rest, &seen, None, at))
     };
-    for (curvature, expected) in [
-        (0.0, "conforming"),
-        (1e-9, "too-wide"),
-        (f64::NAN, "out-of-range"),
-        (-1.0, "out-of-range"),
-    ] {
-        let estimate = PressEstimate {
-            most_likely_curvature: curvature,
-            ..good.clone()
-        };
-        assert_eq!(name(PRESS.fit().beyond(&rest, &seen, &estimate)), expected);
-        let misfits = PRESS.fit().misfits(&rest, &seen, None, &estimate);
-        assert_eq!(name(misfits), expected);
-    }
-    for (depth, expected) in [
-        (f64::NAN, "out-of-range"),
-        (RADIUS, "too-deep"),
-        (0.0, "no-indentation"),
+    let curvature = good.most_likely_curvature;
+    let depth = good.indentation.value;
+    for (curvature, depth, expected) in [
+        (0.0, depth, "conforming"),
+        (1e-9, depth, "too-wide"),
+        (f64::NAN, depth, "out-of-range"),
+        (-1.0, depth, "out-of-range"),
+        (curvature, f64::NAN, "out-of-range"),
+        (curvature, RADIUS, "too-deep"),
+        (curvature, 0.0, "no-indentation"),
     ] {
         let mut estimate = good.clone();
+        estimate.most_likely_curvature = curvature;
         estimate.indentation.value = depth;
         assert_eq!(name(PRESS.fit().beyond(&rest, &seen, &estimate)), expected);
         let misfits = PRESS.fit().misfits(&rest, &seen, None, &estimate);
