@@ -222,25 +222,6 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn grids_of_points_are_smoothed(
-        heights in prop::collection::vec(-1.0..1.0, 64),
-        (degree, smoothing) in (1..4_usize, 0.0..100.0),
-        power in -9.0..9.0_f64,
-    ) {
-        let unit = libm::pow(10.0, power);
-        let point = |index: usize| WeightedPoint {
-            u: (index % 8) as f64,
-            v: (index / 8) as f64,
-            w: heights[index] * unit,
-            weight: 1.0 / unit,
-        };
-        let points: Vec<_> = (0..64).map(point).collect();
-        let found = SmoothingSpline::new(degree, smoothing).fit(&points).unwrap();
-        prop_assert!(found.spline.coefficients.iter().all(|one| one.is_finite()));
-        prop_assert!(found.residual_sum.is_finite() && found.effective_unknowns.is_finite());
-    }
-
-    #[test]
     fn any_points_return_numbers_or_the_expected_error(
         numbers in prop::collection::vec(prop::array::uniform4(any_number()), 0..30),
         degree in 0..4_usize,
