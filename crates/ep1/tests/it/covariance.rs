@@ -5,7 +5,7 @@ use palpate_ep1::{Estimate, LeastSquares, Measured, PadStart, ProbeReading, Read
 use palpate_geometry::CurvatureForm;
 
 use crate::draws::Draws;
-use crate::{eight, readings};
+use crate::{FORM, eight, readings};
 
 fn quantities(estimate: &Estimate) -> [Measured; 4] {
     [
@@ -16,8 +16,16 @@ fn quantities(estimate: &Estimate) -> [Measured; 4] {
     ]
 }
 
-fn check(noise: ReadingNoise, form: CurvatureForm, rolls: &[(f64, f64)]) {
-    let exact = readings(1.0, &form, rolls);
+#[test]
+fn standard_errors_match_all_noise_with_any_lengths_and_directions() {
+    let noise = ReadingNoise {
+        relative_rotation_std: 0.002,
+        rotation_std_rad: 1e-4,
+        shift_std: 1e-4,
+        ..Default::default()
+    };
+    let rolls = [(0.2, 0.1), (1.0, 0.2), (2.5, 0.05), (-1.7, 0.15)];
+    let exact = readings(1.0, &FORM, &rolls);
     let stated = quantities(&LeastSquares::of(1.0, noise, &exact).unwrap());
     let trials = 20_000;
     let mut draws = Draws(99);
@@ -35,47 +43,6 @@ fn check(noise: ReadingNoise, form: CurvatureForm, rolls: &[(f64, f64)]) {
     for (square, stated) in square.iter().zip(&stated) {
         assert_relative_eq!(square.sqrt(), stated.std.unwrap(), max_relative = 0.03);
     }
-}
-
-const FORM: CurvatureForm = CurvatureForm {
-    k_uu: 0.4,
-    k_uv: 0.3,
-    k_vv: 1.2,
-};
-
-#[test]
-fn standard_errors_match_rotation_noise() {
-    let noise = ReadingNoise {
-        relative_rotation_std: 0.003,
-        ..Default::default()
-    };
-    check(noise, FORM, &eight(0.1));
-    check(noise, CurvatureForm::isotropic(0.2), &eight(0.1));
-}
-
-#[test]
-fn standard_errors_match_shift_noise() {
-    let noise = ReadingNoise {
-        shift_std: 2e-4,
-        ..Default::default()
-    };
-    check(noise, FORM, &eight(0.1));
-}
-
-#[test]
-fn standard_errors_match_all_noise_with_any_lengths_and_directions() {
-    let noise = ReadingNoise {
-        relative_rotation_std: 0.002,
-        rotation_std_rad: 1e-4,
-        shift_std: 1e-4,
-        shift_resolution: 0.0,
-        pad_start: PadStart::PerRoll,
-    };
-    check(
-        noise,
-        FORM,
-        &[(0.2, 0.1), (1.0, 0.2), (2.5, 0.05), (-1.7, 0.15)],
-    );
 }
 
 #[test]

@@ -2,21 +2,13 @@
 
 use approx::assert_relative_eq;
 use nalgebra::Vector2;
-use palpate_ep1::{LeastSquares, PadStart, ProbeReading, ReadingNoise};
-use palpate_geometry::surfaces::{Graph, Sphere};
+use palpate_ep1::{LeastSquares, ProbeReading};
+use palpate_geometry::surfaces::Graph;
 use palpate_geometry::{CurvatureForm, Shape};
 use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
 use proptest::prelude::*;
 
-use crate::{eight, readings, rotated};
-
-const EXACT: ReadingNoise = ReadingNoise {
-    relative_rotation_std: 0.0,
-    rotation_std_rad: 0.0,
-    shift_std: 0.0,
-    shift_resolution: 0.0,
-    pad_start: PadStart::PerRoll,
-};
+use crate::{EXACT, eight, readings, rotated};
 
 proptest! {
     #[test]
@@ -77,31 +69,6 @@ fn rolled(object: Shape, theta: f64, model: Model) -> Vec<ProbeReading> {
             shift: roller.shift(roll).unwrap().displacement,
         })
         .collect()
-}
-
-#[test]
-fn the_curvature_of_a_rolled_sphere_is_recovered() {
-    for radius in [500.0, 50.0, 5.0, 1.0, 0.5] {
-        let object = Shape::Sphere(Sphere::new(radius).unwrap());
-        let readings = rolled(object, 0.1, Model::ClosedForm);
-        let estimate = LeastSquares::of(1.0, EXACT, &readings).unwrap();
-        let precision = 1e-15 * (1.0 + radius) * 4.0;
-        assert_relative_eq!(
-            estimate.curvature.k_uu,
-            1.0 / radius,
-            max_relative = precision
-        );
-        assert_relative_eq!(
-            estimate.gaussian_curvature.value,
-            1.0 / (radius * radius),
-            max_relative = 2.0 * precision
-        );
-        assert_relative_eq!(
-            estimate.amplification(0.3).unwrap(),
-            1.0 + radius,
-            max_relative = 1e-11
-        );
-    }
 }
 
 #[test]

@@ -10,8 +10,24 @@ mod refusals;
 mod series;
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
-use palpate_ep1::ProbeReading;
+use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
+
+/// A form with different curvatures in all directions.
+pub const FORM: CurvatureForm = CurvatureForm {
+    k_uu: 0.4,
+    k_uv: 0.3,
+    k_vv: 1.2,
+};
+
+/// No stated noise.
+pub const EXACT: ReadingNoise = ReadingNoise {
+    relative_rotation_std: 0.0,
+    rotation_std_rad: 0.0,
+    shift_std: 0.0,
+    shift_resolution: 0.0,
+    pad_start: PadStart::PerRoll,
+};
 
 /// Noiseless readings of a probe of radius `radius` on an object with the curvature `form`, by the linear law. Each
 /// element of `rolls` is a direction (rad from u) and a rotation (rad).

@@ -1,37 +1,21 @@
 //! Compares the goodness of fit and the misfits of readings with exact formulas.
 
 use approx::assert_relative_eq;
-use palpate_ep1::{GoodnessOfFit, LeastSquares, Misfit, PadStart, ProbeReading, ReadingNoise};
+use palpate_ep1::{GoodnessOfFit, LeastSquares, Misfit, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 
 use crate::draws::Draws;
-use crate::{eight, readings};
+use crate::{EXACT, FORM, eight, readings};
 
-const FORM: CurvatureForm = CurvatureForm {
-    k_uu: 0.4,
-    k_uv: 0.3,
-    k_vv: 1.2,
-};
 const OF_SHIFTS: ReadingNoise = ReadingNoise {
-    relative_rotation_std: 0.0,
-    rotation_std_rad: 0.0,
     shift_std: 1e-3,
-    shift_resolution: 0.0,
-    pad_start: PadStart::PerRoll,
+    ..EXACT
 };
 const OF_ALL: ReadingNoise = ReadingNoise {
     relative_rotation_std: 0.02,
     rotation_std_rad: 1e-3,
     shift_std: 5e-4,
-    shift_resolution: 0.0,
-    pad_start: PadStart::PerRoll,
-};
-const UNKNOWN: ReadingNoise = ReadingNoise {
-    relative_rotation_std: 0.0,
-    rotation_std_rad: 0.0,
-    shift_std: 0.0,
-    shift_resolution: 0.0,
-    pad_start: PadStart::PerRoll,
+    ..EXACT
 };
 
 /// Eight rolls whose directions are an eighth of a turn apart.
@@ -112,7 +96,7 @@ fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
     // the same.
     let stated = ReadingNoise {
         relative_rotation_std: 0.01,
-        ..UNKNOWN
+        ..EXACT
     };
     let plane = CurvatureForm::isotropic(0.0);
     let mut read = readings(1.0, &plane, &rolls);
@@ -139,11 +123,7 @@ fn share(
 
 #[test]
 fn sound_readings_hardly_ever_have_a_misfit() {
-    for (noise, stated) in [
-        (OF_SHIFTS, OF_SHIFTS),
-        (OF_ALL, OF_ALL),
-        (OF_SHIFTS, UNKNOWN),
-    ] {
+    for (noise, stated) in [(OF_SHIFTS, OF_SHIFTS), (OF_ALL, OF_ALL), (OF_SHIFTS, EXACT)] {
         for rolls in [around(), eight(0.1), askew(), askew()[..4].to_vec()] {
             let share = share(stated, &readings(1.0, &FORM, &rolls), &noise, |_| true);
             assert!(share < 0.05, "{share} with {stated:?}");
@@ -176,7 +156,7 @@ fn an_outlier_of_eight_standard_deviations_is_named() {
     for (stated, rolls, least) in [
         (OF_SHIFTS, around(), 0.99),
         (OF_SHIFTS, askew()[..4].to_vec(), 0.9),
-        (UNKNOWN, around(), 0.9),
+        (EXACT, around(), 0.9),
     ] {
         let mut read = readings(1.0, &FORM, &rolls);
         read[2].shift.x += 8.0 * OF_SHIFTS.shift_std;
@@ -223,8 +203,8 @@ fn a_stated_noise_far_above_the_residuals_contradicts_them() {
 #[test]
 fn exact_readings_have_no_misfit_but_a_stated_noise() {
     let exact = readings(1.0, &FORM, &around());
-    assert_eq!(misfits(UNKNOWN, &exact), []);
-    assert_eq!(goodness(UNKNOWN, &exact), None);
+    assert_eq!(misfits(EXACT, &exact), []);
+    assert_eq!(goodness(EXACT, &exact), None);
     assert!(goodness(OF_SHIFTS, &exact).unwrap().p_value > 0.999_999);
     let codes: Vec<_> = misfits(OF_SHIFTS, &exact)
         .iter()
