@@ -5,7 +5,7 @@ use palpate_chromatouch::{
     Optics,
 };
 
-use crate::optics::{PURE, depths, inward, moved, optics};
+use crate::optics::{PURE, along, depths, inward, moved, optics};
 
 /// Columns: diameters of the yellow and the magenta disc, distance between their centres, mean hue of the marker,
 /// circular mean of its hue, and hue of its summed light. The values were computed from the areas of overlapping
@@ -25,10 +25,7 @@ fn golden_hues() {
         let array = MarkerArray::new(2e4, &[[0.0, 0.0]], discs, depths).unwrap();
         let camera = Camera::new(Lens::Fisheye, 640, 70.0).unwrap();
         let optics = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
-        let aside = DiscMotion {
-            tangential: [0.6 * offset, 0.8 * offset],
-            ..DiscMotion::default()
-        };
+        let aside = along([0.6 * offset, 0.8 * offset]);
         let seen = optics.project(&[moved(DiscMotion::default(), aside)]);
         let seen = seen.unwrap()[0].unwrap();
         assert!((seen.mean_hue_turns - mean).abs() < 1e-5, "{line} {seen:?}");
@@ -44,14 +41,10 @@ fn pale_regions_do_not_count() {
         yellow: [1.0, 1.0, 0.8],
         ..PURE
     };
-    let aside = DiscMotion {
-        tangential: [0.5, 0.0],
-        ..DiscMotion::default()
-    };
     let hue = |colours| {
         let optics = optics(&[[0.0, 0.0]], depths(3.0, 1.0), Lens::Fisheye, colours);
         optics
-            .project(&[moved(DiscMotion::default(), aside)])
+            .project(&[moved(DiscMotion::default(), along([0.5, 0.0]))])
             .unwrap()[0]
             .unwrap()
     };

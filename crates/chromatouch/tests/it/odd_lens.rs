@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, Departure, Discs, Layout, Lens, MarkerArray, MarkerMotion,
-    OddTerms, Optics, SeenMarker,
+    Blemishes, Camera, Colours, Departure, Layout, Lens, MarkerArray, MarkerMotion, OddTerms,
+    Optics, SeenMarker,
 };
 
 use crate::optics::{DISCS, depths};
@@ -125,52 +125,6 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             .lens(),
         Lens::Fisheye
     );
-}
-
-#[test]
-fn derivatives_of_pictures_are_differences() {
-    // The centroid of a small disc is the image of its centre, and its size is proportional to the image area per solid
-    // angle.
-    let places: Vec<[f64; 2]> = (0..12).map(|step| [1.8 * f64::from(step), 0.3]).collect();
-    let discs = Discs {
-        magenta: 0.02,
-        yellow: 0.02,
-    };
-    for [k3, k5] in TERMS {
-        let camera = camera([k3, k5]);
-        let array = MarkerArray::new(20.0, &places, discs, depths(1.0, 1.0)).unwrap();
-        let optics = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
-        let seen = at_rest(&optics);
-        let first = seen[0].unwrap().size_px2 / area(&camera, places[0]);
-        for (seen, place) in seen.iter().zip(&places) {
-            let seen = seen.unwrap();
-            let middle = camera.image(&direction(*place)).unwrap();
-            let [x, y] = [0, 1].map(|axis| seen.centroid_px[axis] - middle[axis]);
-            assert!(libm::hypot(x, y) < 1e-4);
-            let per_area = seen.size_px2 / area(&camera, *place);
-            assert!((per_area / first - 1.0).abs() < 1e-5, "{k3} {k5} {place:?}");
-        }
-    }
-}
-
-fn direction([x, y]: [f64; 2]) -> Vector3<f64> {
-    let angle = libm::hypot(x, y) / 20.0;
-    let (sine, cosine) = libm::sincos(angle);
-    Vector3::new(sine * x / (20.0 * angle), sine * y / (20.0 * angle), cosine)
-}
-
-/// Image area per solid angle at the position `place` in the image, by finite differences.
-fn area(camera: &Camera, place: [f64; 2]) -> f64 {
-    let middle = direction(place);
-    let across = Vector3::new(-middle.y, middle.x, 0.0).normalize();
-    let along = across.cross(&middle);
-    let step = 1e-4;
-    let slope = |axis: Vector3<f64>| {
-        let [one, other] = [step, -step].map(|step| camera.image(&(middle + axis * step)).unwrap());
-        [0, 1].map(|at| (one[at] - other[at]) / (2.0 * step))
-    };
-    let (one, other) = (slope(along), slope(across));
-    (one[0] * other[1] - one[1] * other[0]).abs()
 }
 
 #[test]

@@ -49,6 +49,13 @@ pub(crate) fn inward(normal: f64) -> DiscMotion {
     }
 }
 
+pub(crate) fn along(tangential: [f64; 2]) -> DiscMotion {
+    DiscMotion {
+        tangential,
+        ..DiscMotion::default()
+    }
+}
+
 /// Features of the only marker of a sensor.
 fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
     optics.project(&[motion]).unwrap()[0].unwrap()
@@ -166,40 +173,11 @@ fn a_marker_moved_inward_grows_with_its_nearness() {
 }
 
 #[test]
-fn the_disc_that_comes_nearer_tints_the_marker() {
-    for place in [[0.0, 0.0], at(50.0, 20.0)] {
-        let optics = optics(
-            &[place],
-            depths(3.0, 1.0),
-            Lens::Fisheye,
-            Colours::default(),
-        );
-        // The hue of a marker lies between magenta (−1/6 turn) and yellow (1/6 turn); red, in the middle, is 0.
-        let hue = |magenta, yellow| {
-            let turns = seen(&optics, moved(inward(magenta), inward(yellow))).hue_turns;
-            if turns > 0.5 { turns - 1.0 } else { turns }
-        };
-        let rest = hue(0.0, 0.0);
-        let (magenta, yellow) = (hue(0.3, 0.0), hue(0.0, 0.3));
-        assert!((-1.0 / 6.0..rest).contains(&magenta), "{magenta} {rest}");
-        assert!(
-            (rest..1.0 / 6.0).contains(&yellow) && yellow > rest,
-            "{yellow} {rest}"
-        );
-    }
-}
-
-#[test]
 fn markers_move_along_the_carried_axes() {
     // The axes x and y of a marker are transported along the skin from the apex. At the azimuth 90°, y points away from
     // the apex, and x points around the apex. Arc lengths are measured on the sphere of the discs.
     let optics = optics(&[at(30.0, 90.0)], depths(2.0, 2.0), Lens::Fisheye, PURE);
     let focal = optics.camera().px_per_rad();
-    let along = |tangential| DiscMotion {
-        normal: 0.0,
-        tangential,
-        ..DiscMotion::default()
-    };
     let rest = seen(&optics, Some(MarkerMotion::default())).centroid_px;
     // The y axis points up, but rows are counted downward. So a larger y gives a smaller row.
     assert!(rest[1] < 319.5 - 0.5 * focal * 30.0_f64.to_radians());

@@ -5,7 +5,7 @@ use palpate_chromatouch::{
     OpticsError,
 };
 
-use crate::optics::{DISCS, PURE, at, depths, inward, moved, optics};
+use crate::optics::{DISCS, PURE, along, at, depths, inward, moved, optics};
 
 #[test]
 fn impossible_arrays_are_named() {
@@ -112,11 +112,6 @@ fn impossible_motions_are_named() {
     assert_eq!(optics.project(&[rest]).unwrap_err(), wrong);
     assert_eq!(optics.render(&[rest], None).unwrap_err(), wrong);
     for bad in [17.0, -17.0, 1e300, f64::NAN, f64::NEG_INFINITY] {
-        let along = |tangential| DiscMotion {
-            normal: 0.0,
-            tangential,
-            ..DiscMotion::default()
-        };
         for motion in [inward(bad), along([bad, 0.0]), along([0.0, bad])] {
             let motions = [rest, moved(motion, DiscMotion::default())];
             for error in [

@@ -156,11 +156,11 @@ fn errors_of_pixels_are_independent() {
             .flat_map(|down| (0..6).map(move |on| (down, on)))
             .map(|(down, on)| common(&own, &own, down, on)),
     );
-    // Compare the frame with frames of other trials and other seeds.
-    for key in [[1, 1], [1, 2], [1, 1 << 40], [2, 0], [3, 1]] {
-        scores.extend((0..6).map(|on| common(&own, &noise(key), 0, on)));
+    // Compare the frame with frames of another trial and of another seed.
+    for other in [[1, 1], [2, 0]].map(noise) {
+        scores.extend((0..6).map(|on| common(&own, &other, 0, on)));
     }
-    // If the errors are independent, the largest of the 220 scores is below 4.6 with a probability of 0.999.
+    // If the errors are independent, the largest of the 188 scores is below 4.6 with a probability of 0.999.
     let independent = |scores: &[f64; 2]| scores.iter().all(|score| score.abs() < 4.6);
     assert!(scores.iter().all(independent), "{scores:?}");
     assert!(common(&own, &own, 0, 0).iter().all(|score| *score > 100.0));

@@ -87,11 +87,7 @@ fn the_mean_square_is_that_of_the_series() {
 }
 
 #[test]
-fn more_gores_strain_less_in_proportion_in_the_end() {
-    let strains: Vec<_> = (3..=12).map(|n| FoldStrain::of(n).unwrap()).collect();
-    for pair in strains.windows(2) {
-        assert!(pair[1].greatest < pair[0].greatest && pair[1].rms < pair[0].rms);
-    }
+fn many_gores_strain_in_proportion_to_their_width() {
     // For a small shear s, the strain is s/2. With n gores, the strain is at most π/(2n), and its root mean square
     // is a third of this value.
     for gores in [1_000_000, u32::MAX] {
