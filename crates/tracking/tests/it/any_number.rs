@@ -1,5 +1,5 @@
-//! Property tests. The crate processes valid frames, displacement fields and calibration points without an error. For
-//! arbitrary numbers and pixels, each result is finite or an expected error.
+//! Property tests. Markers that are apart define a displacement field. For arbitrary numbers and pixels, each result is
+//! finite or an expected error.
 
 use image::RgbImage;
 use palpate_tracking::{
@@ -8,8 +8,6 @@ use palpate_tracking::{
     NormalPoint, Status, Track, match_markers,
 };
 use proptest::prelude::*;
-
-use crate::frames::{self, Bright};
 
 /// Any floating-point number, including infinities and NaN. Numbers of ordinary size are drawn most frequently.
 fn any_number() -> impl Strategy<Value = f64> {
@@ -226,24 +224,5 @@ proptest! {
                 prop_assert!(is_due, "{error}");
             }
         }
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
-
-    /// Frames of nineteen discs on a white background, with random size, blur and noise. All discs are found, and no
-    /// other marker is found.
-    #[test]
-    fn discs_on_white_are_found(
-        (disc_px, spacing) in (11.0..15.0, 26.0..32.0),
-        (apart, blur_px, noise) in (0.0..0.2, 0.0..1.0, 0.5..2.0),
-        seed in any::<u64>(),
-    ) {
-        let how = Bright { size: 160, disc_px, apart, blur_px, falloff: 0.0, noise };
-        let (frame, truth) = frames::bright(how, &frames::rings(160, spacing, 2), seed);
-        let found = Finder::default().find(&frame).unwrap();
-        prop_assert_eq!((found.markers.len(), found.cut.len()), (truth.len(), 0));
-        prop_assert!(found.markers.iter().all(is_sound), "{found:?}");
     }
 }

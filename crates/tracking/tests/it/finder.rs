@@ -51,13 +51,11 @@ fn discs_of_any_hue_on_a_dark_ground() {
         for mask in [Some(circle), None] {
             let found = Finder::new(mask, None).find(&frame).unwrap();
             let [place, hue, _] = errors(&found.markers, &truth, 0.02 * size as f64);
-            eprintln!(
-                "{size} px, circle given: {}: centroid {place:.4} px, hue {:.4} degrees",
-                mask.is_some(),
-                360.0 * hue
-            );
             assert_eq!((found.ground, found.cut.len()), (Ground::Dark, 0));
-            assert!(place < centroid && 360.0 * hue < degrees);
+            assert!(
+                place < centroid && 360.0 * hue < degrees,
+                "{size} {mask:?}: {place} {hue}"
+            );
             assert!((found.mask.radius_px - circle.radius_px).abs() < 2.0);
         }
     }
@@ -83,47 +81,15 @@ fn misaligned_discs_on_a_bright_ground() {
         ..clean
     };
     let places = frames::rings(640, 56.0, 4);
-    for (name, how) in [
-        ("clean", clean),
-        (
-            "apart",
-            Bright {
-                apart: 0.3,
-                ..clean
-            },
-        ),
-        (
-            "blurred",
-            Bright {
-                blur_px: 2.0,
-                ..clean
-            },
-        ),
-        (
-            "uneven",
-            Bright {
-                falloff: 0.5,
-                ..clean
-            },
-        ),
-        (
-            "noisy",
-            Bright {
-                noise: 2.0,
-                ..clean
-            },
-        ),
-        ("all", worst),
-    ] {
+    for how in [clean, worst] {
         let (frame, truth) = frames::bright(how, &places, 9);
         let found = find(&frame);
         let [place, hue, size] = errors(&found.markers, &truth, 16.0);
-        eprintln!(
-            "{name}: centroid {place:.4} px, hue {hue:.2e} turns, size {:.3} %",
-            100.0 * size
-        );
         assert_eq!((found.ground, found.cut.len()), (Ground::Bright, 0));
-        assert!(place < 0.03 && hue < 2e-4 && size < 2e-3, "{name}");
+        assert!(
+            place < 0.03 && hue < 2e-4 && size < 2e-3,
+            "{how:?}: {place} {hue} {size}"
+        );
     }
 }
 
@@ -136,7 +102,6 @@ fn a_photograph() {
     let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();
     let list = std::fs::read_to_string(format!("{data}-markers.csv")).unwrap();
     let found = find(&frame);
-    let mut counts = std::collections::BTreeMap::new();
     let mut explained = 0;
     for line in list.lines().skip(1) {
         let [x, y, rim] = line.split(',').collect::<Vec<_>>()[..] else {
@@ -156,19 +121,12 @@ fn a_photograph() {
             _ => assert!(whole == 0 && cut <= 1, "{line}"),
         }
         explained += whole + cut;
-        *counts.entry(rim).or_insert(0) += whole + cut;
     }
-    eprintln!(
-        "{counts:?} of {} whole and {} cut",
-        found.markers.len(),
-        found.cut.len()
-    );
     assert_eq!(
         explained,
         found.markers.len() + found.cut.len(),
         "nothing else is found"
     );
-    assert_eq!(counts["clear"], 79);
 }
 
 #[test]
