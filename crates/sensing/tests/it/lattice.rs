@@ -15,21 +15,18 @@ fn direction(z: f64, azimuth: f64) -> Vector3<f64> {
     Vector3::new(sine * libm::cos(azimuth), sine * libm::sin(azimuth), z)
 }
 
+/// Heights on the unit sphere. Half of them are near the upper pole, where the lattice is irregular.
+fn height() -> impl Strategy<Value = f64> {
+    prop_oneof![-1.0..1.0_f64, (0.0..1.0_f64).prop_map(libm::cos)]
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(3000))]
 
     #[test]
-    fn nearest_is_nearest(pitch in 0.05..1.0_f64, z in -1.0..1.0_f64, azimuth in -3.15..3.15_f64) {
+    fn nearest_is_nearest(pitch in 0.05..1.0_f64, z in height(), azimuth in -3.15..3.15_f64) {
         let lattice = UniformLattice::with_pitch(pitch).unwrap();
         let at = direction(z, azimuth);
-        let found = (lattice.direction(lattice.nearest(&at)) - at).norm();
-        prop_assert!(found <= brute_force(&lattice, &at) + 1e-12);
-    }
-
-    #[test]
-    fn nearest_near_the_pole(pitch in 0.05..0.5_f64, angle in 0.0..1.0_f64, azimuth in -3.15..3.15_f64) {
-        let lattice = UniformLattice::with_pitch(pitch).unwrap();
-        let at = direction(libm::cos(angle), azimuth);
         let found = (lattice.direction(lattice.nearest(&at)) - at).norm();
         prop_assert!(found <= brute_force(&lattice, &at) + 1e-12);
     }
