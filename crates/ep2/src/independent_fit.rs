@@ -38,6 +38,8 @@ const MAX_FITTED: usize = 10_000;
 /// mean of all contacts. If the ratio is larger, the contacts of a finger are not in the order of its path, and means
 /// of consecutive contacts are not fitted.
 const MAX_BLOCK_RATIO: f64 = 0.05;
+/// Largest second difference of the means along a smooth path, relative to the distance between the means beside.
+const MAX_BEND: f64 = 0.25;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
 
@@ -426,6 +428,7 @@ impl<M: Method> Log<'_, M> {
         };
         for stroke in &self.strokes {
             let blocks = (stroke.len() / block).max(1);
+            let before = means.contacts.len();
             for index in 0..blocks {
                 let part = index * stroke.len() / blocks..(index + 1) * stroke.len() / blocks;
                 let part = &stroke[part];
@@ -442,7 +445,25 @@ impl<M: Method> Log<'_, M> {
                 });
                 means.rows.push(rows[part[0]]);
             }
+            move_onto_path(&mut means.contacts[before..]);
         }
         means
+    }
+}
+
+/// Moves the means of equally many consecutive contacts of a stroke onto its path. A mean lies on the inner side of a
+/// bent path. The distance is 1/24 of the second difference of the means, if they follow a smooth path.
+fn move_onto_path(means: &mut [Contact]) {
+    let places: Vec<_> = means.iter().map(|mean| mean.position).collect();
+    if places.len() < 3 {
+        return;
+    }
+    for (index, mean) in means.iter_mut().enumerate() {
+        let middle = index.clamp(1, places.len() - 2);
+        let [before, after] = [middle - 1, middle + 1].map(|one| places[one] - places[middle]);
+        let bend = before + after;
+        if bend.norm() < MAX_BEND * (after - before).norm() {
+            mean.position -= bend / 24.0;
+        }
     }
 }

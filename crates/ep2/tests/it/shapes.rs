@@ -165,10 +165,16 @@ fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
     noisy(random, &exact, each, 0.05, Some(0.01))
 }
 
-/// Contacts of three strokes. Their noise is correlated over `time` successive contacts.
-fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -> Vec<Contact> {
+/// Contacts of three strokes. Their noise has the standard deviation `std` and is correlated over `time` successive
+/// contacts.
+fn correlated(
+    random: &mut Random,
+    [each, time]: [usize; 2],
+    std: f64,
+    with_normals: bool,
+) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
-    let keep = libm::exp(-1.0 / time);
+    let keep = libm::exp(-1.0 / time as f64);
     let mut state = [Vector3::zeros(); 2];
     let rows = exact.iter().enumerate().map(|(row, (place, normal))| {
         for state in &mut state {
@@ -180,7 +186,7 @@ fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -
         }
         let tilt = state[1] * 0.01;
         let turned = (normal + tilt - normal * normal.dot(&tilt)).normalize();
-        let position = Point3::from(place + state[0] * 0.05);
+        let position = Point3::from(place + state[0] * std);
         Contact::new(row / each, position, with_normals.then_some(turned))
     });
     rows.collect()
@@ -204,12 +210,12 @@ fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
         return ([log, plain], 0.85);
     }
     let (each, time, least) = if kind == 3 {
-        (500, 25.0, 0.85)
+        (500, 25, 0.85)
     } else {
-        (100, 5.0, 0.75)
+        (100, 5, 0.75)
     };
-    let log = correlated(random, each, time, kind == 3);
-    let step = (4.0 * time) as usize;
+    let log = correlated(random, [each, time], 0.05, kind == 3);
+    let step = 4 * time;
     let rows = (0..log.len()).filter(|row| row % each % step == step / 2);
     let thinned = rows.map(|row| log[row]).collect();
     ([log, thinned], least)
@@ -255,8 +261,8 @@ fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 3] 
 #[test]
 fn surfaces_are_not_fitted_to_correlated_noise() {
     let random = |case: u64| Random::new(83_000 + case);
-    for with_normals in [true, false] {
-        let log = |case| correlated(&mut random(case), 500, 25.0, with_normals);
+    for (std, with_normals) in [(0.05, true), (0.05, false), (0.005, false)] {
+        let log = |case| correlated(&mut random(case), [500, 25], std, with_normals);
         let thinned = |case| log(case).into_iter().skip(50).step_by(100).collect();
         let [held, found, width] = of_surface((0..40).map(log), 0.04);
         let [_, _, plain] = of_surface((0..40).map(thinned), 0.04);
