@@ -44,7 +44,7 @@ const MAX_RESIDUALS: usize = 60_000;
 const MAX_LAG: usize = 1000;
 /// Largest lag of the correlations that are added, relative to the resulting number of residuals that count as one. The
 /// correlations at longer lags are mostly noise.
-const MAX_LAG_RATIO: f64 = 1.5;
+const MAX_LAG_RATIO: f64 = 2.0;
 /// Correlations are corrected for the variance that the fit removes from the residuals, but only if the ratio of fitted
 /// parameters to independent readings is at most this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
