@@ -147,6 +147,7 @@ place | place = [nan, 0.0, 0.0] | `place[0]` is NaN; it must be finite
 place_std | place_std = [1.0, 1.0, 1.0] | `covariance[3][3]` belongs to a standard deviation
 place_std |  | missing field `place_std`
 turn_deg | turn_deg = [1e40, 0.0, 0.0] | contradicts the frame at rest
+px_per_rad | px_per_rad = 180.0 | `px_per_rad` is 180
 px_per_rad | px_per_rad = -1.0 | `px_per_rad` is -1; it must be finite and > 0
 covariance | covariance = [[1.0]] | `covariance` must have 11 rows of 11 numbers
 turn_deg | turned = 1 | turned

@@ -82,6 +82,10 @@ evaluate = { half_width = 0.5, gaussian_threshold = 0.01, mean_threshold = 0.1 }
         ("std = 0.015", "fraction_of_ifd = 0.01"),
         (
             r#""gaussian", std = 0.015"#,
+            r#""uniform", bound = 0.025980762113533159"#,
+        ),
+        (
+            r#""gaussian", std = 0.015"#,
             r#""uniform", fraction_of_ifd = 0.017320508075688773"#,
         ),
         (

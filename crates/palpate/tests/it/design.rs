@@ -7,7 +7,8 @@ const NOISE: &str = "--vary scene.noise.angular_velocity.fraction=0.001..0.2";
 
 #[test]
 fn both_sides_are_printed_and_written() {
-    let desk = Desk::with(STUDY);
+    // The cell with the larger errors is the last one. The answer must hold for all cells.
+    let desk = Desk::with(&edited(STUDY, "[50, 5]", "[5, 50]"));
     let answer = desk.json(&format!(
         "design c.toml {TARGET} {NOISE} --gap 0.3 --out out"
     ));
@@ -16,6 +17,7 @@ fn both_sides_are_printed_and_written() {
         number(&answer, "/misses/0/from"),
     );
     assert!(meets < misses && misses < 1.35 * meets, "{answer}");
+    assert!((0.03..0.042).contains(&meets), "{meets}");
     assert_eq!(number(&answer, "/meets/0/from"), 0.001);
     assert_eq!(number(&answer, "/misses/0/to"), 0.2);
     assert_eq!(

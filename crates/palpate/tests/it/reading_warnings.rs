@@ -84,6 +84,8 @@ fn an_indentation_is_never_exact() {
         desk.json(&format!("estimate press r.csv {options}"))
     });
     assert_eq!(bare["object_curvature"], stated["object_curvature"]);
+    let warnings = bare["warnings"].to_string();
+    assert!(!warnings.contains("stated-indentation"), "{bare}");
 }
 
 /// Warnings of an estimate, or its error, as text.

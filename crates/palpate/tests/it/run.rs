@@ -45,6 +45,10 @@ fn cells_have_a_row_per_cell_and_quantity() {
             table.text(row, "coverage95").is_empty(),
             quantity == "arc_length"
         );
+        assert_eq!(
+            table.text(row, "mean_reported_std").is_empty(),
+            quantity == "arc_length"
+        );
     }
     assert_eq!(table.number(0, "truth"), 0.02);
     assert_eq!(table.number(7, "truth"), 0.2 * 0.2);

@@ -323,8 +323,11 @@ fn errors_name_unusable_frames() {
     assert!(said.contains("are colours swapped?"), "{said}");
     let small = RgbImage::new(300, 300);
     assert!(refused(small, &here).contains("has 300 x 300 px"));
-    let black = RgbImage::new(SIZE, SIZE);
-    assert!(refused(black, &here).contains("is under-exposed"));
+    let mut dim = truth.frame(1);
+    for pixel in dim.pixels_mut() {
+        *pixel = Rgb(pixel.0.map(|level| level / 8));
+    }
+    assert!(refused(dim, &here).contains("is under-exposed"));
     let direct = parse(
         "direct.toml",
         "name = \"d\"\nscene.kind = \"press\"\nscene.object = { kind = \"plane\" }\nscene.motion = { indentation = 1.0 }\nscene.probe = { kind = \"marker-sphere\", radius = 20.0, marker_depth = 2.0 }",

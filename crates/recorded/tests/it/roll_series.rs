@@ -59,10 +59,14 @@ fn unusable_series_are_refused() {
         rows[row][column] += by;
         table(&rows)
     };
-    let mut reversed = rows(200);
-    for row in &mut reversed {
-        row[3] *= -1.0;
-    }
+    let turned = |[x, y]: [f64; 2]| {
+        let mut rows = rows(200);
+        for row in &mut rows {
+            row[2] *= x;
+            row[3] *= y;
+        }
+        table(&rows)
+    };
     let rolls =
         "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.5,4,0\n1,0.5,0,0,4\n";
     let contacts = sound.replacen("pad_u_mm,pad_v_mm", "contact_u_mm,contact_v_mm", 1);
@@ -88,7 +92,12 @@ fn unusable_series_are_refused() {
             "probe 2 after 0.24 s: the rotation is 1e300 rad",
         ),
         (
-            table(&reversed),
+            turned([-1.0, -1.0]),
+            &pad_edge,
+            "the contact moved against the direction of the rolls",
+        ),
+        (
+            turned([1.0, -1.0]),
             &pad_edge,
             "the contact moved against the direction of the rolls",
         ),
@@ -101,6 +110,11 @@ fn unusable_series_are_refused() {
         (
             sound.clone(),
             &json!({ "kind": "pad-edge" }),
+            "needs setting `pitch`",
+        ),
+        (
+            sound.clone(),
+            &json!({ "kind": "auto" }),
             "needs setting `pitch`",
         ),
         (

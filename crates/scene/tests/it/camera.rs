@@ -236,6 +236,10 @@ fn sensors_that_cannot_be_are_refused_at_the_field() {
             text(r#"kind = "projected", k3 = -0.3"#, ""),
             "scene.sensor.k3",
         ),
+        (
+            text(r#"kind = "rendered", k5 = -0.2"#, ""),
+            "scene.sensor.k3",
+        ),
         // With this narrow field of view, only the edge of the marker is visible.
         (
             text(r#"kind = "projected", field_deg = 1.0"#, ""),

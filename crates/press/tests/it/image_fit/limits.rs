@@ -304,6 +304,13 @@ fn impossible_estimates_have_named_errors() {
         let misfits = PRESS.fit().misfits(&rest, &seen, None, &estimate);
         assert_eq!(name(misfits), expected);
     }
+    for x in [f64::NAN, f64::INFINITY, 1e300] {
+        let mut aside = good.clone();
+        aside.contact = [x; 2];
+        let found = PRESS.fit().misfits(&rest, &seen, None, &aside);
+        let mut found = found.into_iter().flatten();
+        assert!(found.all(|one| (0.0..=1.0).contains(&one.p_value())));
+    }
     assert_eq!(bound(f64::NAN, 0.0, 1.0), "bad-setting");
     assert_eq!(bound(0.06, f64::NAN, 1.0), "out-of-range");
     assert_eq!(bound(0.06, 0.0, 0.0), "out-of-range");

@@ -45,6 +45,8 @@ kind = "sphere", radius = 5.0 => kind = "cube" | 7:19 scene.object.kind | unknow
 length_unit => trials = 10.5\nlength_unit | 2:10 trials | expected an integer
 length_unit => crate_version = "99.0.0"\nlength_unit | 2:17 crate_version | of version 99.0.0
 length_unit => crate_version = "old"\nlength_unit | 2:17 crate_version | is not a version
+length_unit => crate_version = 3\nlength_unit | 2:17 crate_version | expected a string
+sensor = { kind = 1 } | 9:19 scene.sensor.kind | expected a string
 length_unit => columns = { shift = "U" }\nlength_unit | 2:21 columns.shift | no column of these readings
 5.0 => 0 | 7:38 scene.object.radius | must be > 0
 length_unit => trials = 0\nlength_unit | 2:10 trials | must be >= 1
@@ -83,6 +85,7 @@ const SWEEPS: &str = r#"
 [[sweep]]\npaths = ["seed"]\nfrom = 1\nto = 2\ncount = 2 | 9:1 sweep.0 | `paths` needs `values`
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1, 2,\n  -3] | 12:3 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1, nan] | 11:14 scene.object.radius | must be finite
+[[sweep]]\npath = "scene.object.radius"\nvalues = [1, "two"] | 11:14 scene.object.radius | expected a number
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = -1\ncount = 3 | 13:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object"\nvalues = [{ label = 1, kind = "plane" }] | 11:21 sweep.0.values.0.label | not empty
 [[sweep]]\npath = "scene.object"\nvalues = [{ label = "a", kind = "plane" }, { label = "a", kind = "dish", radius = 9 }] | 11:44 sweep.0 | a occurs twice
