@@ -293,9 +293,9 @@ impl PadEdgeSet {
         Some(all)
     }
 
-    /// Largest value of `direction · β` over the set. The bounds are linearised again at each point that is found, until
-    /// the value changes by less than [`CONVERGED`]. Then the expected next change is added to the value. `None` if the set
-    /// is open in this direction.
+    /// Largest value of `direction · β` over the set. Each step linearises the bounds at the last maximum and maximises
+    /// again, until the value changes by less than [`CONVERGED`]. The expected next change is then added. `None` if the set
+    /// is unbounded in this direction.
     fn furthest(&self, direction: &Vector3<f64>, programs: &mut Programs) -> Option<f64> {
         let mean = direction.dot(&self.mean);
         let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;

@@ -373,8 +373,8 @@ impl Problem<'_> {
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);
         }
-        // Without a fit with three terms, the readings do not show how the curvature changes to the same side in opposite
-        // directions. On a paraboloid, a roll of length s from the apex has the relative change (k s)² / 2.
+        // Fits of fewer than three terms miss a change of curvature that is the same in opposite directions. On a
+        // paraboloid, the mean curvature along a roll of length s from the apex is lower by the fraction (k s)² / 2.
         if all.iter().all(|one| one.estimate.terms < 3) {
             for Candidate { estimate, .. } in &mut all {
                 let entries = estimate.entries();

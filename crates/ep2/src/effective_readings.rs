@@ -42,8 +42,8 @@ const MIN_REST_DISTANCE: f64 = 4.0;
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, in residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;
-/// Largest lag of the correlations that are added, relative to the resulting number of residuals that count as one. The
-/// correlations at longer lags are mostly noise.
+/// Largest lag in the sum of correlations, relative to the number of residuals that count as one according to this sum.
+/// Correlations at longer lags are mostly noise.
 const MAX_LAG_RATIO: f64 = 2.0;
 /// Correlations are corrected for the variance that the fit removes from the residuals, but only if the ratio of fitted
 /// parameters to independent readings is at most this value.
@@ -271,9 +271,9 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     None
 }
 
-/// Merges the contacts of each rest during which the noise is as large as the steps of the moving finger. Without a gap
-/// between the step lengths, only a finger that rests for most of its contacts is known to rest: they are near its
-/// median position, and the other contacts are far from it. `None` if there is no such rest.
+/// Merges the contacts of rests whose noise is as large as the steps of the moving finger. The lengths of the steps then
+/// do not separate rest from motion. The function finds only a rest that contains most contacts of a finger: these are
+/// near its median position, and the other contacts are far from it. `None` if there is no such rest.
 fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (row, contact) in contacts.iter().enumerate() {

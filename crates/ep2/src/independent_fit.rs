@@ -22,8 +22,9 @@ const MIN_MEANS: usize = 8;
 /// Largest accepted ratio of the root-mean-square distances of the contacts from two surfaces: a surface fitted to
 /// means of contacts, and a surface fitted to all contacts. At a larger ratio, the first surface is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// Largest such ratio if the distances from the second surface are correlated, too. Then the noise is correlated, and the
-/// second surface follows a part of this noise. On surfaces that no spline can follow, the ratio is larger.
+/// Largest accepted ratio of these distances if the distances from the surface that is fitted to all contacts are
+/// correlated. At a smaller ratio, the noise is correlated, and this surface follows a part of the noise. At a larger
+/// ratio, no spline follows the object.
 const MAX_CORRELATED_RATIO: f64 = 3.0;
 /// Smallest number of consecutive distances that count as one if the distances are correlated.
 const MIN_CORRELATION: f64 = 1.5;
@@ -213,8 +214,8 @@ impl IndependentFit {
         }
     }
 
-    /// Whether the contacts are of two strokes without normals. A quadric through two strokes has one free parameter: a
-    /// quadric that is 0 on both strokes can be added to it. Noise across the strokes only seems to determine it.
+    /// Whether the contacts are two strokes without normals. The fit of a quadric is then not unique, because any multiple
+    /// of a quadric that is 0 on both strokes can be added. Noise across the strokes hides this.
     fn are_two_strokes(&self, outward: &Vector3<f64>) -> bool {
         let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
         for contact in &self.contacts {
@@ -445,25 +446,27 @@ impl<M: Method> Log<'_, M> {
                 });
                 means.rows.push(rows[part[0]]);
             }
-            move_onto_path(&mut means.contacts[before..]);
+            let size = stroke.len() as f64 / blocks as f64;
+            move_onto_path(&mut means.contacts[before..], size);
         }
         means
     }
 }
 
-/// Moves the means of equally many consecutive contacts of a stroke onto its path. A mean lies on the inner side of a
-/// bent path. The distance is 1/24 of the second difference of the means, if they follow a smooth path.
-fn move_onto_path(means: &mut [Contact]) {
+/// Moves the means of groups of `size` consecutive contacts onto the path of the stroke. On a bent path, a mean lies on
+/// the inner side. If the path is smooth, its distance is (1 − 1/size²)/24 of the second difference of the means.
+fn move_onto_path(means: &mut [Contact], size: f64) {
     let places: Vec<_> = means.iter().map(|mean| mean.position).collect();
     if places.len() < 3 {
         return;
     }
+    let share = (1.0 - 1.0 / (size * size)) / 24.0;
     for (index, mean) in means.iter_mut().enumerate() {
         let middle = index.clamp(1, places.len() - 2);
         let [before, after] = [middle - 1, middle + 1].map(|one| places[one] - places[middle]);
         let bend = before + after;
         if bend.norm() < MAX_BEND * (after - before).norm() {
-            mean.position -= bend / 24.0;
+            mean.position -= bend * share;
         }
     }
 }

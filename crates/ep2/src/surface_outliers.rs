@@ -120,7 +120,7 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let steps: Vec<f64> = fingers.iter().flat_map(steps_of).collect();
     let mut is_beside = vec![false; contacts.len()];
     for finger in fingers.iter().filter(|finger| finger.len() > 1) {
-        // A finger may have recorded its contacts farther apart than the other fingers.
+        // Use the larger median, because this finger may have longer steps than the others.
         let step = median(steps_of(finger)).max(median(steps.clone()));
         let limits = [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * step);
         // For each contact: the number of contacts on the longest path that ends at it, and the contact before it.

@@ -20,7 +20,7 @@ pub const FORM: CurvatureForm = CurvatureForm {
     k_vv: 1.2,
 };
 
-/// No stated noise.
+/// Zero noise.
 pub const EXACT: ReadingNoise = ReadingNoise {
     relative_rotation_std: 0.0,
     rotation_std_rad: 0.0,

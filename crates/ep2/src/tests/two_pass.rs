@@ -32,7 +32,7 @@ fn contacts(surface: Surface, normals: bool) -> Vec<Contact> {
         .collect()
 }
 
-/// The first pass on a saddle whose heights have Gaussian noise.
+/// First fit of the method `two-pass` to a saddle with Gaussian noise in its heights.
 fn noisy(std: f64, trial: u64) -> Fit {
     let mut contacts = contacts(saddle, true);
     let mut noise = Stream::new(1, trial, Channel::Position);

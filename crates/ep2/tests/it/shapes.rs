@@ -268,8 +268,13 @@ fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 3] 
 #[test]
 fn surfaces_are_not_fitted_to_correlated_noise() {
     let random = |case: u64| Random::new(83_000 + case);
-    for (std, with_normals) in [(0.05, true), (0.05, false), (0.005, false)] {
-        let log = |case| correlated(&mut random(case), [500, 25], std, with_normals);
+    for (time, std, with_normals) in [
+        (25, 0.05, true),
+        (25, 0.05, false),
+        (25, 0.005, false),
+        (50, 0.05, false),
+    ] {
+        let log = |case| correlated(&mut random(case), [500, time], std, with_normals);
         let thinned = |case| log(case).into_iter().skip(50).step_by(100).collect();
         let [held, found, width] = of_surface((0..40).map(log), 0.04);
         let [_, _, plain] = of_surface((0..40).map(thinned), 0.04);

@@ -7,7 +7,7 @@ const NOISE: &str = "--vary scene.noise.angular_velocity.fraction=0.001..0.2";
 
 #[test]
 fn both_sides_are_printed_and_written() {
-    // The cell with the larger errors is the last one. The answer must hold for all cells.
+    // The last cell has larger errors than the first. The answer must be right for both cells.
     let desk = Desk::with(&edited(STUDY, "[50, 5]", "[5, 50]"));
     let answer = desk.json(&format!(
         "design c.toml {TARGET} {NOISE} --gap 0.3 --out out"

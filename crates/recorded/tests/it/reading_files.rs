@@ -64,7 +64,7 @@ fn convex_flat_concave_and_saddle_shaped_objects_are_estimated() {
                 let off = value(quantity) - expected;
                 assert!(off.abs() < 1e-12, "{u} {v} {directions} {quantity}: {off}");
             }
-            // The principal direction is the direction of the larger curvature.
+            // The direction of the larger curvature is undetermined if both principal curvatures are equal.
             if let Some(direction) = direction {
                 let found = json["principal_direction_max_deg"].as_f64().unwrap();
                 assert!((found.abs() - direction).abs() < 1e-9, "{u} {v}: {found}");
