@@ -84,25 +84,3 @@ pub(super) fn parted(rows: usize, starts: &[usize]) -> (Vec<usize>, usize) {
         .collect();
     (numbers, part + 1)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn fingers(places: &[f64]) -> (Vec<usize>, String) {
-        let places = places.iter().map(|x| Point3::new(*x, 0.0, 0.0));
-        assign_fingers(&places.collect::<Vec<_>>(), &[], "mm")
-    }
-
-    #[test]
-    fn contacts_without_jumps_are_of_one_finger() {
-        // These steps grow gradually, so no limit separates long steps from short ones.
-        let (found, note) = fingers(&[0.0, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0]);
-        assert_eq!(found, [0; 7]);
-        assert!(note.contains("one finger"), "{note}");
-        assert_eq!(fingers(&[0.0; 4]).0, [0; 4]);
-        assert_eq!(fingers(&[]).0, [0; 0]);
-        let (_, note) = fingers(&[0.0, 1.0, 2.0, 1e308, -1e308]);
-        assert!(!note.contains("inf") && !note.contains("NaN"), "{note}");
-    }
-}

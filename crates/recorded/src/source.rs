@@ -157,21 +157,3 @@ pub(super) fn same_length(
         message: format!("has {rows} rows; {other} has {rows_of_other}"),
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_warning_names_copied_rows() {
-        let source = ReadingSource::new("r.csv", vec![2, 3, 5, 6]);
-        let warning = |rows: &[[f64; 2]]| source.repeated("marker", rows.iter().copied(), 0.0);
-        assert_eq!(warning(&[[0.0, 1.0], [0.0, 1.1], [1.0, 1.0]]), None);
-        let one = warning(&[[0.0, 1.0], [2.0, 3.0], [-0.0, 1.0]]).unwrap();
-        let row = "row 3, line 5 repeats the marker of an earlier row to the last digit";
-        assert!(one.starts_with(row), "{one}");
-        let two = warning(&[[0.0; 2], [0.0; 2], [1.0; 2], [0.0; 2]]).unwrap();
-        let rows = "2 rows, the first of them row 2, line 3, repeat markers of earlier rows";
-        assert!(two.starts_with(rows), "{two}");
-    }
-}

@@ -144,35 +144,3 @@ pub fn with_unit(label: &str, unit: &str) -> String {
         format!("{label} ({unit})")
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_come_off_headers_and_are_written_for_readers() {
-        for (stem, unit, written) in [
-            ("scene.object.radius", "cm", "cm"),
-            ("scene.motion.rate", "rad_per_s", "rad/s"),
-            ("scene.motion.duration", "s", "s"),
-            ("scene.object.m", "per_cm", "1/cm"),
-            ("gaussian_curvature", "per_cm2", "1/cm²"),
-        ] {
-            let header = format!("{stem}_{unit}");
-            assert_eq!(split_unit(&header), (stem, unit), "{header}");
-            assert_eq!(spoken_unit(unit), written);
-        }
-        for bare in ["scene.object.s", "a.A", ""] {
-            assert_eq!(split_unit(bare), (bare, ""));
-        }
-        for (unit, written) in [
-            ("1/mm^2", "1/mm²"),
-            ("turn", "turns"),
-            ("turn_per_mm", "turns/mm"),
-            ("px^2", "px²"),
-            ("1", ""),
-        ] {
-            assert_eq!(spoken_unit(unit), written);
-        }
-    }
-}

@@ -201,16 +201,3 @@ impl Quantity {
         Self::ALL.iter().copied().find(|one| one.name == name)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_quantity_is_found_by_its_name() {
-        for quantity in Quantity::ALL {
-            assert_eq!(Quantity::named(quantity.name), Some(*quantity));
-        }
-        assert_eq!(Quantity::named("curvature"), None);
-    }
-}

@@ -1,8 +1,8 @@
 //! Logs as robots write them, with simple shapes, lost readings, repeated readings and single strokes.
 
 use palpate_recorded::{
-    GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions, estimate_glide,
-    estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
+    GlideOptions, GlideRecording, PressOptions, RecordedError, RecordedFile, RollOptions,
+    estimate_glide, estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
 };
 use palpate_sensing::{Channel, Stream};
 use serde_json::{Value, json};
@@ -333,5 +333,42 @@ fn a_stated_tip_radius_is_compared_with_the_column() {
             is_other,
             "{estimate}"
         );
+    }
+}
+
+/// Swapped components of normals cause a warning. Correct normals of contacts on a single arc, on two lines or on three
+/// lines cause none, although arcs and two lines do not determine the surface across them.
+#[test]
+fn swapped_normals_on_lines_cause_a_warning() {
+    let mut noise = Stream::new(1996, 0, Channel::Position);
+    let mut warnings = |apart: f64, lines: usize, swap: bool| {
+        let mut error = |std: f64| [(); 3].map(|()| std * noise.standard_normal());
+        let (mut places, mut normals, mut fingers) = (Vec::new(), Vec::new(), Vec::new());
+        for contact in 0..21 * lines {
+            let line = contact / 21;
+            let [x, y] = [(contact % 21) as f64 - 10.0, apart * line as f64];
+            let outward = [x, y, (900.0 - x * x - y * y).sqrt()].map(|part| part / 30.0);
+            let (of_place, of_normal) = (error(0.02), error(0.017));
+            places.push([0, 1, 2].map(|axis| 30.0 * outward[axis] + of_place[axis]));
+            let [x, y, z] = [0, 1, 2].map(|axis| outward[axis] + of_normal[axis]);
+            let length = (x * x + y * y + z * z).sqrt();
+            let [y, z] = if swap { [z, y] } else { [y, z] };
+            normals.push([x, y, z].map(|part| part / length));
+            fingers.push(line as u64);
+        }
+        let readings = GlideRecording::new(&places, Some(&normals), Some(&fingers), None).unwrap();
+        match estimate_glide(&readings, &GlideOptions::default()) {
+            Ok((estimate, _)) => serde_json::to_string(&estimate).unwrap(),
+            Err(error) => error.to_string(),
+        }
+    };
+    let words = "normal_y and normal_z swapped";
+    for apart in [1.0, 4.0] {
+        let found = warnings(apart, 3, true);
+        assert!(found.contains(words), "{found}");
+    }
+    for (apart, lines) in [(0.0, 3), (4.0, 2), (1.0, 3), (4.0, 3)] {
+        let found = warnings(apart, lines, false);
+        assert!(!found.contains("contradict the positions"), "{found}");
     }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod arrays;
+mod calibration_file;
 mod camera_calibration;
 mod extreme_readings;
 mod frame_files;

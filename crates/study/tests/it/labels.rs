@@ -1,6 +1,7 @@
-//! Labels of config fields.
+//! Tests labels of config fields, and labels of statistics with their units.
 
-use palpate_study::Label;
+use palpate_study::label::{split_unit, spoken_unit};
+use palpate_study::{Label, Statistic};
 
 #[test]
 fn labels_are_words_with_units() {
@@ -65,4 +66,77 @@ fn labels_are_words_with_units() {
         Label::of_field("scene.noise.normal.std_deg").value("2.50"),
         "2.5°"
     );
+}
+
+#[test]
+fn units_come_off_headers_and_are_written_for_readers() {
+    for (stem, unit, written) in [
+        ("scene.object.radius", "cm", "cm"),
+        ("scene.motion.rate", "rad_per_s", "rad/s"),
+        ("scene.motion.duration", "s", "s"),
+        ("scene.object.m", "per_cm", "1/cm"),
+        ("gaussian_curvature", "per_cm2", "1/cm²"),
+    ] {
+        let header = format!("{stem}_{unit}");
+        assert_eq!(split_unit(&header), (stem, unit), "{header}");
+        assert_eq!(spoken_unit(unit), written);
+    }
+    for bare in ["scene.object.s", "a.A", ""] {
+        assert_eq!(split_unit(bare), (bare, ""));
+    }
+    for (unit, written) in [
+        ("1/mm^2", "1/mm²"),
+        ("turn", "turns"),
+        ("turn_per_mm", "turns/mm"),
+        ("px^2", "px²"),
+        ("1", ""),
+    ] {
+        assert_eq!(spoken_unit(unit), written);
+    }
+}
+
+#[test]
+fn statistics_stand_in_the_order_of_the_columns() {
+    for (place, statistic) in Statistic::ALL
+        .into_iter()
+        .chain([Statistic::StdBound])
+        .enumerate()
+    {
+        assert_eq!(statistic as usize, place);
+        assert_eq!(Statistic::named(statistic.name()), Some(statistic));
+    }
+    assert_eq!(Statistic::named("variance"), None);
+}
+
+#[test]
+fn statistics_are_words_with_units() {
+    let table = "\
+        rms_error; gaussian_curvature; per_cm2; rms error of Gaussian curvature (1/cm²)
+        relative_mean_abs_error; normal_curvature_u; 1/cm; mean |relative error| of normal curvature along u (%)
+        mean; class; ; share classified correctly (%)
+        std_bound; relative_curvature; 1/mm; Cramér–Rao bound on the std of relative curvature (1/mm)
+        mean; r_squared; 1; mean estimate of R² of the fit
+        mean; hue_change; turn; hue change (turns)
+        mean; centroid_shift; px; centroid shift (px)
+        mean; marker_area; px^2; image area of a marker (px²)
+        mean; greatest_fold_strain; 1; greatest strain of folding (%)
+        mean; rms_fold_strain; 1; rms strain of folding (%)
+        mean; markers_tracked; 1; markers tracked
+        mean; wrong_matches; 1; wrong matches
+        mean; pixels; 1; pixels evaluated per press
+        rms_error; normal_displacement; mm; rms error of normal displacement (mm)
+        rms_error; tangential_displacement; mm; rms error of tangential displacement (mm)
+        mean; greatest_fold_strain,rms_fold_strain; 1; strain of folding (%)
+        mean; hue_change,marker_area; %; each quantity (%)";
+    for row in table.lines() {
+        let [name, quantities, unit, label] = row.split(';').map(str::trim).collect::<Vec<_>>()[..]
+        else {
+            panic!("{row}")
+        };
+        let quantities: Vec<&str> = quantities.split(',').collect();
+        let statistic = Statistic::named(name).unwrap();
+        assert_eq!(statistic.label(&quantities, unit).text(), label);
+    }
+    let strain = Statistic::Mean.label(&["rms_fold_strain"], "1");
+    assert_eq!(strain.value("0.47"), "47 %");
 }

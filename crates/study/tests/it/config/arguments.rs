@@ -170,3 +170,41 @@ fn tables_need_no_label() {
         ["flat"]
     );
 }
+
+#[test]
+fn lists_are_toml_or_words() {
+    let values = |text: &str| match format!("a.b={text}").parse::<Vary>() {
+        Ok(Vary {
+            values: Varied::Listed(values),
+            ..
+        }) => values
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+            .join(" "),
+        other => format!("{other:?}"),
+    };
+    assert_eq!(values("1, 2.5,true"), "1 2.5 true");
+    assert_eq!(values("hue,both"), "\"hue\" \"both\"");
+    assert_eq!(values("\"a,b\",3"), "\"a,b\" 3");
+    assert_eq!(values("[1, 2],[3, 4]"), "[1, 2] [3, 4]");
+    assert_eq!(values("\"a..b\""), "\"a..b\"");
+    assert!(values("{ label = \"x\", kind = \"plane\" }").contains("plane"));
+}
+
+#[test]
+fn what_is_no_field_with_values() {
+    for (text, said) in [
+        ("scene.sensor.pitch", "is not of the form PATH=LO..HI"),
+        ("=1..2", "is not of the form PATH"),
+        ("scene.sensor.pitch=", "is not of the form PATH"),
+        ("a b=1", "is not of the form PATH"),
+        ("a=,", "is not of the form PATH"),
+        ("a=1..", "\"\" is not a finite number"),
+        ("a=1..nan", "\"nan\" is not a finite number"),
+        ("a=2..1", "write 1..2"),
+    ] {
+        let error = text.parse::<Vary>().expect_err(text).to_string();
+        assert!(error.contains(said), "{text}: {error}");
+    }
+}
