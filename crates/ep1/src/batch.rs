@@ -60,8 +60,8 @@ impl ProbeRotation {
 }
 
 impl Moments {
-    /// The moments of one set of readings, whose index is `set`. Each inner array contains the same sum for `N` sets of
-    /// readings.
+    /// The moments of one set of readings, whose index is `set`. Each array of length `N` contains one of the sums for
+    /// `N` sets of readings.
     #[inline(always)]
     pub(crate) fn of_set<const N: usize>(
         deviations: &[[f64; N]; 3],
@@ -82,7 +82,7 @@ impl Moments {
         self.add_shifts(&rotation, [reading.shift.x, reading.shift.y]);
     }
 
-    /// Adds a probe to the sums, from its rotation and its shifts along u and v (length).
+    /// Adds the reading of a probe to the sums: its rotation, and its shifts along u and v (length).
     #[inline(always)]
     pub fn add_shifts(&mut self, rotation: &ProbeRotation, [p1, p2]: [f64; 2]) {
         let ([g1, g2], [flat1, flat2]) = (rotation.drive, rotation.flat);
@@ -174,12 +174,13 @@ impl BatchEstimates {
         }
     }
 
-    /// Number of estimates before the first undetermined estimate. Only the first `count` estimates are examined.
+    /// Number of sets of readings before the first set that does not determine a curvature. Only the first `count` sets
+    /// are examined.
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];
-        // Nearly always, all estimates are determined. Then the sum of the flags equals their number. Test the sum
-        // first, because this is faster than a search.
+        // Nearly always, all sets of readings determine a curvature. Then the sum of the flags equals their number.
+        // Test the sum first, because this is faster than a search.
         match all.iter().sum::<u64>() as usize {
             sum if sum == all.len() => sum,
             _ => all.iter().take_while(|&&one| one == 1).count(),

@@ -13,7 +13,7 @@ const MOST_REACH: f64 = 1e4;
 /// A crossing of a pad's edge is only known to lie between two samples. This constant is the smallest assumed width of
 /// the range of possible rotations across the edge, relative to the rotation between the two samples.
 const MIN_WIDTH: f64 = 0.05;
-/// Smallest standard deviation (rad) of a crossing. A smaller value may be a rounding error.
+/// Smallest standard deviation (rad) of the rotation at a crossing. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
 
 /// A run of samples on one pad is divided into this number of intervals. Only the samples at the ends of the intervals
@@ -35,7 +35,7 @@ pub(crate) struct Run {
 pub(crate) struct Crossing {
     pub(crate) normal: Vector2<f64>,
     pub(crate) offset: f64,
-    /// Distance between the edges of both pads; 0 if the pads are neighbours.
+    /// Distance between the facing edges of the pads before and after the crossing; 0 if the pads are neighbours.
     pub(crate) gap: f64,
     /// Rotation vector of the probe, from the start of the roll to the crossing.
     pub(crate) rotation: Vector3<f64>,
@@ -43,8 +43,8 @@ pub(crate) struct Crossing {
     pub(crate) std: f64,
 }
 
-/// Omits the runs between a change of the active pad and the change back, because a pad that alternates with its
-/// neighbour does not locate the contact.
+/// Removes the runs between a change of the active pad and the change back. Two pads that are active alternately do not
+/// locate the contact.
 pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     let mut kept = Vec::with_capacity(all.len());
     let mut at = 0;
@@ -59,8 +59,8 @@ pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     kept
 }
 
-/// The crossings of pad edges between successive runs. Distances are in radii of the probe. `mobility` determines the
-/// direction of the drive that moves the contact across an edge.
+/// The crossings of pad edges between successive runs. Distances are in radii of the probe. `mobility` is the contact's
+/// travel per radian. It determines the direction of rotation that moves the contact across an edge.
 pub(crate) fn crossings(
     samples: &[RollSample],
     runs: &[Run],
@@ -107,11 +107,12 @@ pub(crate) fn crossings(
     all
 }
 
-/// The rotation at the change between two runs, and its standard deviation in the direction `across` of the drive.
+/// The rotation vector at the change between two runs, which are samples on one pad each. The second result is the
+/// standard deviation of this vector, turned by 90°, in the direction `across`.
 ///
-/// The change is between two samples, so its time is known to one interval. The rotation at this time is the value of a
-/// straight line through the measured rotations near the change. This line averages the noise of the rotations. The
-/// line is so short that the motion is steady along it.
+/// The active pad changes between two samples, so the time of the change is known to one sampling interval. The
+/// rotation at this time is the value of a straight line through the measured rotations near the change. This line
+/// averages the noise of the rotations. The line is so short that the motion is steady along it.
 fn rotation_at_change(
     samples: &[RollSample],
     before: &Run,

@@ -1,10 +1,11 @@
-//! Linear bounds of the mobility, and the distribution of the mobility inside them.
+//! Linear bounds of the mobility, which is the contact's travel per radian of rotation, and the distribution of the
+//! mobility inside these bounds.
 //!
-//! A row is a linear inequality: in one sample, the contact is on the inner side of an edge of the active pad. A mobility
-//! has three components. Each roll also has an unknown start, whose coordinates occur in all rows of the roll. A linear
-//! program over the start of one roll shows whether a mobility agrees with the roll. If it does not, the program's
-//! multipliers add rows of the roll to a sum without the start (Benders' decomposition). Such sums bound the mobility in
-//! three dimensions.
+//! A bound (row) is a linear inequality: in one sample, the contact is on the inner side of an edge of the active pad.
+//! Its unknowns are the three components of the mobility and the start of the roll, which all rows of the roll share.
+//! For a given mobility, a linear program over the start of one roll tests whether the mobility agrees with this roll.
+//! If it does not, the program's multipliers combine rows of the roll into a sum in which the start cancels (Benders'
+//! decomposition). Such sums bound the mobility alone.
 
 use std::sync::OnceLock;
 
@@ -12,32 +13,35 @@ use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::PadCell;
 
-/// Numbers of nodes of successive integrals over the set of possible mobilities. The result of each integral is the
-/// first guess of the next one.
+/// Numbers of nodes of successive numerical integrals over the set of possible mobilities. The mean and the covariance
+/// from each integral are the first guess for the next one.
 const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
-/// The result of an integral is accepted if its effective number of nodes, divided by its number of nodes, exceeds this
-/// value.
+/// The result of an integral is accepted if the effective number of its weighted nodes, divided by the number of all
+/// nodes, exceeds this value.
 const MIN_EFFECTIVE: f64 = 0.15;
-/// Number of nodes that are integrated together.
+/// Number of nodes at which the integrand is computed together.
 const BLOCK: usize = 32;
-/// Number of nodes that are stored.
+/// Number of integration nodes that are computed once and stored.
 const MOST_NODES: usize = 2048;
-/// Width of the nodes' distribution, relative to the width of the set's distribution.
+/// Standard deviation of the integration nodes, relative to the standard deviation of the mobility over the set.
 const NODE_WIDTH: f64 = 1.3;
-/// Largest distance of a node from the middle of the nodes' distribution, in standard deviations.
+/// Largest distance of an integration node from the mean of all nodes, in standard deviations of the nodes.
 const NODE_RADIUS: f64 = 5.8;
-/// Largest change of a component of the mobility, in radii of the probe. A set that reaches it is open.
+/// Largest change of a component of the mobility that is considered, in radii of the probe. A set of mobilities that
+/// reaches this change counts as open, that is, as unbounded.
 pub(crate) const OPEN: f64 = 16.0;
-/// Rows are violated by more than this distance, in radii of the probe.
+/// A bound (row) counts as violated if a point violates it by more than this distance, in radii of the probe.
 const TOLERANCE: f64 = 1e-12;
-/// A start can violate the rows of its roll by this distance. It is larger than the rounding errors of the sums.
+/// The start of a roll may violate the bounds (rows) of the roll by this distance, in radii of the probe. The distance
+/// is larger than the rounding errors of the sums of rows.
 const START_TOLERANCE: f64 = 1e-9;
-/// Largest number of steps of a linear program.
+/// Largest number of steps of the simplex method, and of rounds that add sums of rows.
 const MAX_STEPS: usize = 300;
-/// Relative change of a direction, which avoids cycles of the simplex method.
+/// Relative change of the direction in which a linear program searches. This change avoids cycles of the simplex
+/// method.
 const OBLIQUE: f64 = 1e-7;
-/// Unit of length of the areas in which the starts of rolls can be. It keeps the products of many areas in the range of
-/// doubles.
+/// Unit of length of the areas in which rolls can start, in radii of the probe. This unit keeps the products of many
+/// areas in the range of doubles.
 const UNIT: f64 = 1e-3;
 
 /// A bound (row) `form · β ≤ slack` of the change β of the mobility.
@@ -64,16 +68,16 @@ pub(crate) struct RollRows {
 /// The corner of a polyhedron that is furthest in a direction.
 struct Corner {
     point: Vector3<f64>,
-    /// The rows through the corner: the index of each row (`None` for a side of the box), and its share of the
-    /// direction.
+    /// For each of the three rows through the corner: its index (`None` for a side of the bounding box), and its share.
+    /// The direction is the sum of the rows' normals, each multiplied by its share.
     shares: [(Option<usize>, f64); 3],
 }
 
-/// Numbers of the rows through a corner. A side of the box has no number.
+/// Indices of the three rows through a corner; `None` for a side of the bounding box.
 type Basis = [Option<usize>; 3];
 
-/// The linear programs of a set of rows. A program begins at the corner at which the last one ended, and the sums of
-/// rows are shared by all directions.
+/// State of the linear programs for the rows of all rolls. A program begins at the corner at which the last program
+/// ended. The sums of rows, in which the starts cancel, are used for all directions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Programs {
     sums: Vec<Row>,
@@ -90,8 +94,9 @@ impl Programs {
     }
 }
 
-/// The corner of the polyhedron `rows` that is furthest in `direction`, by the dual simplex method. The first corner is
-/// `numbers` if it is furthest for its own rows, otherwise it is one of a box. `None` if the polyhedron is empty.
+/// The corner of the polyhedron `rows` that is furthest in `direction`, by the dual simplex method. The search begins
+/// at the corner of the rows `numbers` if this corner is the furthest one for these three rows, otherwise at a corner
+/// of the bounding box. `None` if the polyhedron is empty.
 fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Option<Corner> {
     // A direction that is perpendicular to no edge of the polyhedron avoids cycles.
     let oblique = direction + Vector3::new(0.37, 0.61, 0.83) * (OBLIQUE * direction.norm());
@@ -145,7 +150,7 @@ fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Opti
 }
 
 /// The change of the mobility that is furthest in `direction` and agrees with all rolls, and the changes of the rolls'
-/// starts there. `None` if no change agrees with all rolls.
+/// starts that belong to it. `None` if no change agrees with all rolls.
 pub(crate) fn furthest_change(
     rolls: &[RollRows],
     direction: &Vector3<f64>,
@@ -192,14 +197,15 @@ pub(crate) fn furthest_change(
     None
 }
 
-/// A row with a form of length 1.
+/// A row, divided by the length of its normal `form`.
 fn scaled(form: Vector3<f64>, slack: f64) -> Row {
     let scale = 1.0 / form.norm().max(1e-12);
     (form * scale, slack * scale)
 }
 
 impl RollRows {
-    /// The start that violates the rows least at the change `point` of the mobility, and the violation.
+    /// The start of the roll whose largest violation of the rows is smallest if the mobility changes by `point`. The
+    /// third coordinate of the corner is this violation.
     fn start(
         &self,
         point: &Vector3<f64>,
@@ -214,7 +220,8 @@ impl RollRows {
         furthest(rows, &-Vector3::z(), basis)
     }
 
-    /// The sum of the rows through a corner, which is free of the start. `None` if the corner is on the box.
+    /// The weighted sum of the rows through a corner, in which the unknown start cancels. `None` if the corner is on
+    /// the bounding box.
     fn sum(&self, corner: &Corner) -> Option<Row> {
         let (mut form, mut slack) = (Vector3::zeros(), 0.0);
         for (row, share) in corner.shares {
@@ -228,10 +235,11 @@ impl RollRows {
         Some(scaled(form, slack))
     }
 
-    /// The rows as bounds of the mobility alone, in the order of their edges: the start changes by its `response`.
+    /// The rows as bounds of the mobility alone, in the order of their edges. `response` is the derivative of the
+    /// roll's start with respect to the mobility.
     ///
-    /// The normals of a roll's rows differ slightly from those of the pads' edges. The difference is small, so that the
-    /// start in it may be the likeliest one.
+    /// The normals of a roll's rows differ slightly from the normals of the pads' edges. In the term with this small
+    /// difference, the likeliest start replaces the unknown start.
     fn of_mobility(&self, response: &Matrix2x3<f64>, cell: &PadCell) -> Vec<MobilityRow> {
         let mut all = Vec::with_capacity(self.rows.len());
         for (edge, normal) in cell.normals().enumerate() {
@@ -252,7 +260,8 @@ impl RollRows {
         all
     }
 
-    /// Numbers of the rows that no row of the same edge implies near `mean`. `root` is the root of the covariance.
+    /// Indices of the rows that no other row of the same edge implies for mobilities near `mean`. `root` is the
+    /// Cholesky factor of the mobility's covariance.
     pub(crate) fn needed(
         &self,
         response: &Matrix2x3<f64>,
@@ -275,8 +284,8 @@ struct MobilityRow {
     number: usize,
 }
 
-/// Removes the rows that another row of the same edge implies at all nodes of a distribution. `root` is the root of its
-/// covariance.
+/// Removes the rows that another row of the same edge implies at all integration nodes. `root` is the Cholesky factor
+/// of the mobility's covariance.
 fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix3<f64>) {
     let at_mean = |row: &MobilityRow| row.slack - row.form.dot(mean);
     let mut tightest: [Option<MobilityRow>; 6] = [None; 6];
@@ -295,9 +304,10 @@ fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix
 }
 
 /// Mean and covariance of the mobility, if the starts and the mobility are distributed uniformly over the values that
-/// agree with the readings. `is_possible` excludes mobilities that are not those of a rolling contact. The distribution
-/// of the mobility is then proportional to the product of the areas in which the starts of the rolls can be. `centre` and `covariance` are a first guess, and `responses` are the derivatives of
-/// the starts with respect to the mobility.
+/// agree with the readings. The density of the mobility is then proportional to the product of the areas in which the
+/// rolls can start. `is_possible` excludes mobilities with which the contact would not roll. `centre` and `covariance`
+/// are first guesses of the mean and the covariance, and `responses` are the derivatives of the starts with respect to
+/// the mobility.
 pub(crate) fn distribution(
     rolls: &[RollRows],
     responses: &[Matrix2x3<f64>],
@@ -355,8 +365,8 @@ pub(crate) fn distribution(
     None
 }
 
-/// Multiplies `areas` by the areas in which the start of a roll can be for changes of the mobility with these `parts`.
-/// With a known start, the area is 1 if the mobility agrees with the rows, otherwise 0.
+/// Multiplies each of the `areas` by the area in which a roll can start if the mobility changes by (`uu`, `uv`, `vv`).
+/// If the start is known, this area is 1 if the mobility agrees with the rows, otherwise 0.
 fn multiply_areas(
     rows: &[MobilityRow],
     is_start_known: bool,
@@ -386,8 +396,8 @@ fn multiply_areas(
     }
 }
 
-/// Area of the polygon `normal · place ≤ slack` with the normals of a hexagon. Each normal is the sum of both normals
-/// beside it.
+/// Area of the polygon of all places with `normal · place ≤ slack` for the six normals of a regular hexagon. Each
+/// normal is the sum of its two neighbours.
 fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
     let beside = |slacks: &[f64; 6], edge: usize| slacks[(edge + 1) % 6] + slacks[(edge + 5) % 6];
     for edge in (0..12).map(|edge| edge % 6) {
@@ -404,14 +414,15 @@ fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
         .max(0.0)
 }
 
-/// A point of a sequence with low discrepancy, and the inverse of its density.
+/// An integration node: a point of a low-discrepancy sequence with a normal distribution, and a weight proportional to
+/// the inverse of the normal density at this point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) node: Vector3<f64>,
     weight: f64,
 }
 
-/// Points of a sequence with low discrepancy, with normally distributed coordinates.
+/// Points of a low-discrepancy sequence, transformed to normally distributed coordinates.
 pub(crate) fn normal_nodes() -> &'static [Node] {
     static NODES: OnceLock<Vec<Node>> = OnceLock::new();
     let all = || {

@@ -1,16 +1,17 @@
 //! The least-squares estimator of the 1996 paper, for any number of probes.
 //!
-//! With the drive `g = (−Δθ_y, Δθ_x)` and the mobility `B = (K₁ + K₂)⁻¹`, the model of a shift is `Δp = B g`. On a flat
-//! object, `B` is `I/K₁ = R₁ I`, and `K₂ = B⁻¹ − K₁` would lose its digits by cancellation. Therefore the fit estimates
-//! `D`, which describes the deviation from rolling on a plane: `Δp − R₁ g = D g`. The formula
+//! The drive `g = (−Δθ_y, Δθ_x)` is the rotation vector, turned by 90°. The mobility `B = (K₁ + K₂)⁻¹` is the contact's
+//! travel per radian, where K₁ and K₂ are the curvatures of probe and object. The model of a shift is `Δp = B g`. On a
+//! flat object, `B` is `I/K₁ = R₁ I`, and `K₂ = B⁻¹ − K₁` would lose its digits by cancellation. Therefore the fit
+//! estimates `D`, which describes the deviation from rolling on a plane: `Δp − R₁ g = D g`. The formula
 //!
 //! ```text
 //! K₂ = −K₁ (I + K₁ D)⁻¹ K₁ D
 //! ```
 //!
-//! has no cancellation: readings of a flat object give exactly zero. If the error of the measured rotations is stated,
-//! its variance is subtracted from the sum of the squared rotations. Without this correction, the contact would seem to
-//! move less per radian than it does.
+//! has no cancellation: readings of a flat object give exactly zero curvature. If the error of the measured rotations
+//! is stated, its variance is subtracted from the sum of the squared rotations. Without this correction, the contact
+//! would seem to move less per radian than it does.
 //!
 //! If the readings are exact and the probes roll equally in all directions, the curvatures `k` have a relative error of
 //! at most `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁`
@@ -27,14 +28,14 @@ use crate::{
 };
 
 /// Largest allowed ratio of the error variance of the measured rotations to the mean squared rotation, in any
-/// direction. For a simulated scene, the true rotations are tested. The test is then stricter, because the errors of
-/// measured rotations increase the mean square.
+/// direction. For a simulated scene, the true rotations are tested. The test is then stricter, because errors would
+/// increase the mean square of measured rotations.
 const MAX_NOISE_SHARE: f64 = 0.5;
 
-/// A least-squares fit for given rotations of the probes. The fit is prepared once, because this part of it does not
+/// A least-squares fit for given rotations of the probes. The fit is prepared once, because its preparation does not
 /// depend on the shifts.
 ///
-/// It then computes an estimate for each set of shifts; see [`Moments`].
+/// The prepared fit computes an estimate for each set of shifts; see [`Moments`].
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -61,10 +62,9 @@ pub struct LeastSquares {
 impl LeastSquares {
     /// The fit for probes of `radius` that have rotated by `rotations`. `noise` is the noise of the readings.
     ///
-    /// # Errors
-    /// [`Ep1Error`] if there are too few probes, if they do not span the tangent plane, or if a rotation is not finite;
-    /// [`Ep1Error::OutOfRange`] if the radius is not finite and positive, if a size of the noise is negative or not
-    /// finite, or if the rotations are below 1e-50 or above 1e50 rad.
+    /// # Errors [`Ep1Error`] if there are too few probes, if their rotations do not span the tangent plane, or if a
+    /// rotation is not finite; [`Ep1Error::OutOfRange`] if the radius is not finite and positive, if a number in
+    /// `noise` is negative or not finite, or if the rotations are below 1e-50 or above 1e50 rad.
     pub fn new(
         radius: f64,
         noise: ReadingNoise,
@@ -268,8 +268,8 @@ impl LeastSquares {
     }
 
     /// Computes the estimates of the first `count` sets of `moments`. These estimates equal the results of
-    /// [`LeastSquares::estimate`] to the last bit. Returns the number of estimates before the first undetermined
-    /// estimate.
+    /// [`LeastSquares::estimate`] to the last bit. Returns the number of sets before the first set that does not
+    /// determine a curvature.
     ///
     /// The function is always inlined, so that it is compiled for the vector instructions of its caller.
     #[inline(always)]
@@ -332,7 +332,8 @@ impl LeastSquares {
 
 impl Estimate {
     /// Root mean square of the components of the residuals `Δp − B g` (length). Δp is the shift of a probe, B the
-    /// mobility, and g the drive. The second result is the number of degrees of freedom: two per probe, minus three.
+    /// mobility (contact travel per radian), and g the rotation vector, turned by 90°. The second result is the number
+    /// of degrees of freedom: two per probe, minus three.
     pub fn residual(&self, readings: &[ProbeReading]) -> (f64, usize) {
         let freedom = (2 * readings.len()).saturating_sub(3);
         if freedom == 0 {
@@ -350,7 +351,7 @@ impl Estimate {
 }
 
 /// Checks that the rotations of `probes` probes span the tangent plane. `gram` is the sum of the outer products of
-/// their drives.
+/// their rotation vectors, turned by 90°.
 fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
@@ -372,16 +373,16 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     })
 }
 
-/// Matrix of the normal equations, `Σ AᵀA`, where the sum is over the rolls. For a roll with the drive g, `A = [[g₁, 0,
-/// g₂], [0, g₂, g₁]]`.
+/// Matrix of the normal equations, `Σ AᵀA`, where the sum is over the rolls. For a roll with the rotation vector g,
+/// turned by 90°, `A = [[g₁, 0, g₂], [0, g₂, g₁]]`.
 fn normal_equations(gram: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     Matrix3::new(uu, 0.0, uv, 0.0, vv, uv, uv, uv, uu + vv)
 }
 
 /// The sum `Σ σ² Aᵀ C A` over the rolls, with the matrix `A` of each roll as in [`normal_equations`]. `C` is the
-/// covariance of a residual if the rotation has unit variance. `gram` is the Gram matrix of the drives, in which each
-/// roll is weighted with the variance σ² of its rotation.
+/// covariance of a residual if the rotation has unit variance. `gram` is the Gram matrix of the rotation vectors,
+/// turned by 90°, in which each roll is weighted with the variance σ² of its rotation.
 fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     let (u_mixed, v_mixed) = (c.uu * uv + c.uv * uu, c.uv * vv + c.vv * uv);

@@ -1,13 +1,14 @@
 //! EP1: the curvature of an object at the contact, from a few small rolls of a spherical probe.
 //!
 //! The reading of a probe consists of its rotation, summed in the probe's contact frame, and the contact's shift on the
-//! probe. Montana's equation relates them by the relative curvature:
+//! probe. Montana's equation relates rotation and shift by the relative curvature, the sum of the curvatures K₁ of the
+//! probe and K₂ of the object:
 //!
 //! ```text
 //! (Δp_u, Δp_v)ᵀ = (K₁ + K₂)⁻¹ (−Δθ_y, Δθ_x)ᵀ
 //! ```
 //!
-//! The least squares of the 1996 paper (equations 2 to 4) solve this equation for any number of probes. See
+//! The least-squares fit of the 1996 paper (equations 2 to 4) solves this equation for any number of probes. See
 //! [`LeastSquares`].
 
 mod batch;

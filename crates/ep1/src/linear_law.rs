@@ -10,7 +10,7 @@ use crate::{BatchEstimates, BatchMoments, Moments};
 pub(crate) const MIN_TRAVEL: f64 = 1e-12;
 
 /// Standard deviation of the rounding errors in the entries of `K₁ B`, where K₁ is the probe's curvature and B the
-/// mobility of the contact. These errors come from the last digits of the readings and sums.
+/// mobility of the contact (its travel per radian). These errors come from the last digits of the readings and sums.
 pub(crate) const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// The constants of the fit, with which estimates are computed from sums over the probes. The type can be copied into a
@@ -21,17 +21,18 @@ pub(crate) struct Law {
     pub(crate) probe_curvature: f64,
     pub(crate) per_probe: f64,
     /// Inverse of the matrix of the normal equations. The unknowns are the entries `uu`, `vv`, `uv` of `K₁ D`: the
-    /// probe's curvature K₁ times the deviation D of the mobility from the mobility on a plane.
+    /// probe's curvature K₁ times the deviation D of the mobility (contact travel per radian) from the mobility on a
+    /// plane.
     pub(crate) inverse: Symmetric3,
     /// Correction that is added to the sums of `g₁ d₁` and `g₂ d₂` (length). On average, the errors of the measured
     /// rotations decrease both sums by this value. Here `g` is the drive of a probe, and `d = Δp − R₁ g` is the
     /// deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
-    /// Covariance of the entries of `K₁ D` that is due to the noise of the shifts and to rounding.
+    /// Covariance of the entries of `K₁ D` (see `inverse`) that is due to the noise of the shifts and to rounding.
     pub(crate) from_shifts: Symmetric3,
-    /// Three matrices, which belong to the entries `uu`, `vv` and `uv` of `(K₁ B)²`, where B is the mobility. The sum
-    /// of the matrices, each multiplied by its entry, is the covariance of the entries of `K₁ D` that is due to the
-    /// noise of the rotations.
+    /// One matrix for each of the entries `uu`, `vv` and `uv` of `(K₁ B)²`, where B is the mobility. The sum of these
+    /// matrices, each multiplied by its entry, is the covariance of the entries of `K₁ D` (see `inverse`) that is due
+    /// to the noise of the rotations.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
@@ -139,9 +140,10 @@ impl Law {
     /// det²`, where `det` is the determinant of `travel` = `K₁ B`.
     ///
     /// The residual of a probe is `e − B δg` for the shift error `e` and the rotation error `δg`. Therefore the
-    /// covariance of B is linear in `B²`, and `δK₂ = −K_rel δB K_rel`. A quantity with the gradient `G` with respect to
-    /// K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`. The variance of the Gaussian curvature also contains the
-    /// second-order term, because the first-order terms are zero on a flat object.
+    /// covariance of the mobility B is linear in `B²`. The object's curvature K₂ changes by `δK₂ = −K_rel δB K_rel`,
+    /// where `K_rel = K₁ + K₂`. A quantity with the gradient `G` with respect to K₂ changes by `−tr(S δB)` with `S =
+    /// K_rel G K_rel`. The variance of the Gaussian curvature also contains the second-order term, because the
+    /// first-order terms are zero on a flat object.
     #[inline(always)]
     fn stds(self, curvature: &Symmetric, travel: &Symmetric, unit: f64) -> [f64; 4] {
         let covariance = self.of_mobility(travel);
@@ -179,7 +181,8 @@ impl Law {
 /// `det` is the determinant of `K₁ B`.
 #[inline(always)]
 pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
-    // `w` is the relative curvature of object and probe, in units of K₁ / det.
+    // `w` is the relative curvature of object and probe, in units of K₁ / det, where det is the determinant of
+    // `travel`.
     let w = Symmetric {
         uu: travel.vv,
         vv: travel.uu,

@@ -1,12 +1,12 @@
 //! Tests whether the readings contradict the model: goodness of fit of all rolls, and single rolls that contradict the
 //! other rolls.
 //!
-//! The residual of a roll is `Δp − B g`, with the shift `Δp`, the mobility `B` of the contact and the drive `g` of the
-//! probe. Its covariance is `σ_p² I + σ_g² B Bᵀ`, where σ_p is the noise of the shifts and σ_g the noise of the
-//! rotations. A weighted least-squares fit removes the part of the residuals that a change of `B` explains. Then the
-//! sum of the squared residuals, divided by their variances, follows a chi-squared distribution. On pads, all probes
-//! share the rounding error of the first contact. The fit also estimates this error. Its prior variance is that of a
-//! uniform distribution over a pad.
+//! The residual of a roll is `Δp − B g`, with the shift `Δp`, the mobility `B` of the contact (its travel per radian)
+//! and the rotation vector `g` of the probe, turned by 90°. The covariance of the residual is `σ_p² I + σ_g² B Bᵀ`,
+//! where σ_p and σ_g are the standard deviations of shifts and rotations. A weighted least-squares fit removes the part
+//! of the residuals that a change of `B` explains. Then the sum of the squared residuals, divided by their variances,
+//! follows a chi-squared distribution. On pads, all probes share the rounding error of the first contact. The fit also
+//! estimates this error. Its prior variance is that of a uniform distribution over a pad.
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, StatedQuantity};
@@ -18,7 +18,8 @@ const MOBILITY_ENTRIES: usize = 3;
 /// Number of fitted parameters: the entries of the mobility `B`, and the two components of the shift that all probes on
 /// pads share.
 const UNKNOWNS: usize = 5;
-/// Smallest estimated noise, relative to the longest shift. A smaller value may be a rounding error.
+/// Smallest noise that is estimated from residuals, relative to the longest shift. Smaller residuals may be rounding
+/// errors.
 const MIN_NOISE: f64 = 1e-3;
 /// A diagonal entry of a Cholesky factor counts as zero below this value, because it may be only a rounding error. The
 /// readings then do not determine a parameter, or a residual has no noise in some direction.

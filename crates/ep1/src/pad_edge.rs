@@ -1,4 +1,4 @@
-//! The set of curvatures that agree with exact rotations and pads.
+//! The set of curvatures that agree with the exact rotations and the active pads of all rolls.
 
 use std::sync::OnceLock;
 
@@ -11,27 +11,30 @@ use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::series_fit::largest_spread;
 use crate::{PadCell, Quantity, RollSample, RollSeries};
 
-/// Largest number of times that the bounds are linearised to find one extreme of the set.
+/// Largest number of times that the bounds are linearised to find one extreme value over the set of possible
+/// mobilities.
 const PASSES: usize = 8;
-/// An extreme has converged if it changes by less than this part of its distance from the mean. The next change is about
-/// the square of this part, and is added to the extreme.
+/// An extreme value over the set has converged if its last change is less than this fraction of its distance from the
+/// mean. The next change is estimated from the last one, and is added.
 const CONVERGED: f64 = 0.03;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
-/// Largest standard deviation of the mobility, relative to the mobility, of a set that cannot be open.
+/// Up to this standard deviation of the mobility (contact travel per radian), relative to the mobility, the set of
+/// mobilities is assumed to be bounded.
 const MAX_SPREAD: f64 = 0.03;
 /// Largest deviation of the mobility from its mean over the set, relative to the mean, for which the distribution of
 /// the mobility counts as normal.
 const MAX_DEVIATION: f64 = 0.06;
 /// First guess of the standard deviation of the mobility, relative to the half-width of the set.
 const STD_OF_HALF_WIDTH: f64 = 0.4;
-/// Largest number of times that the set is linearised at its middle.
+/// Largest number of times that the bounds of the set are linearised at the middle of the set.
 const CENTRES: usize = 5;
 /// Largest number of times that a change of the mobility is halved.
 const MAX_HALVINGS: usize = 60;
 /// Distances, in radii of the probe, by which the linear bounds are widened if no mobility fulfils them.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
-/// Largest error of a path that bends between two nodes, relative to the rotation between two samples.
+/// Largest error of a computed path that is due to its bend between two computed points, relative to the mean rotation
+/// between two samples.
 const PATH_ERROR: f64 = 2e-3;
 
 /// A roll whose active pads bound the position of the contact.
@@ -42,7 +45,7 @@ pub(crate) struct BoundedRoll {
     pub(crate) start: Vector2<f64>,
     /// Derivatives of the start with respect to the entries uu, uv, vv of the mobility.
     pub(crate) response: Matrix2x3<f64>,
-    /// For each bound, the number of the edge, its offset in radii of the probe, and the index of the rotation in
+    /// For each bound, the index of the pad's edge, its offset in radii of the probe, and the index of the rotation in
     /// `rotations`.
     edges: Vec<(usize, f64, usize)>,
     rotations: RollRotations,
@@ -107,8 +110,8 @@ fn sagitta(samples: &[RollSample]) -> f64 {
     (1..4).map(apart).fold(0.0, f64::max)
 }
 
-/// The set of mobilities that agree with exact readings, relative to a centre, with the distribution of the mobility in
-/// this set.
+/// The set of mobilities (contact travels per radian) that agree with exact readings, and the distribution of the
+/// mobility in this set. Mobilities are stored as differences from a centre.
 #[derive(Clone, Debug)]
 pub(crate) struct PadEdgeSet {
     cell: PadCell,
@@ -154,8 +157,8 @@ impl PadEdgeSet {
             }
             let found = middle(&set.rows);
             let is_found = found.is_some();
-            // If the linear bounds are computed far from the set, no mobility may fulfil them. Wider bounds lead to the
-            // set.
+            // If the linear bounds are computed far from the set, possibly no mobility fulfils them. A step with wider
+            // bounds leads towards the set.
             let wider = |widening: &f64| {
                 let mut wider = set.rows.clone();
                 let rows = wider.iter_mut().flat_map(|roll| &mut roll.rows);
@@ -202,7 +205,7 @@ impl PadEdgeSet {
         }
     }
 
-    /// The change of the mobility, or the largest of its halves, quarters, … with which the contact rolls.
+    /// The change of the mobility, halved as often as necessary until the contact rolls with the changed mobility.
     fn rolling(&self, change: Vector3<f64>) -> Vector3<f64> {
         let changes = std::iter::successors(Some(change), |change| Some(change * 0.5));
         let mut rolling = changes
@@ -212,7 +215,7 @@ impl PadEdgeSet {
     }
 
     /// Computes the mean and the covariance of the mobility over the set, with the linearised bounds. `centre` and
-    /// `guess` are first guesses of both.
+    /// `guess` are first guesses of the mean and the covariance.
     fn distribute(&mut self, centre: Vector3<f64>, guess: Matrix3<f64>) -> Option<()> {
         let responses: Vec<_> = self.rolls.iter().map(|roll| roll.response).collect();
         let is_possible = |change: &Vector3<f64>| is_rolling(&(self.centre + matrix(change)));
@@ -235,7 +238,7 @@ impl PadEdgeSet {
         end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
     }
 
-    /// Whether the contact moves against the roll in some direction for all mobilities of the set.
+    /// Whether there is a direction in which the contact moves against the roll for all mobilities of the set.
     pub(crate) fn is_reversed(&self) -> bool {
         let mut programs = Programs::default();
         (0..4).any(|at| {
@@ -247,7 +250,7 @@ impl PadEdgeSet {
         })
     }
 
-    /// Whether the distribution of the mobility suggests that few edges are crossed.
+    /// Whether the standard deviation of the mobility is so large that the set may be unbounded.
     pub(crate) fn is_wide(&self) -> bool {
         largest_spread(&self.mobility(), &self.covariance) > MAX_SPREAD
     }
@@ -293,9 +296,9 @@ impl PadEdgeSet {
         Some(all)
     }
 
-    /// Largest value of `direction · β` over the set. Each step linearises the bounds at the last maximum and maximises
-    /// again, until the value changes by less than [`CONVERGED`]. The expected next change is then added. `None` if the set
-    /// is unbounded in this direction.
+    /// Largest value of `direction · β` over the set, where β is the difference of a mobility from the centre. Each
+    /// step linearises the bounds at the last maximum and maximises again, until the value changes by less than
+    /// [`CONVERGED`]. The expected next change is then added. `None` if the set is unbounded in this direction.
     fn furthest(&self, direction: &Vector3<f64>, programs: &mut Programs) -> Option<f64> {
         let mean = direction.dot(&self.mean);
         let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;
@@ -318,11 +321,12 @@ impl PadEdgeSet {
             let found = direction.dot(&change);
             let (distance, apart) = ((found - mean).abs(), (found - last).abs());
             if apart < CONVERGED * distance + 1e-13 {
-                // The next change is smaller than this one by the same ratio or by a smaller one.
+                // The ratio of the next change to this change is at most `apart / distance`.
                 let next = apart * (apart / distance).min(1.0);
                 return Some(found.max(last) + next);
             }
-            // In a direction in which the set is round, the corners of the linear bounds alternate around its end.
+            // Where the boundary of the set is round, the corners of the linear bounds alternate around the extreme
+            // point.
             if pass > PASSES / 2 {
                 largest = largest.max(found.max(last) + apart * (apart / distance).min(1.0));
             }
@@ -330,8 +334,8 @@ impl PadEdgeSet {
         Some(largest)
     }
 
-    /// The smallest and the largest eigenvalue of A δ over the set, or bounds of them. δ is the difference of a mobility
-    /// from the mean, and A is the inverse of the mean. `None` if the set is open.
+    /// Bounds of the smallest and the largest eigenvalue of A δ over the set. δ is the difference of a mobility from
+    /// the mean mobility, and A is the inverse of the mean mobility. `None` if the set is open.
     pub(crate) fn deviations(&self) -> Option<[f64; 2]> {
         *self.deviations.get_or_init(|| {
             let root = self.mobility().try_inverse()?.cholesky()?.unpack();
@@ -357,9 +361,10 @@ impl PadEdgeSet {
     }
 
     /// The smallest and the largest value of a curvature over the set, in units of the probe's curvature; `None` where
-    /// the curvature has no bound. `quantity` is not a principal curvature.
+    /// the curvature has no bound. `quantity` must not be a principal curvature.
     ///
-    /// The curvature is linear in the mobility, except for a remainder that the deviations bound.
+    /// The curvature is a linear function of the mobility plus a remainder. The [deviations](Self::deviations) of the
+    /// mobility bound this remainder.
     pub(crate) fn ends(&self, quantity: Quantity) -> [Option<f64>; 2] {
         self.ends_by(quantity, &mut Programs::default())
     }
@@ -371,7 +376,8 @@ impl PadEdgeSet {
         let square = relative * relative;
         let (trace, determinant) = (relative.trace(), relative.determinant());
         let deviations = self.deviations().filter(|ends| ends[0] > -1.0);
-        // Eigenvalues of the remainders of the inverse and of its determinant. Both are convex in the deviations.
+        // Largest nonlinear remainders of the inverse of the mobility and of its determinant. Both remainders are
+        // convex functions of the deviations, so they are largest at the ends of the deviations.
         let inverse = deviations.map(|ends| ends.map(|e| e * e / (1.0 + e)));
         let inverse = inverse.map_or(f64::INFINITY, |[low, high]| low.max(high));
         let product =
@@ -420,15 +426,16 @@ impl PadEdgeSet {
     }
 
     /// The smallest and the largest value of each principal curvature over the set, in units of the probe's curvature.
-    /// The first pair belongs to the smaller principal curvature. A pair is infinite where the curvature has no bound.
+    /// The first pair belongs to the smaller principal curvature. An end is infinite if the curvature has no bound.
     pub(crate) fn principal_ends(&self) -> [[f64; 2]; 2] {
         *self.principal.get_or_init(|| {
             let form = self.mobility().try_inverse().unwrap_or_default() - Matrix2::identity();
             let first = 0.5 * libm::atan2(2.0 * form[(0, 1)], form[(0, 0)] - form[(1, 1)]);
             let step = std::f64::consts::PI / DIRECTIONS as f64;
             let mut programs = Programs::default();
-            // The curvature of the mean in each direction, and the smallest and the largest difference from it. The
-            // directions contain the principal directions of the mean.
+            // For each direction: the normal curvature that belongs to the mean mobility, and the smallest and the
+            // largest difference from this curvature over the set. The principal directions of the mean are among the
+            // directions.
             let all: Vec<[f64; 3]> = (0..DIRECTIONS)
                 .map(|at| {
                     let angle_rad = first + step * at as f64;
@@ -440,8 +447,8 @@ impl PadEdgeSet {
                     [own, low - own, high - own]
                 })
                 .collect();
-            // A difference m + r cos(2(θ − φ)) exceeds both neighbouring directions by at most the `excess` of the
-            // larger one over m.
+            // Between two neighbouring directions, a difference m + r cos(2(θ − φ)) exceeds its values in these
+            // directions by at most `excess` times the larger value minus m.
             let excess = 1.0 / libm::cos(step) - 1.0;
             let mean =
                 [1, 2].map(|end| all.iter().map(|one| one[end]).sum::<f64>() / DIRECTIONS as f64);
@@ -475,13 +482,13 @@ fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {
     Matrix2::new(entries.x, entries.y, entries.y, entries.z)
 }
 
-/// The direction of steepest increase of `tr(slopes · δ)` with the entries uu, uv, vv of δ.
+/// Gradient of `tr(slopes · δ)` with respect to the entries uu, uv, vv of the symmetric matrix δ.
 fn entries(slopes: &Matrix2<f64>) -> Vector3<f64> {
     Vector3::new(slopes[(0, 0)], 2.0 * slopes[(0, 1)], slopes[(1, 1)])
 }
 
-/// The middle of a set: the mean of the changes that are furthest along the axes, the half-widths along the axes, and the
-/// mean change of the start of each roll.
+/// The middle of the set of possible changes of the mobility: the mean of the extreme changes along the axes uu, uv,
+/// vv, the half-widths along these axes, and the mean change of the start of each roll.
 type Middle = (Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>);
 
 /// The middle of the set. `None` if the set is empty.

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
 
-/// The reading of one probe, in the probe's first contact frame. The z axis of this frame points out of the probe.
+/// The reading of one probe, in the contact frame at the start of its roll. The z axis of this frame points out of the
+/// probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeReading {
     /// `(Δθ_x, Δθ_y)`: rotation of the probe, summed in the contact frame (rad). If the contact moves to +u, `Δθ_y` is
@@ -81,14 +82,15 @@ impl ReadingNoise {
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// Covariance of the normal equations that is due to shared errors of the pads, for a variance of 1: the sum `Σ A₁ᵀ
-    /// C A₂` over all pairs of rolls. A₁ and A₂ are the matrices of the equations of the two rolls, and C contains the
-    /// correlations between their shift errors. `None` if each roll starts at its own place, because the errors are
-    /// then independent.
+    /// Covariance of the right-hand side of the normal equations, if the shift errors have variance 1 and the rolls
+    /// share errors of the pads: the sum `Σ A₁ᵀ C A₂` over all pairs of rolls. A₁ and A₂ are the matrices of the two
+    /// rolls' equations for the curvature, and C contains the correlations between their shift errors. `None` if each
+    /// roll starts at its own place, because the errors are then independent.
     ///
     /// The contact is rounded to the centre of a pad, so its error is uniform over the pad. If the ends of two rolls
     /// differ by a fraction f of a pad, their errors have the correlation 1 − 6 f (1 − f). This formula is used only
-    /// for small f. Larger distances depend on the curvature of the object, so the correlation is then assumed to be 0.
+    /// for small f. Larger distances between the ends depend on the curvature of the object, so the correlation is then
+    /// assumed to be 0.
     pub(crate) fn shared_errors(
         &self,
         radius: f64,

@@ -13,16 +13,19 @@ use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_co
 /// Largest number of steps of a fit.
 const MAX_STEPS: usize = 25;
 
-/// A fit ends if Newton's decrement is below this value.
+/// A fit ends if Newton's decrement, the squared distance from the minimum in standard errors, is below this value.
 const DECREMENT: f64 = 1e-6;
-/// A fit with this tolerance or a larger one only finds the start of a search.
+/// A fit with this tolerance or a larger one only finds a first guess, so its result is accepted even without
+/// convergence.
 const ROUGH: f64 = 1e-4;
-/// Step of a fit's unknowns in finite differences.
+/// Change of an unknown of the fit in a finite difference.
 const STEP: f64 = 1e-6;
-/// A fit ends if the changes of its unknowns are below this value and do not decrease to less than half in a step.
+/// A fit ends if the changes of its unknowns are below this value and no longer decrease to less than half in each
+/// step.
 const SETTLED: f64 = 1e-5;
-/// Smallest standard deviation of contact points relative to the noise that is common to a roll. It has no effect on
-/// the result, because contact points determine the path far better than this noise does.
+/// Smallest standard deviation of contact points, relative to the standard deviation of the rotation error that all
+/// samples of a roll share. This limit has no effect on the result, because contact points determine the path far
+/// better than this noise does.
 const MIN_SHARE: f64 = 0.01;
 /// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value, the
 /// errors that are common to a roll would vanish in rounding errors.
@@ -40,7 +43,7 @@ pub(crate) enum Observation {
 /// A roll that a fit uses. Distances are in radii of the probe.
 #[derive(Clone, Debug)]
 pub(crate) struct RollData {
-    /// Number of the roll among all rolls.
+    /// Index of the roll among all rolls.
     pub(crate) roll: usize,
     pub(crate) is_start_known: bool,
     /// Contact point at the start of the roll, or a first guess of it.
@@ -66,7 +69,8 @@ pub(crate) struct FitNoise {
     pub(crate) relative_roll_std: f64,
 }
 
-/// The state and the normal equations of one roll after elimination of its own unknowns.
+/// The state and the normal equations of one roll after elimination of its own unknowns: its start and the error of its
+/// rotation.
 #[derive(Clone, Debug)]
 pub(crate) struct RollFit<const N: usize> {
     pub(crate) start: Vector2<f64>,
@@ -119,11 +123,12 @@ impl<const N: usize> RollFit<N> {
         self.response.fixed_view::<2, 3>(0, 0).into_owned()
     }
 
-    /// Paths of the contact after a small change of each entry of the form or mobility, and of each component of the
-    /// roll's error.
+    /// Paths of the contact after a small change of one unknown: of each entry of the curvature form or mobility, and
+    /// of each component of the roll's rotation error.
     ///
-    /// A roll's error and the mobility change the path in nearly the same way. Therefore the small difference between
-    /// both must be exact, and not only first-order in the curvature of the probe as the other derivatives.
+    /// The rotation error and the mobility change the path in nearly the same way. Therefore the small difference
+    /// between the two changes must be exact, and not only of first order in the curvature of the probe, as the other
+    /// derivatives are.
     fn nearby(&self, roll: &RollData, shape: &LocalShape) -> Option<Vec<Vec<PathPoint>>> {
         let mut all = Vec::with_capacity(5);
         for unknown in 0..5 {
@@ -182,8 +187,8 @@ impl<const N: usize> RollFit<N> {
                             + crossing.gap * crossing.gap / 12.0;
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
-                    // Errors of measured rotations bias the estimate, but the error of a single crossing is too small
-                    // for this. So it is not corrected.
+                    // Errors of measured rotations bias the estimate, but the error of a single crossing is so small
+                    // that its bias is negligible. So it is not corrected.
                     (normal * residual, weight, Vector2::zeros(), 1)
                 }
                 Observation::Contact(contact, samples) => {
@@ -236,8 +241,8 @@ impl<const N: usize> RollFit<N> {
             chi_squared += residual.dot(&weighted);
             count += rows;
         }
-        // The prior weights of the start and of the error are so large for known values that the fit does not change
-        // them.
+        // The readings have no derivatives with respect to a known start or a known rotation error, so the fit does not
+        // change them. Unknown values have the inverse of their prior variance as weight.
         let prior = 1.0 / (roll.start_std * roll.start_std);
         let error_prior = match knows_error {
             true => 1.0,
@@ -311,7 +316,7 @@ impl<const N: usize> SeriesFit<N> {
             let mut change = step.amax();
             for state in &mut fit.rolls {
                 let own = state.step * share + state.response * step;
-                // Each roll adds its own change of its start and its error to the largest change.
+                // The largest change includes the changes of the roll's start and of its rotation error.
                 change = change.max(own.amax());
                 state.start += own.fixed_rows::<2>(0);
                 state.error += own.fixed_rows::<2>(2);
@@ -342,7 +347,8 @@ impl<const N: usize> SeriesFit<N> {
     }
 }
 
-/// Derivatives of a place with respect to the unknowns of the shape, for a contact at `x`.
+/// Derivatives of the contact's position on the probe with respect to the unknowns of the shape, for a contact at `x`
+/// on the object.
 pub(crate) fn slopes_at<const N: usize>(
     shape: &LocalShape,
     x: &Vector2<f64>,
@@ -374,8 +380,8 @@ fn inverse_of<const N: usize>(information: &SMatrix<f64, N, N>) -> Option<SMatri
     }))
 }
 
-/// The shape after a step, and the share of the step that was done. The step is shortened if the contact could not
-/// roll.
+/// The shape after a step, and the share of the step that was done. The step is shortened if the contact could not roll
+/// after the full step.
 fn moved<const N: usize>(shape: &LocalShape, step: &SVector<f64, N>) -> Option<(LocalShape, f64)> {
     let mut share = 1.0;
     for _ in 0..12 {

@@ -1,4 +1,4 @@
-//! Readings of rolls in time: rotations of the probe and the active pads or contact points.
+//! Time series of readings of rolls: rotations of the probe, and active pads or contact points.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -52,7 +52,7 @@ impl PadCell {
         Self { pitch, pairs: 2 }
     }
 
-    /// A hexagonal pad in rows of neighbours along u. `pitch` is the distance between neighbouring pads.
+    /// A hexagonal pad, whose neighbours form rows along u. `pitch` is the distance between neighbouring pads.
     pub const fn hexagonal(pitch: f64) -> Self {
         Self { pitch, pairs: 3 }
     }
@@ -107,7 +107,8 @@ pub struct SeriesNoise {
     /// Standard deviation of each component of the rotation in each sample (rad). The errors of all samples are
     /// independent.
     pub rotation_std_rad: f64,
-    /// Standard deviation of a relative error of the rotation. It is drawn once for each roll and component.
+    /// Standard deviation of the relative error of the rotation that all samples of a roll share. The error is drawn
+    /// once for each roll and component.
     pub relative_rotation_std: f64,
     /// Standard deviation of each component of the rotation in each sample, divided by the magnitude of the rotation.
     pub relative_sample_std: f64,
@@ -123,14 +124,15 @@ impl SeriesNoise {
 /// Methods that estimate the curvature from time series of rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SeriesMethod {
-    /// The curvature is constant along the rolls. Pads bound the contact at each sample.
+    /// The curvature is constant along the rolls. The active pad bounds the position of the contact at each sample.
     PadEdge,
     /// The curvature changes along the rolls.
     Trajectory,
 }
 
-/// Checks the numbers in the readings and their noise, which must be valid for every method. The result is the runs on
-/// pads of each roll, with their centres in radii of the probe. They are empty for contact points.
+/// Checks the numbers in the readings and their noise, which must be valid for every method. Returns the runs of each
+/// roll, which are successive samples on one pad, with the centres of the pads in radii of the probe. A roll with
+/// contact points has no runs.
 ///
 /// # Errors
 /// [`SeriesError`] for a radius, pitch or noise out of range, samples that are not finite, and times that do not

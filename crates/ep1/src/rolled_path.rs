@@ -1,9 +1,9 @@
 //! The path of the contact over the probe during a roll, for an object whose curvature changes along the path.
 //!
-//! Lengths are in radii of the probe. The contact frame is carried along the path on both bodies. In this frame, the
-//! object's curvature form is a polynomial in the contact's position x on the object. By the equations of Codazzi, the
-//! derivatives of the form are symmetric tensors. Therefore the drive g = (−Δθ_y, Δθ_x), summed over the path, is the
-//! gradient of one polynomial:
+//! Lengths are in radii of the probe. The contact frame is carried along the path by parallel transport. In this frame,
+//! the object's curvature form is a polynomial in the contact's position x on the object. By the equations of Codazzi,
+//! the derivatives of the form are symmetric tensors. Therefore the drive g = (−Δθ_y, Δθ_x), which is the rotation
+//! vector, turned by 90° and summed over the path, is the gradient of one polynomial:
 //!
 //! ```text
 //! g(x) = x + Σ_m T_m x^(m−1) / (m−1)! ,   m = 2, 3, …
@@ -38,7 +38,7 @@ pub(crate) struct LocalShape {
     pub(crate) tensors: [f64; MAX_COEFFICIENTS],
 }
 
-/// The derivatives of the drive with respect to the coefficients of the polynomial.
+/// Derivatives of the drive (rotation vector, turned by 90°) with respect to the coefficients of a [`LocalShape`].
 pub(crate) type Basis = [[f64; 2]; MAX_COEFFICIENTS];
 
 impl LocalShape {
@@ -55,8 +55,8 @@ impl LocalShape {
         Matrix2::new(1.0 + uu, uv, uv, 1.0 + vv)
     }
 
-    /// The change of the curvature form at `x` that is due to the last term, or to the last but one if this is larger,
-    /// relative to the sum of the curvature forms of both bodies at the start.
+    /// The change of the curvature form at `x` that is due to the last term of the polynomial, or to the last term but
+    /// one if that change is larger. It is divided by the sum of the curvature forms of both bodies at the start.
     pub(crate) fn last_share(&self, x: &Vector2<f64>) -> f64 {
         let without = |terms| Self { terms, ..*self }.drive(x).1;
         let all: Vec<_> = (self.terms - 2..=self.terms).map(without).collect();
@@ -64,7 +64,8 @@ impl LocalShape {
         change / self.relative().norm()
     }
 
-    /// Derivatives of the drive at the contact position `x` with respect to the coefficients of the polynomial.
+    /// Derivatives of the drive (rotation vector, turned by 90°) at the contact position `x` with respect to the
+    /// coefficients of the polynomial.
     pub(crate) fn basis(terms: usize, x: &Vector2<f64>) -> Basis {
         let (along, across) = (powers(x.x), powers(x.y));
         let mut basis = [[0.0; 2]; MAX_COEFFICIENTS];
@@ -79,7 +80,8 @@ impl LocalShape {
         basis
     }
 
-    /// The drive of a contact at `x`, and its derivative, which is the sum of the curvature forms of both bodies.
+    /// The drive (rotation vector, turned by 90°) that moves the contact to `x`, and its derivative, which is the sum
+    /// of the curvature forms of both bodies.
     fn drive(&self, x: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let mut relative = self.relative();
         let (along, across) = (powers(x.x), powers(x.y));
@@ -125,7 +127,7 @@ pub(crate) struct PathPoint {
     frame: Matrix3<f64>,
     /// Position of the contact on the object, in the carried frame.
     pub(crate) x: Vector2<f64>,
-    /// The drive, summed over the path from the start.
+    /// The drive (rotation vector, turned by 90°), summed over the path from the start.
     drive: Vector2<f64>,
     /// Inverse of the sum of the curvature forms of both bodies at the contact.
     pub(crate) mobility: Matrix2<f64>,
@@ -164,8 +166,9 @@ impl RollRotations {
         &self.rotations
     }
 
-    /// Computes the contacts at all samples and writes them to `path`. `error` is the error of the measured drive,
-    /// divided by the magnitude of the measured rotation. `None` if the contact cannot follow the rotations.
+    /// Computes the contacts at all samples and writes them to `path`. `error` is the error of the measured drive
+    /// (rotation vector, turned by 90°), divided by the magnitude of the measured rotation. `None` if the contact
+    /// cannot follow the rotations.
     pub(crate) fn path(
         &self,
         shape: &LocalShape,
@@ -200,7 +203,7 @@ impl RollRotations {
 }
 
 impl PathPoint {
-    /// Converts the rotation `step` of the probe to the contact frame that exists at the middle of the step.
+    /// Expresses the rotation `step` of the probe in the contact frame at the middle of the step.
     fn turn_of(&self, step: &Vector3<f64>) -> Vector3<f64> {
         let in_frame = self.frame.tr_mul(step);
         let half = self.mobility * drive_of(&in_frame) * 0.5;
@@ -209,9 +212,10 @@ impl PathPoint {
         in_frame - once + tilt.cross(&once) * 0.5
     }
 
-    /// The next step of a roll without spin. The rotation vector since the start is `last`, and after the step its
-    /// drive is `drive`. The first result is the rotation of the step in the contact frame. The second result is the
-    /// component of the new rotation vector along the normal at the start.
+    /// The next step of a roll without spin. `last` is the rotation vector from the start of the roll to the step.
+    /// `drive` contains the components (−y, x) of the rotation vector after the step. The first result is the rotation
+    /// of the step in the contact frame. The second result is the component of the new rotation vector along the normal
+    /// at the start.
     fn turn_without_spin(
         &self,
         last: &Vector3<f64>,
@@ -237,7 +241,7 @@ impl PathPoint {
         let drive = self.drive + spun(&drive_of(turn), mean_spin);
         let (mut x, mut mobility) = (self.x, self.mobility);
         if shape.terms == 1 {
-            // The mobility is constant.
+            // With one term, the curvature is constant, and so is the mobility.
             x = mobility * drive;
         } else {
             for _ in 0..NEWTON_STEPS {
@@ -280,12 +284,12 @@ fn spun(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
     )
 }
 
-/// `mobility` if it is the one of a rolling contact.
+/// Returns `mobility` if it is positive definite, as for a rolling contact, otherwise `None`.
 fn positive(mobility: Matrix2<f64>) -> Option<Matrix2<f64>> {
     (mobility.determinant() > 0.0 && mobility.trace() > 0.0).then_some(mobility)
 }
 
-/// The ratios `sin(a)/a` and `(1 − cos(a))/a²` for an angle a with this `square`.
+/// The ratios `sin(a)/a` and `(1 − cos(a))/a²` for the angle a whose square is `square`.
 fn sine_ratios(square: f64) -> (f64, f64) {
     if square < 0.25 {
         let series = |first: f64| {
@@ -323,11 +327,12 @@ fn rolled(along: &Vector2<f64>) -> Matrix3<f64> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StartFrame {
     frame: Matrix3<f64>,
-    /// Angular velocities of the frame if the start moves along u or along v.
+    /// Rotation vectors of the frame per unit of distance that the start moves along u and along v.
     turns: [Vector3<f64>; 2],
 }
 
-/// Position of a contact in the chart of the probe, with its derivatives.
+/// Position of a contact on the probe, in the coordinates of the exponential map at the pads' origin, with its
+/// derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) place: Vector2<f64>,
@@ -397,8 +402,8 @@ impl StartFrame {
     }
 }
 
-/// Derivatives of a place with respect to the first `N` coefficients of the shape. `x` is the position of the contact
-/// without the errors of the measured drive.
+/// Derivatives of the contact's position on the probe with respect to the first `N` coefficients of the shape. `x` is
+/// the position of the contact on the object, without the errors of the measured rotation.
 pub(crate) fn by_coefficients<const N: usize>(
     terms: usize,
     x: &Vector2<f64>,

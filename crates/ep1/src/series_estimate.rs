@@ -1,4 +1,4 @@
-//! Estimates from series of rolls.
+//! Estimates of curvature from time series of rolls.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
@@ -55,7 +55,7 @@ pub struct RollReport {
 /// The distribution of an estimate's errors.
 #[derive(Clone, Debug)]
 pub(crate) enum Uncertainty {
-    /// The errors of the mobility are normally distributed.
+    /// The errors of the mobility (contact travel per radian) are normally distributed.
     NormalMobility,
     /// The errors of the curvature form are normally distributed.
     NormalForm,
@@ -65,13 +65,14 @@ pub(crate) enum Uncertainty {
     Set(Box<PadEdgeSet>),
 }
 
-/// An estimate from series of rolls.
+/// An estimate from time series of rolls.
 #[derive(Clone, Debug)]
 pub struct SeriesEstimate {
     /// The object's curvature form (1/length) at the common start of the rolls, in the axes of the pads.
     pub curvature: CurvatureForm,
-    /// Covariance (1/length²) of the curvatures along u, along v and mixed, to first order. With noise it is the
-    /// inverse of the Fisher information, so that the roots of its diagonal are the Cramér–Rao bounds.
+    /// Covariance (1/length²) of the entries `k_uu`, `k_vv` and `k_uv` of the curvature form, to first order. If the
+    /// readings have noise, it is the inverse of the Fisher information, so that the roots of its diagonal are the
+    /// Cramér–Rao bounds.
     pub covariance: [[f64; 3]; 3],
     /// Number of terms of the fitted polynomial that describes the curvature along a path. It is 1 if the curvature is
     /// constant.
@@ -86,8 +87,9 @@ pub struct SeriesEstimate {
 }
 
 impl SeriesEstimate {
-    /// The estimate with the curvature form `relative / radius − 1 / radius`. `covariance` is the covariance of the
-    /// entries uu, uv, vv of `relative`.
+    /// The estimate whose curvature form is `(relative − 1) / radius`. `relative` is the sum of the curvature forms of
+    /// probe and object, times the radius of the probe. `covariance` is the covariance of the entries uu, uv, vv of
+    /// `relative`.
     pub(crate) fn new(
         radius: f64,
         relative: &Matrix2<f64>,
@@ -115,8 +117,8 @@ impl SeriesEstimate {
         }
     }
 
-    /// The weighted mean of estimates. Its covariance includes the differences between them. All other parts are those
-    /// of the first estimate.
+    /// The weighted mean of estimates. Its covariance includes the differences between the estimates. All other parts
+    /// are those of the first estimate.
     pub(crate) fn mean(weighted: &[(f64, &Self)]) -> Self {
         let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
         let mut mean = Vector3::zeros();
@@ -136,7 +138,7 @@ impl SeriesEstimate {
         }
     }
 
-    /// The curvatures along u, along v and mixed.
+    /// The entries `k_uu`, `k_vv` and `k_uv` of the curvature form.
     pub(crate) fn entries(&self) -> Vector3<f64> {
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;
         Vector3::new(k_uu, k_vv, k_uv)
@@ -146,15 +148,15 @@ impl SeriesEstimate {
         Matrix3::from_fn(|row, at| self.covariance[row][at])
     }
 
-    /// The squared distance between the curvatures of two estimates, in standard errors of `other`. 0 if these are not
-    /// known.
+    /// The squared distance between the curvatures of two estimates, in standard errors of `other`; 0 if the covariance
+    /// of `other` is singular.
     pub(crate) fn distance_squared(&self, other: &Self) -> f64 {
         let apart = self.entries() - other.entries();
         let root = other.covariance_matrix().cholesky();
         root.map_or(0.0, |root| apart.dot(&root.solve(&apart)))
     }
 
-    /// Adds the error `apart` of the curvatures along u, along v and mixed to the standard errors.
+    /// Adds an error `apart` of the entries `k_uu`, `k_vv` and `k_uv` of the curvature form to their covariance.
     pub(crate) fn widen(&mut self, apart: Vector3<f64>) {
         let covariance = self.covariance_matrix() + apart * apart.transpose();
         self.covariance = [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)]));
@@ -183,7 +185,7 @@ impl SeriesEstimate {
     }
 
     /// The 95 % interval of a quantity, or its range if the rolls [cross few edges](Self::has_few_crossings). An end is
-    /// `None` if the interval has no end on this side.
+    /// `None` if the interval is unbounded on this side.
     pub fn interval95(&self, quantity: Quantity) -> [Option<f64>; 2] {
         let form = self.curvature;
         let interval = match quantity {
@@ -227,7 +229,7 @@ impl SeriesEstimate {
     }
 
     /// The range of a quantity over all curvatures that agree with exact rotations and pads. An end is `None` if the
-    /// range has no end on this side. `None` if the rotations or the places have noise.
+    /// range is unbounded on this side. `None` if the rotations or the places have noise.
     pub fn bounds(&self, quantity: Quantity) -> Option<[Option<f64>; 2]> {
         let Uncertainty::Set(set) = &self.uncertainty else {
             return None;
@@ -286,7 +288,7 @@ impl SeriesEstimate {
         Matrix2::identity() + self.curvature.matrix() * self.radius
     }
 
-    /// Distance that the contact moves per radian.
+    /// Mobility: the distance that the contact moves per radian of rotation.
     fn mobility(&self) -> Matrix2<f64> {
         self.relative().try_inverse().unwrap_or_default() * self.radius
     }
@@ -310,7 +312,7 @@ impl SeriesEstimate {
     }
 
     /// The interval of a curvature. If the errors of the mobility are normally distributed, the ends of the mobility's
-    /// interval are converted. The interval is open if the mobility can be 0.
+    /// interval are converted to curvatures. The interval has no upper end if the mobility's interval includes 0.
     fn around(&self, curvature: f64, std: f64) -> [Option<f64>; 2] {
         let half = self.half_width() * std;
         let flat = 1.0 / self.radius;
@@ -371,7 +373,8 @@ impl SeriesEstimate {
         let mean = self.curvature.mean_curvature();
         let [low, high] = self.around(mean, self.std([0.5, 0.5, 0.0]));
         let is_flat = low.is_none_or(|low| low <= 0.0) && high.is_none_or(|high| high >= 0.0);
-        // The curvatures of draws around a flat object are products of two errors, which are seldom 0.
+        // Around a flat object, the Gaussian curvature of a draw is a product of two errors, which is seldom 0.
+        // Therefore the interval is extended to 0.
         let least = if is_flat {
             at(0.025).min(0.0)
         } else {

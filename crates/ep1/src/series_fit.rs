@@ -1,4 +1,4 @@
-//! Estimates curvature from series of rolls.
+//! Estimates curvature from time series of rolls.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
@@ -16,28 +16,30 @@ use crate::{
 
 /// A roll is left out if its p-value is below this value divided by the number of rolls.
 const OUTLIER_LEVEL: f64 = 1e-3;
-/// Smallest residual that can contradict the other rolls if no noise is stated, relative to the longest path.
+/// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
+/// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
-/// At most one of this number of rolls is left out.
+/// Each roll that is left out requires this number of rolls in total.
 const ROLLS_PER_OUTLIER: usize = 4;
-/// Number of contact points of a roll that a fit uses. More contact points are averaged in groups.
+/// Largest number of contact points of a roll that a fit uses. If a roll has more, they are averaged in this number of
+/// groups.
 const GROUPS: usize = 12;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
-/// Changes below this value end the fit that only locates the set of exact readings.
+/// Tolerance of a fit that only finds a first guess for the set of mobilities that agree with exact readings.
 const ROUGH_TOLERANCE: f64 = 1e-2;
-/// Largest standard deviation of a determined mobility, divided by the mobility. With a larger value, the interval of the
-/// mobility would nearly reach 0, where the curvature is infinite.
+/// Largest standard deviation of a mobility that counts as determined, divided by the mobility. With a larger value,
+/// the interval of the mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
 /// A flat object.
 const FLAT: LocalShape = LocalShape {
     terms: 1,
     tensors: [0.0; MAX_COEFFICIENTS],
 };
-/// If the mobility differs between directions by more than this ratio, the crossings are located again.
+/// If the mobility differs between directions by more than this ratio, the crossings of pad edges are located again.
 const ISOTROPY: f64 = 0.02;
 
-/// The curvature from series of rolls of a probe of `radius`.
+/// The curvature from time series of rolls of a probe of `radius`.
 ///
 /// # Errors
 /// [`SeriesError`] if a number is out of range, if a roll contradicts the other rolls, or if the rolls do not determine
@@ -69,7 +71,7 @@ struct Problem<'r> {
     places: &'r Places,
     noise: &'r SeriesNoise,
     rolls: &'r [RollSeries],
-    /// The samples on each pad, for each roll.
+    /// For each roll, its runs: successive samples with the same active pad.
     runs: Vec<Vec<Run>>,
     reports: Vec<RollReport>,
 }
@@ -78,7 +80,7 @@ struct Problem<'r> {
 struct Candidate {
     criterion: f64,
     estimate: SeriesEstimate,
-    /// The roll that contradicts the other rolls significantly.
+    /// The roll that contradicts the other rolls most; `None` if no contradiction is significant.
     worst: Option<usize>,
 }
 
@@ -134,7 +136,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The estimate from exact rotations and pads. `fit` is the fit of the crossings.
+    /// The estimate from exact rotations and pads. `fit` is the least-squares fit to the crossings of pad edges.
     fn of_sets(
         &mut self,
         cell: &PadCell,
@@ -234,7 +236,8 @@ impl Problem<'_> {
         true
     }
 
-    /// Prepares the rolls that a fit uses. `mobility` is a first guess, with which crossings are located.
+    /// Prepares the rolls that a fit uses. `mobility` is a first guess of the contact's travel per radian, with which
+    /// crossings of pad edges are located.
     fn prepare(&mut self, mobility: &Matrix2<f64>) -> Vec<RollData> {
         let scale = 1.0 / self.radius;
         let mut data = Vec::with_capacity(self.rolls.len());
@@ -307,18 +310,20 @@ impl Problem<'_> {
         }
     }
 
-    /// Whether the rotation about the normal is used. An error that grows with the rotation would turn the rest of the
-    /// path too far.
+    /// Whether the fit uses the measured rotation about the normal. It does not if errors grow with the rotation,
+    /// because such an error would turn the rest of the path too far.
     fn has_spin(&self) -> bool {
         self.noise.relative_rotation_std == 0.0 && self.noise.relative_sample_std == 0.0
     }
 
-    /// Whether the errors of all readings have a stated size. If not, the residuals determine it.
+    /// Whether the noise of the readings is stated or follows from the pads. If not, it is estimated from the
+    /// residuals.
     fn is_noise_stated(&self) -> bool {
         !self.noise.is_exact() || !matches!(self.places, Places::Contacts { std: 0.0 })
     }
 
-    /// Stores the p-value of each roll. Returns the roll that contradicts the other rolls significantly.
+    /// Stores the p-value of each roll. Returns the roll that contradicts the other rolls most; `None` if no
+    /// contradiction is significant.
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
         let longest = fit
             .rolls
@@ -354,8 +359,9 @@ impl Problem<'_> {
         worst.1
     }
 
-    /// The mean of fits with different numbers of terms, and the roll that contradicts the other rolls most. Each fit
-    /// is weighted by the information criterion of Akaike. The reported number of terms is that of the best fit.
+    /// The mean of fits of polynomials with different numbers of terms, and the roll that contradicts the other rolls
+    /// most. Each fit is weighted by the information criterion of Akaike. The reported number of terms is that of the
+    /// best fit.
     fn trajectory(
         &mut self,
         data: &[RollData],
@@ -366,15 +372,16 @@ impl Problem<'_> {
         let mut all = vec![self.candidate(data, &first, 1)];
         self.more_terms::<7>(data, noise, &mut shape, &mut all);
         self.more_terms::<12>(data, noise, &mut shape, &mut all);
-        // On a symmetric object, odd derivatives are zero, so the first additional terms may not improve the fit
-        // although the next do. More terms are tried only if at least one of the two fits with more terms is better
-        // than the first fit.
+        // On a symmetric object, odd derivatives of the curvature are zero, so a second term may not improve the fit
+        // although a third term does. A fourth term is tried only if a fit with two or three terms is better than the
+        // fit with one term.
         let first = all[0].criterion;
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);
         }
         // Fits of fewer than three terms miss a change of curvature that is the same in opposite directions. On a
-        // paraboloid, the mean curvature along a roll of length s from the apex is lower by the fraction (k s)² / 2.
+        // paraboloid, the mean curvature along a roll of length s from the apex is lower by the fraction (k s)² / 2,
+        // where k is the curvature at the apex.
         if all.iter().all(|one| one.estimate.terms < 3) {
             for Candidate { estimate, .. } in &mut all {
                 let entries = estimate.entries();
@@ -382,8 +389,9 @@ impl Problem<'_> {
                 estimate.widen(entries * (0.5 * turned * turned));
             }
         }
-        // The criterion of a fit with few terms may be good although the fit has a bias at the start of the rolls. So its
-        // curvature there must also agree with the one of the fit with the most terms, which needs 3 numbers for it.
+        // The criterion of a fit with few terms may be good although the fit has a bias at the start of the rolls.
+        // Therefore its criterion is at least the squared distance of its curvature from the curvature of the fit with
+        // the most terms. The criterion of that fit is at most 6, the penalty for three curvature components.
         if let Some(last) = all.pop() {
             let best = all
                 .iter()
@@ -429,8 +437,8 @@ impl Problem<'_> {
         if let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) {
             *shape = fit.shape;
             let mut one = self.candidate(data, &fit, shape.terms);
-            // The terms that are left out change the curvature at the start as the last terms do, but less. The ratio is
-            // the one of successive terms.
+            // The omitted terms probably change the curvature at the start as the last two terms did, but less: by the
+            // share of the last terms in the curvature form.
             if let Some(before) = all
                 .iter()
                 .rfind(|one| one.estimate.terms + 2 == shape.terms)
@@ -479,7 +487,8 @@ impl Problem<'_> {
         )
     }
 
-    /// The estimate for a shape. `covariance` is the covariance of the mobility (uu, uv, vv), or of the curvatures.
+    /// The estimate for a shape. `covariance` is the covariance of the entries uu, uv, vv of the mobility if
+    /// `is_of_mobility` is true, otherwise of the curvature form.
     fn result(
         &self,
         shape: &LocalShape,

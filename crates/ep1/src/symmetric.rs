@@ -99,7 +99,7 @@ impl Symmetric3 {
         }
     }
 
-    /// This matrix times the vector `(uu, vv, uv)`.
+    /// The product of this matrix and the vector `v`, whose components are the entries `uu`, `vv`, `uv` of a matrix.
     #[inline(always)]
     pub(crate) fn times(&self, v: &[f64; 3]) -> Symmetric {
         let (d, b) = (&self.diagonal, &self.beside);

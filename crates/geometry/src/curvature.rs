@@ -34,8 +34,8 @@ pub struct CurvatureForm {
 }
 
 /// Two estimated principal curvatures differ significantly if half of their difference exceeds this number of standard
-/// deviations. If the true curvatures are equal, noise alone exceeds it with a probability of 5 %. The number is the
-/// square root of the 95 % quantile of χ² with 2 degrees of freedom.
+/// deviations. If the true curvatures are equal, noise alone exceeds this number with a probability of 5 %. The number
+/// is the square root of the 95 % quantile of χ² with 2 degrees of freedom.
 const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
 /// Standard deviation (rad) of an undetermined direction: π/√12, because the direction is uniformly distributed over
 /// half a turn.

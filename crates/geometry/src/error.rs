@@ -62,7 +62,7 @@ impl SurfaceError {
     }
 }
 
-/// Error of a surface whose parameter is out of its range.
+/// Error for a surface that cannot be constructed because a parameter is out of its range.
 pub type InvalidShape = BadSetting;
 
 /// Checks that a parameter is a length whose square neither overflows nor underflows to zero.

@@ -1,8 +1,8 @@
 //! Fundamental forms of a surface from the derivatives of its chart.
 //!
-//! The Gauss frame has the axes `x = f_u/|f_u|`, `y` perpendicular to it in the tangent plane, and `z = x × y = n`.
-//! Indices u and v denote derivatives with respect to the chart's parameters. With `E = [x y]`, `J = [f_u f_v]`,
-//! `N = [n_u n_v]`, `X = [x_u x_v]`, the forms are (Montana 1988; also valid for charts that are not orthogonal):
+//! The Gauss frame has the axes `x = f_u/|f_u|`, `y` perpendicular to `x` in the tangent plane, and `z = x × y = n`.
+//! Indices u and v denote derivatives with respect to the chart's parameters. With `E = [x y]`, `J = [f_u f_v]`, `N =
+//! [n_u n_v]`, `X = [x_u x_v]`, the forms are (Montana 1988; also valid for charts that are not orthogonal):
 //!
 //! ```text
 //! metric     M = Eᵀ J          upper triangular, diagonal for an orthogonal chart

@@ -59,8 +59,8 @@ impl LevelSet {
     }
 }
 
-/// Normal and second form of the level set of `F`, in a basis with a given tangent. Neither the normal nor the basis is
-/// scaled to length 1, which saves divisions and square roots.
+/// Normal and second fundamental form of the level set of a function `F`, in a basis with a given tangent. Neither the
+/// normal nor the basis is scaled to length 1, which saves divisions and square roots.
 ///
 /// The basis of the tangent plane is a unit tangent `x` and `y = x × ∇F`, whose length is `|∇F|`.
 #[derive(Clone, Copy, Debug, PartialEq)]

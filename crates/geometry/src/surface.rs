@@ -12,11 +12,11 @@ use crate::{
 /// Points are in the surface's own frame. Graph surfaces lie at z = f(x, y) with the solid below;
 /// closed surfaces are centred on the origin; a dish is the inside of a sphere.
 ///
-/// For well-conditioned numbers, relative errors are at most 1e-14. Errors of curvature forms are relative to the
-/// larger principal curvature, and errors of torsions to the torsion. Errors of heights and points are relative to the
-/// object's size. Errors are larger in four cases: for heights near a rim, where `R² − x²` cancels; for a Gaussian
-/// curvature far below the square of the mean curvature; for the closest point from inside a hollow; and at places
-/// whose coordinates are large compared with the details of the surface.
+/// For well-conditioned shapes and points, the relative errors of results are at most 1e-14. Errors of curvature forms
+/// are relative to the larger principal curvature, and errors of torsions to the torsion. Errors of heights and points
+/// are relative to the object's size. Errors are larger in four cases: for heights near a rim, where `R² − x²` cancels;
+/// for a Gaussian curvature far below the square of the mean curvature; for the closest point from inside a hollow; and
+/// at places whose coordinates are large compared with the details of the surface.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -47,9 +47,9 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] where the surface is not defined or has no normal.
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError>;
 
-    /// Normal and second form at a point on the surface. `x` must be a unit tangent. The result is meaningless if the
-    /// point is not on the surface. Integrators call this function at every stage, so a surface overrides it if it can
-    /// compute the result without the complete level set.
+    /// Normal and second fundamental form at a point on the surface. `x` must be a unit tangent. The result is
+    /// meaningless if the point is not on the surface. Integrators call this function at every stage, so a surface
+    /// overrides it if it can compute the result without the complete level set.
     ///
     /// # Errors
     /// Errors of [`Surface::level_set`].
@@ -158,7 +158,7 @@ pub trait Surface {
     }
 
     /// The curvature form in a basis of principal directions, if it is the same at all points, as on planes, spheres
-    /// and cylinders. It has no rounding error from the coordinates of a point.
+    /// and cylinders. Unlike the curvature at a point, it has no rounding error from the coordinates of the point.
     fn constant_curvature(&self) -> Option<CurvatureForm> {
         None
     }

@@ -1,5 +1,5 @@
-//! If readings determine a curvature, an estimate is returned. For exact readings, the estimate is exact. Readings with
-//! any bit patterns return finite results or the expected error.
+//! If readings determine a curvature, an estimate is returned. For exact readings, the estimate is exact. Readings of
+//! arbitrary bit patterns cause finite results or the expected error.
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, PadStart, ProbeReading, ReadingNoise};

@@ -13,7 +13,7 @@ use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 
-/// A form with different curvatures in all directions.
+/// A curvature form whose normal curvature depends on the direction.
 pub const FORM: CurvatureForm = CurvatureForm {
     k_uu: 0.4,
     k_uv: 0.3,

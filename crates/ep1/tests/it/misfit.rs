@@ -24,7 +24,7 @@ fn around() -> Vec<(f64, f64)> {
     (0..8).map(|index| (f64::from(index) * step, 0.1)).collect()
 }
 
-/// Rolls in several directions, each by another angle.
+/// Rolls in several directions, each by a different angle.
 fn askew() -> Vec<(f64, f64)> {
     [0.2, 0.9, 1.7, 2.4, -2.8, -1.9, -1.1, -0.5, 0.3]
         .into_iter()

@@ -36,7 +36,8 @@ fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {
     *centres.iter().find(inside).unwrap_or(&centres[0])
 }
 
-/// Position of the contact in the chart of the probe, after the contact has moved by `path` from a roll's `start`.
+/// Position of the contact in the coordinates of the probe's exponential map, after the contact has moved by `path`
+/// from a roll's `start`.
 fn chart(start: &Vector2<f64>, path: &Vector2<f64>) -> Vector2<f64> {
     let turned = |place: &Vector2<f64>| {
         Rotation3::from_scaled_axis(Vector3::new(-place.y, place.x, 0.0) / RADIUS)
@@ -167,7 +168,7 @@ fn few_crossings_give_wide_bounds() {
         for _ in 0..6 {
             let cell = PadCell::square(pitch);
             let all = without_starts(&rolls(object, &cell, 0.0, &mut draws));
-            // Rolls along the edges alone leave the twist of the surface within wide bounds.
+            // Rolls that are all parallel to pad edges give only wide bounds for the twist of the surface.
             let along: Vec<_> = all.iter().step_by(2).cloned().collect();
             let curvature = 1.0 / object;
             let truths = [
@@ -403,7 +404,7 @@ fn bad_series_are_named() {
         Some("off-probe")
     );
     assert_eq!(name(&Vec::clear), Some("too-few-rolls"));
-    // Rolls in one direction leave the curvature across it undetermined.
+    // Two rolls along the same line do not determine the curvature across this line.
     let one_way = [good[0].clone(), good[4].clone()];
     assert_eq!(
         estimate(&one_way).map_err(|error| error.name()).err(),

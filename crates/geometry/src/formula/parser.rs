@@ -55,7 +55,8 @@ struct Parser<'a> {
     parameters: &'a BTreeMap<String, f64>,
     used: BTreeSet<&'a str>,
     lexer: Lexer<'a>,
-    /// The next token of the formula. The next fields are its place and the place of the previous token.
+    /// The next token of the formula. The fields `span` and `previous` are the places of this token and of the previous
+    /// token in the text.
     token: Token<'a>,
     span: Span,
     previous: Span,

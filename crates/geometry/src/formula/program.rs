@@ -13,7 +13,7 @@ const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 /// Coefficients of a polynomial of at most degree two: of 1, x, y, x², xy and y².
 pub(super) type Quadratic = [f64; 6];
 
-/// The polynomial that an operation makes of `a`; `None` if the result is not of degree two.
+/// The result of `operation` with the operand `a`; `None` if the result is not a polynomial of at most degree two.
 fn changed(operation: Unary, mut a: Quadratic) -> Option<Quadratic> {
     match operation {
         Unary::Negate => Some(a.map(|term| -term)),
@@ -28,7 +28,8 @@ fn changed(operation: Unary, mut a: Quadratic) -> Option<Quadratic> {
     }
 }
 
-/// The polynomial that an operation makes of `a` and `b`; `None` if the result is not of degree two.
+/// The result of `operation` with the operands `a` and `b`; `None` if the result is not a polynomial of at most degree
+/// two.
 fn combined(operation: Binary, a: Quadratic, b: Quadratic) -> Option<Quadratic> {
     let terms = |sum: fn(f64, f64) -> f64| std::array::from_fn(|term| sum(a[term], b[term]));
     match operation {
@@ -109,8 +110,8 @@ impl Program {
         first
     }
 
-    /// The polynomial of at most degree two that the program computes; `None` if an operation of the program leads
-    /// out of these polynomials, even if its result is such a polynomial again.
+    /// The polynomial of at most degree two that the program computes; `None` if an intermediate result is not such a
+    /// polynomial, even if the final result is one.
     pub(super) fn quadratic(&self) -> Option<Quadratic> {
         let mut stack: Vec<Quadratic> = Vec::new();
         for instruction in &self.instructions {

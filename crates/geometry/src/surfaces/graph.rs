@@ -185,8 +185,8 @@ impl Height for HeightField {
         }
     }
 
-    /// Sections exist at the vertex of a polynomial of degree two, along its principal directions x and y. A formula
-    /// with other functions may be symmetric too, but its sections have no form of [`Meridian`].
+    /// Returns a section only at the vertex of a polynomial of degree two, along its principal directions x and y. A
+    /// formula with other functions may be symmetric too, but its sections have no form of [`Meridian`].
     fn meridian_at(&self, x: f64, y: f64, direction: &Vector3<f64>) -> Option<Meridian> {
         let [_, fx, fy, xx, xy, yy] = self.formula.quadratic()?;
         let is_vertex = fx + 2.0 * xx * x == 0.0 && fy + 2.0 * yy * y == 0.0 && xy == 0.0;
@@ -244,7 +244,7 @@ impl Foot {
         let [fxx, fxy, fyy] = jet.hessian;
         let slope = Vector2::from(jet.gradient);
         let aside = at - target.xy().coords;
-        // A difference within the rounding error counts as 0. Otherwise, near a sharp peak, this error would be
+        // A height difference within the rounding error counts as 0. Otherwise, near a sharp peak, this error would be
         // multiplied by a large curvature, and the peak would look like a hollow.
         let above = match jet.value - target.z {
             tiny if tiny.abs() <= 2.0 * f64::EPSILON * target.z.abs() => 0.0,
@@ -373,7 +373,7 @@ impl<H: Height> Surface for Graph<H> {
     ) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
         let mut foot = Foot::new(self, point, start)?;
-        // True if `z` is NaN, or if a square has overflowed.
+        // The squared distance is not finite if the `z` of the point is NaN, or if a square has overflowed.
         if !foot.half_square.is_finite() {
             return Err(none);
         }

@@ -133,8 +133,8 @@ fn derivatives_are_those_of_the_meridian() {
 fn the_slope_of_a_spheroid_turns_on_through_the_equator() {
     for [a, c] in SPHEROIDS.into_iter().chain([[1.0, 1e-9], [1e-9, 1.0]]) {
         let meridian = Meridian::Spheroid { a, c };
-        // The slope angle equals the parameter t at every quarter turn. Between these, they differ by less than a
-        // quarter turn.
+        // The slope angle equals the parameter t at every quarter turn. Between two quarter turns, the slope angle
+        // differs from t by less than a quarter turn.
         for step in 0..4000 {
             let t = f64::from(step) * 0.01;
             let slope = meridian.slope(t).slope_rad;
