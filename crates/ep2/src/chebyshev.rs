@@ -10,8 +10,8 @@ pub(crate) const fn count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// The indices (i, j) of the products T_i(a) T_j(b) up to a total degree, sorted by i + j. Therefore a series of lower
-/// degree has the first coefficients of a series of higher degree.
+/// The indices (i, j) of the products T_i(a) T_j(b) up to a total degree, sorted by i + j. Therefore the coefficients
+/// of a series of lower degree come first in a series of higher degree.
 pub(crate) fn products(degree: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..=degree).flat_map(|sum| (0..=sum).map(move |j| [sum - j, j]))
 }

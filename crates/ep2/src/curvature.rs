@@ -112,7 +112,8 @@ pub struct Uncertainty {
 }
 
 /// Standard errors of Gaussian and mean curvature, and the correlation of their errors, at several places. `covariance`
-/// is the covariance of the jet's derivatives. The covariance and the curvatures are in the jet's unit.
+/// is the covariance of the slopes and second derivatives in `jet`. The covariance and the curvatures are in the unit
+/// of `jet`.
 #[inline(always)]
 fn uncertainty(
     jet: &Jet<Lanes>,

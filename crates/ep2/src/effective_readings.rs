@@ -32,18 +32,19 @@ const MAX_SHORT_BREAKS: f64 = 0.2;
 const MAX_GAPS: usize = 4;
 /// Smallest number of contacts of a rest during which the noise is as large as the steps of the moving finger.
 const MIN_NOISY_REST: usize = 20;
-/// Largest distance of such contacts from the finger's median position, relative to the median of its steps.
+/// During a rest with noise as large as the steps of the moving finger, this is the largest distance of the contacts
+/// from the finger's median position, relative to the median of the finger's steps.
 const MAX_NOISY_EXTENT: f64 = 2.5;
-/// Smallest median distance of the other contacts from a finger at rest, relative to the largest distance of the contacts
-/// at rest. Otherwise, the contacts may be in no order.
+/// A noisy rest is accepted only if the median distance of all other contacts from it, divided by the largest distance
+/// of its own contacts, is at least this value. Otherwise, the contacts may be in no order.
 const MIN_REST_DISTANCE: f64 = 4.0;
 /// Number of residuals that is sufficient to estimate their correlation. If the strokes used so far contain this
 /// number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, in residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;
-/// Largest lag in the sum of correlations, relative to the number of residuals that count as one according to this sum.
-/// Correlations at longer lags are mostly noise.
+/// The sum of correlations ends at this lag or earlier. The lag is relative to the number of residuals that count as
+/// one according to the sum so far. Correlations at longer lags are mostly noise.
 const MAX_LAG_RATIO: f64 = 2.0;
 /// Correlations are corrected for the variance that the fit removes from the residuals, but only if the ratio of fitted
 /// parameters to independent readings is at most this value.

@@ -55,9 +55,9 @@ pub struct Fit {
     pub noise: Option<NoiseEstimate>,
     /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.
     pub effective_unknowns: f64,
-    /// Status of the smoothing splines, if the method uses any. If a spline did not reach its required sum of squares,
-    /// the curvature is useless, and the status is that of the first such spline. Otherwise it is the status of the
-    /// last spline.
+    /// Status of the smoothing splines, if the method uses any. If a spline did not reach its required sum of squared
+    /// residuals, the curvature is useless, and the status is that of the first such spline. Otherwise it is the status
+    /// of the last spline.
     pub status: Option<Status>,
 }
 

@@ -21,13 +21,13 @@ const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
 const MIN_GAP_RATIO: f64 = 1.5;
 /// Smallest number of positions for which a gap between their distances from the spatial median is searched.
 const MIN_PLACES_WITH_GAP: usize = 20;
-/// Contacts beyond a gap are outliers if they are in blocks of at most this mean number of consecutive rows. Longer
-/// blocks are strokes.
+/// Contacts beyond a gap are outliers only if their blocks of consecutive rows have at most this number of rows on
+/// average. Longer blocks are strokes of a finger.
 const MAX_BLOCK: usize = 3;
 /// Largest share of outliers among the contacts of a log. A larger share is an error.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
-/// P-value below which a contact counts as an outlier near the surface. For many contacts, the limit is 4.5 standard
-/// deviations.
+/// P-value below which a contact that is no gross outlier counts as an outlier of the fitted surface. For many
+/// contacts, the limit is 4.5 standard deviations.
 pub(crate) const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 const MAX_PLACES: usize = 5000;
 const MEDIAN_ITERATIONS: usize = 40;
@@ -84,7 +84,7 @@ impl SoundContacts {
     /// # Errors
     /// [`ShapeError`] if a number is invalid, or if more than a fifth of the contacts are gross outliers.
     pub fn new(contacts: &[Contact]) -> Result<Self, ShapeError> {
-        // Lost readings often have normals of zeros. Such normals are wrong only if their contacts are used.
+        // Lost readings often have normals of zeros. Such normals are an error only if their contacts are used.
         let has_normal = |one: &Contact| one.normal != Some(Vector3::zeros());
         let rows = || contacts.iter().enumerate();
         let without = rows().filter(|(_, one)| !has_normal(one));

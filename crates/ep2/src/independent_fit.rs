@@ -22,11 +22,12 @@ const MIN_MEANS: usize = 8;
 /// Largest accepted ratio of the root-mean-square distances of the contacts from two surfaces: a surface fitted to
 /// means of contacts, and a surface fitted to all contacts. At a larger ratio, the first surface is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// Largest accepted ratio of these distances if the distances from the surface that is fitted to all contacts are
+/// Replaces [`MAX_RESIDUAL_RATIO`] if the distances of the contacts from the surface fitted to all contacts are
 /// correlated. At a smaller ratio, the noise is correlated, and this surface follows a part of the noise. At a larger
 /// ratio, no spline follows the object.
 const MAX_CORRELATED_RATIO: f64 = 3.0;
-/// Smallest number of consecutive distances that count as one if the distances are correlated.
+/// The distances of contacts from a surface count as correlated if at least this number of consecutive distances counts
+/// as one independent distance.
 const MIN_CORRELATION: f64 = 1.5;
 /// If the correlation length of the residuals exceeds the length that the fit assumed by more than this factor, the fit
 /// is repeated with means over more contacts.
@@ -39,12 +40,13 @@ const MAX_FITTED: usize = 10_000;
 /// mean of all contacts. If the ratio is larger, the contacts of a finger are not in the order of its path, and means
 /// of consecutive contacts are not fitted.
 const MAX_BLOCK_RATIO: f64 = 0.05;
-/// Largest second difference of the means along a smooth path, relative to the distance between the means beside.
+/// Largest second difference of the means along a smooth path, relative to the distance between the two neighbouring
+/// means.
 const MAX_BEND: f64 = 0.25;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
 
-/// Largest number of strokes whose heights do not determine the fourth derivative across the strokes.
+/// Largest number of strokes whose heights do not determine the fourth derivative of the surface across the strokes.
 const MAX_FEW_STROKES: usize = 4;
 
 /// A fit to the independent contacts of a log, and the contacts to which it was fitted.
@@ -61,8 +63,7 @@ pub struct IndependentFit {
     pub rows: Vec<usize>,
     /// Number of independent readings in the log.
     pub readings: EffectiveReadings,
-    /// Standard deviations of the positions and normals in the patch, divided by the standard deviations of a single
-    /// contact.
+    /// Standard deviations of the errors of positions and normals in the patch, divided by those of a single contact.
     pub noise_ratios: [f64; 2],
 }
 
@@ -86,11 +87,10 @@ struct Log<'a, M> {
 
 impl IndependentFit {
     /// Fits the contacts of a log. `distinct` are the merged contacts of [`SoundContacts`](crate::SoundContacts), if
-    /// they were already computed. `method` returns the method for two factors, by which it multiplies the stated
-    /// standard deviations of positions and normals.
+    /// they were already computed. `method` receives two factors. It returns the method whose stated standard
+    /// deviations of positions and normals are multiplied by these factors.
     ///
-    /// # Errors
-    /// Errors of [`Patch::new`] and of the method. If an error names a contact, it is the number of the contact in
+    /// # Errors Errors of [`Patch::new`] and of the method. The number of a contact in an error is its index in
     /// `contacts`.
     pub fn new<M: Method>(
         method: impl Fn([f64; 2]) -> M,
@@ -136,12 +136,14 @@ impl IndependentFit {
     /// between them. Fits that are based on an implicit quadric do not change, nor do fits whose standard error exceeds
     /// the largest difference between a shape and a paraboloid through the same contacts.
     ///
-    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline instead of
-    /// a shape: its mean square error is at least the square of their difference plus the variance of the spline. Both
-    /// methods are also compared with the fit around an implicit quadric that the contacts do not exclude.
+    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline
+    /// instead of a shape: its mean square error is at least the square of their difference plus the variance of the
+    /// spline. Both methods are also compared with the fit around an implicit quadric, such as an ellipsoid, that the
+    /// contacts do not exclude.
     ///
-    /// Heights on up to four strokes, or heights and normals on two strokes, do not show whether the surface bends like a
-    /// circle or like a parabola across the strokes. The standard error of the mean curvature is at least this difference.
+    /// Heights on up to four strokes, or heights and normals on two strokes, do not show whether the surface bends like
+    /// a circle or like a parabola across the strokes. The standard error of the mean curvature is at least the
+    /// difference between circle and parabola.
     ///
     /// # Errors
     /// [`Ep2Error::Undetermined`] for two strokes without normals, and the errors of [`Fit::centre`].
@@ -315,7 +317,7 @@ impl<M: Method> Log<'_, M> {
             true => self.of_means(longest.div_ceil(FIRST_MEANS), [1.0; 2]).ok(),
             false => None,
         };
-        // Correlations are computed from the posterior of a fit, so ignore a fit without a posterior.
+        // A fit without a posterior has no standard errors that could be corrected for correlated noise, so ignore it.
         let first = first.filter(|first| first.fit.posterior.is_some());
         let mut found = first.map_or([1.0; 2], |first| first.correlations(self).1);
         let plain = self.of_means(self.block, [1.0; 2])?;
@@ -454,7 +456,8 @@ impl<M: Method> Log<'_, M> {
 }
 
 /// Moves the means of groups of `size` consecutive contacts onto the path of the stroke. On a bent path, a mean lies on
-/// the inner side. If the path is smooth, its distance is (1 − 1/size²)/24 of the second difference of the means.
+/// the inner side. If the path is smooth, the distance of a mean from the path is (1 − 1/size²)/24 of the second
+/// difference of the means.
 fn move_onto_path(means: &mut [Contact], size: f64) {
     let places: Vec<_> = means.iter().map(|mean| mean.position).collect();
     if places.len() < 3 {

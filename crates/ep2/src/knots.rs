@@ -166,7 +166,8 @@ mod tests {
 
     #[test]
     fn powers_are_reproduced_with_their_derivatives() {
-        // The B-spline coefficient of x² is the mean of the products of two different inner knots.
+        // In the spline that equals x², the coefficient of a B-spline is the mean of the products of two of its three
+        // inner knots.
         let knots = Knots::new(3, 0.0, 4.0, &[1.0, 2.5]);
         let coefficient = |function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];

@@ -55,7 +55,7 @@ impl SparseMap {
 /// Number of columns of a matrix that are added to a sum in the same loop, to reduce the number of memory accesses.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// The product AᵀB. A consists of the last columns of `a`, as many as `b` has rows.
+/// The product A B. Here A consists of the last columns of `a`, as many as `b` has rows, and B is `b`.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];
@@ -77,8 +77,8 @@ pub(crate) fn add_symmetric(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, b: &DMatri
     sum.fill_upper_triangle_with_lower_triangle();
 }
 
-/// Adds to `sum` the last `height` entries of each column, multiplied by the factor of the column. The order of the
-/// additions is fixed, so that all processors return the same sum.
+/// Adds the columns, each multiplied by its factor, to `sum`. Each column has `height` entries, of which only the last
+/// are used, as many as `sum` has. The order of the additions is fixed, so that all processors return the same sum.
 #[inline]
 fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(usize) -> f64) {
     let skipped = height - sum.len();

@@ -3,8 +3,8 @@
 //!
 //! The surface is modelled as a quadric plus a Gaussian process (a random smooth surface) with a given covariance. The
 //! errors of the contacts' heights and slopes are computed to first order from the errors of positions and normals. The
-//! equations are split into independent modes. In the modes in which the noise is larger than the process, the sum of
-//! squared residuals has a chi-squared distribution for any surface.
+//! equations for heights and slopes are split into independent modes. In the modes in which the noise has a larger
+//! variance than the process, the sum of squared residuals has a chi-squared distribution for any surface.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
 use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, SIGNIFICANCE_LEVEL, ratio_tail};
@@ -26,7 +26,7 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// to rounding errors, or be smaller than the approximation error of the series that describes the surface.
 const MIN_POSITION_STD: f64 = 5e-4;
 /// Assumed variance of the surface at a contact that is not part of the fit, relative to the variance that follows from
-/// the most probable process. The true variance is assumed to be at most as large.
+/// the most probable process. The true variance is assumed to be at most this large.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.
@@ -47,7 +47,8 @@ pub struct MisfitTest {
 }
 
 /// A Gaussian process that is added to a quadric. The process is stored as a matrix that maps independent random
-/// factors of variance 1 (columns) to coefficients of the series (rows). The coefficients of the quadric are left out.
+/// factors of variance 1 (columns) to coefficients of the series (rows). The coefficients that form quadrics are left
+/// out.
 pub(crate) type Process = DMatrix<f64>;
 
 pub(crate) struct Model<'a> {
@@ -105,7 +106,8 @@ impl Model<'_> {
     }
 
     /// For each contact in `others`, whether it contradicts the patch: whether the p-value of its residuals is below
-    /// `least`. These contacts are not part of the patch. A contact that is `None` cannot belong to the surface.
+    /// `least`. These contacts are not part of the patch. A contact that is `None` is too steep for the patch, so it
+    /// always contradicts the patch.
     ///
     /// # Errors
     /// Errors of [`Model::misfit`].
@@ -272,7 +274,7 @@ impl Refit {
         let square = (square - own.dot(&start)).max(0.0);
         let freedom = equations.saturating_sub(UNKNOWNS);
         let (mut noisy, mut chi_squared, mut outweighing) = (square, square, 0);
-        // If the model has no rough part, there are no modes to test.
+        // If the model has no Gaussian process, there are no modes to examine.
         let eigen = (rough > 0).then(|| rest.symmetric_eigen());
         let modes = eigen.iter().flat_map(|eigen| {
             let vectors = eigen.eigenvectors.column_iter();

@@ -38,8 +38,8 @@ const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
 /// contacts are so exact that the approximation error of the spline is visible, and the automatic number of intervals
 /// is doubled.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// Smallest number of coefficients that the series of the posterior has in addition to those of the spline. With them,
-/// the series can represent shapes that the spline cannot.
+/// Smallest number of coefficients that the Chebyshev series of the posterior has in addition to the number of the
+/// spline's coefficients. With these coefficients, the series can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
 /// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
@@ -117,7 +117,8 @@ impl Penalised {
     }
 
     /// For each contact in `others`, whether it contradicts the patch. These contacts are not part of the patch. A
-    /// contact that is `None` cannot belong to the surface. If the noise is unknown, no contact contradicts the patch.
+    /// contact that is `None` is too steep for the patch, so it contradicts the patch. If the noise is unknown, no
+    /// contact contradicts the patch.
     pub(crate) fn contradicting(
         &self,
         patch: &Patch,
@@ -130,8 +131,9 @@ impl Penalised {
         Ok(tested.unwrap_or_else(|| vec![false; others.len()]))
     }
 
-    /// Calls `test` with the fitted model and the most probable process of the roughness. Returns the result of `test`;
-    /// `None` if the noise is unknown. `fit` is the fit to this patch, if it was already computed.
+    /// Calls `test` with the fitted model and the most probable Gaussian process of the surface's roughness. Returns
+    /// the result of `test`; `None` if the noise is unknown. `fit` is the fit to this patch, if it was already
+    /// computed.
     fn tested<T>(
         &self,
         patch: &Patch,

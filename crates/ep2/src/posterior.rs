@@ -22,10 +22,10 @@ pub(crate) struct Posterior {
     degree: usize,
     /// Coefficients of the posterior mean of each derivative, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,
-    /// Coefficients of the covariance of each pair of derivatives, for twice the degree of the surface. The products
-    /// T_i(a) T_j(b) are grouped by i.
+    /// Coefficients of the covariance of each pair of derivatives, as a series of twice the degree of the surface. The
+    /// products T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
-    /// Factor by which the mean products of the errors are multiplied.
+    /// Factor by which the mean products (variances and covariances) of the errors are multiplied.
     widening: f64,
 }
 
@@ -66,7 +66,7 @@ impl Posterior {
         }
     }
 
-    /// Multiplies the mean products of the errors by `factor`.
+    /// Multiplies the mean products (variances and covariances) of the errors by `factor`.
     pub(crate) fn widen(&mut self, factor: f64) {
         self.widening *= factor;
     }
@@ -119,8 +119,8 @@ impl Maps {
         }
     }
 
-    /// Coefficients of the derivatives (p, q, r, s, t) of several series, from the derivative with the index `first`
-    /// on. Each row of `series` is one series.
+    /// Coefficients of the derivatives (p, q, r, s, t) of several series. The derivatives before the index `first` are
+    /// omitted. Each row of `series` is one series.
     fn all(&self, series: &DMatrix<f64>, first: usize) -> Vec<DMatrix<f64>> {
         let by_v = self.slopes[1].apply_to_rows(series);
         let last = self.bends[1].apply_to_rows(&by_v);

@@ -4,7 +4,7 @@ use std::ops::{AddAssign, Mul};
 
 use crate::knots::{Knots, MAX_DEGREE};
 
-/// Values at several places, from which the curvatures at these places are computed together.
+/// Values of one quantity at several places, which are processed together (SIMD).
 pub(crate) type Lanes = wide::f64x2;
 pub(crate) const LANES: usize = 2;
 

@@ -111,8 +111,8 @@ struct NormalEquations {
     of_square_term: SquareTerm,
 }
 
-/// The part of the normal equations that belongs to the coefficient m: its products with the other unknowns, its sum of
-/// squares, and its right side.
+/// The part of the normal equations that belongs to the coefficient m of the implicit quadric z = Q + m z²/2: its
+/// products with the other unknowns, its sum of squares, and its right side.
 #[derive(Default)]
 struct SquareTerm {
     products: Kinds<Row>,
@@ -167,8 +167,8 @@ impl SquareQuadric {
         Some(self)
     }
 
-    /// Adds the solution of the equations to the quadric, and estimates the noise again. m changes only if its prior
-    /// standard deviation `prior` is not 0.
+    /// Adds the solution of the equations to the quadric, and estimates the noise again. The coefficient m changes only
+    /// if its prior standard deviation `prior` is not 0.
     fn improve(
         &mut self,
         equations: &NormalEquations,

@@ -15,7 +15,8 @@ const PROBABILITY: f64 = 0.95;
 /// Largest ratio of the scatter of contacts across a stroke to their noise. At a larger ratio, the contacts are not a
 /// single stroke.
 const MAX_SPREAD_RATIO: f64 = 2.5;
-/// Assumed standard deviation of the stated outward direction, as a rotation about the direction of the stroke (rad).
+/// Assumed standard deviation of the error of the stated outward direction, as a rotation about the direction of the
+/// stroke (rad).
 const OUTWARD_STD: f64 = 0.1;
 /// Largest root-mean-square distance of the contacts from the fitted curve, relative to half of the stroke's length.
 const MAX_SPREAD: f64 = 0.1;
@@ -150,8 +151,8 @@ impl Stroke {
                 .get(index)
                 .map(|slope| slope[0] + slope[1] * turn)
         };
-        // If the path is bent, a slope across it adds higher derivatives to the heights. `of_path` is an upper bound of
-        // this effect.
+        // If the path is bent, a slope of the surface across the path adds higher derivatives to the heights along it.
+        // `of_path` is an upper bound of this effect.
         let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
         let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
         let of_path = (steepest * bend.abs()).max(1e-3);

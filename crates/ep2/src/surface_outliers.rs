@@ -1,8 +1,8 @@
 //! Finds outliers near the surface: contacts that contradict a smooth surface through the other contacts.
 //!
-//! Robust polynomials find suspects. A suspect is an outlier only if a fit to the contacts without suspects also
-//! contradicts it, because polynomials do not follow every surface. Outliers that lie together are kept, unless the path
-//! of a finger jumps to them.
+//! Robust polynomial fits find suspects, which are contacts far from the polynomial. A suspect is an outlier only if a
+//! fit to the contacts without suspects also contradicts it, because polynomials do not follow every surface. Outliers
+//! that lie close together are kept as a part of the surface, unless the path of a finger jumps to them.
 
 use std::ops::RangeInclusive;
 
@@ -25,8 +25,8 @@ const COUNT: usize = count(MAX_DEGREE);
 const MAX_CONTACTS: usize = 2000;
 /// Largest weight of a contact that represents a rest of a finger. The weight is a number of contacts.
 const MAX_REPEATS: usize = 5;
-/// Largest number of iterations of a robust fit. It minimises the absolute deviations until their median changes by less
-/// than the share [`MAX_CHANGE`], and then uses Tukey's biweight.
+/// Largest number of iterations of a robust fit. The fit minimises the absolute deviations until their median changes
+/// by less than the share [`MAX_CHANGE`], and then uses Tukey's biweight.
 const ITERATIONS: usize = 16;
 const MAX_CHANGE: f64 = 0.03;
 /// A contact has no weight at the start of a fit if its distance from the median place along u or v exceeds the median
@@ -43,20 +43,22 @@ const MIN_STD: f64 = 1e-6;
 /// Smallest residual of a suspect, relative to the median deviation of the heights or to the median slope. Without this
 /// limit, the small errors of a polynomial would count as outliers among exact readings.
 const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
-/// Largest number of fits in which suspects that agree with the other contacts are found.
+/// Largest number of fits that test whether suspects agree with the other contacts.
 const ROUNDS: usize = 6;
-/// Number of nearest contacts that are examined for each outlier, and largest number of outliers for which they are
-/// examined.
+/// For each outlier, this number of nearest contacts is examined. If there are more than `MAX_EXAMINED` outliers, only
+/// a part of the outliers is examined.
 const NEIGHBOURS: usize = 4;
 const MAX_EXAMINED: usize = 100;
-/// Smallest distance of a neighbour from an outlier, relative to the distance of the nearest contact that is no
-/// outlier. Outliers at one point beside the surface are nearer to each other.
+/// Smallest distance of an examined neighbour from an outlier, relative to the distance of the nearest contact that is
+/// no outlier. The limit excludes other outliers at the same point beside the surface.
 const MIN_DISTANCE_RATIO: f64 = 0.3;
 /// Largest mean share of outliers among the nearest contacts of an outlier, or `MAX_RELATIVE_NEIGHBOUR_SHARE` times the
-/// share of outliers among all contacts if that is larger. At a larger mean share, the surface differs from the model.
+/// share of outliers among all contacts if that is larger. At a larger mean share, the outliers lie together and are
+/// kept as a part of the surface.
 const MAX_NEIGHBOUR_SHARE: f64 = 0.3;
 const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
-/// Longest step of a finger, and the further distance for each contact that is skipped, relative to the median step.
+/// Longest step along the path of a finger, relative to the median step. `MAX_SKIPPED_STEP_RATIO` is added for each
+/// contact that the step skips.
 const MAX_STEP_RATIO: f64 = 3.0;
 const MAX_SKIPPED_STEP_RATIO: f64 = 1.5;
 /// Largest number of successive contacts beside the path of a finger.
@@ -103,9 +105,9 @@ impl SoundContacts {
     }
 }
 
-/// Whether each contact is beside the path of its finger: the longest path whose steps have the usual length skips it. A
-/// finger moves without jumps, so such a contact is suspect even if others lie beside it. In contacts without an order,
-/// all steps are long, and no contact is beside the path.
+/// Whether each contact is beside the path of its finger, that is, whether the longest path with steps of the usual
+/// length skips the contact. A finger moves without jumps, so such a contact is suspect even if other contacts lie
+/// close to it. In contacts without an order, all steps are long, and no contact is beside the path.
 fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (index, contact) in contacts.iter().enumerate() {
@@ -123,7 +125,8 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
         // Use the larger median, because this finger may have longer steps than the others.
         let step = median(steps_of(finger)).max(median(steps.clone()));
         let limits = [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * step);
-        // For each contact: the number of contacts on the longest path that ends at it, and the contact before it.
+        // For each contact: the number of contacts on the longest path that ends at this contact, and the contact
+        // before it on this path.
         let mut paths: Vec<(usize, Option<usize>)> = Vec::with_capacity(finger.len());
         for place in 0..finger.len() {
             let is_near = |before: &usize| {
@@ -238,7 +241,8 @@ fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>, count: usize) -> Ve
     contacts.copied().step_by(step).collect()
 }
 
-/// Whether each contact may be an outlier. `patch` contains a selection of the contacts. `None` if there are too few.
+/// Whether each contact may be an outlier. `patch` contains a selection of the contacts. `None` if the selection has
+/// too few contacts.
 fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
     let count_of_fitted = patch.samples.len();
     if count_of_fitted < MIN_CONTACTS {

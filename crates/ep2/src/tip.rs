@@ -128,7 +128,7 @@ impl RoundTip {
         up: Vector3<f64>,
     ) -> Option<f64> {
         /// An error is returned only if an eigenvalue is below 0 by at least this number of standard errors. The
-        /// probability of an error on a possible object is then 1/30,000.
+        /// probability of an unjustified error is then 1/30,000.
         const MIN_STANDARD_ERRORS: f64 = 4.0;
         let away = match up.iamin() {
             0 => Vector3::x(),

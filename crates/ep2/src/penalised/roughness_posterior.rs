@@ -101,7 +101,7 @@ struct Process {
     right: Vec<f64>,
 }
 
-/// A process with one correlation length and one amplitude, as one term of the average.
+/// A Gaussian process with one correlation length and one amplitude, as one term of the average over the posteriors.
 struct Candidate {
     square_amplitude: f64,
     /// Triangular factors of the matrix 1 + amplitude² × information, where the information of the contacts is in the
@@ -239,8 +239,8 @@ impl Eliminated {
     }
 }
 
-/// The Gaussian process with the most probable correlation length, scaled to the mean square of the amplitudes at this
-/// length.
+/// The Gaussian process with the most probable correlation length. Its squared amplitude is the mean of the squared
+/// amplitudes at this length, weighted by their probabilities.
 ///
 /// Returns a matrix that maps independent factors of unit variance (columns) to coefficients (rows). The rows are all
 /// products of polynomials except those of the quadrics.
@@ -292,7 +292,8 @@ struct Mixture {
 }
 
 impl Rest {
-    /// These equations. If their information exceeds [`MAX_INFORMATION`], the variances are increased to this limit.
+    /// These equations. If their information exceeds [`MAX_INFORMATION`], the variances are increased until the
+    /// information equals this limit.
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let information = self.gram.trace() * amplitude * amplitude;

@@ -246,8 +246,8 @@ impl<'a> Search<'a> {
         misfit - sums.log_determinants
     }
 
-    /// Score of a smoothing weight by the criterion; the best weight has the smallest score. It is infinite if the
-    /// effective degrees of freedom are too large.
+    /// Score of a smoothing weight by the criterion; the best weight has the smallest score. The score is infinite if
+    /// the effective degrees of freedom are too large.
     fn score(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             return self.deviance(sums);

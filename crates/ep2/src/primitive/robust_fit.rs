@@ -17,7 +17,7 @@ const MIN_DECREASE: f64 = 1e-4;
 /// rounding errors.
 const MIN_STD: f64 = 1e-9;
 /// Largest allowed ratio between the estimated variances of normals and positions, in either direction. Positions are
-/// in the unit of the spread.
+/// in the unit of the contacts' spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// errors of positions.
@@ -43,7 +43,7 @@ const MAX_CONTACTS: usize = 20_000;
 /// variance of the fit to all contacts. Then the contacts have too many outliers.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
-/// Stated standard deviations of positions (in the unit of the spread) and normals (rad).
+/// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
 pub(super) type StatedNoise = [Option<f64>; 2];
 
 #[derive(Clone, Copy, Debug)]
@@ -257,8 +257,8 @@ fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] 
     })
 }
 
-/// Inverse of the normal equations. Parameter combinations that the equations do not determine get a very large
-/// variance.
+/// Inverse of the matrix of the normal equations. Parameter combinations that the equations do not determine get a very
+/// large variance.
 fn inverse(gram: &Gram) -> Gram {
     let scales = gram
         .diagonal()

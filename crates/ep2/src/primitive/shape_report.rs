@@ -161,7 +161,7 @@ fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -
 }
 
 /// Whether the normals of a shape that was fitted without normals point outward. `None` if the outward direction does
-/// not determine this: it is tangential, or the contacts are all around the object.
+/// not determine this, because it is nearly tangential to the shape, or because the contacts are all around the object.
 fn outside(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> Option<bool> {
     let normals = cloud.places.iter().map(|place| pose.normal_at(place));
     let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;

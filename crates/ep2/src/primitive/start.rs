@@ -124,8 +124,8 @@ fn sphere(cloud: &Cloud, middle: &Vector3<f64>) -> Option<Pose> {
     is_good.then_some(pose)
 }
 
-/// Fits a cylinder with the axis direction `axis` to the contacts, by an algebraic fit. Returns the mean square
-/// distance of the contacts from the cylinder, and the cylinder.
+/// Fits a cylinder with the axis direction `axis` to the contacts, by an algebraic fit. Returns the sum of the squared
+/// distances of the contacts from the cylinder, and the cylinder.
 fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(f64, Pose)> {
     let frame = Pose::new(Shape::Cylinder, *middle, *axis, Vector3::x(), 0.0);
     let (one, other) = (frame.axis(0), frame.axis(1));

@@ -9,8 +9,8 @@ use crate::spline::TensorSpline;
 /// Largest allowed ratio of the lengths of the two parts into which a new knot divides an interval.
 const MAX_PART_RATIO: f64 = 10.0;
 
-/// The jumps of a derivative at a knot, for the `degree + 2` B-splines whose support contains the knot. Further entries
-/// are 0.
+/// The jumps of a derivative at a knot, for the `degree + 2` B-splines whose support contains the knot. The remaining
+/// entries of the array are 0.
 type Jumps = [f64; MAX_DEGREE + 2];
 
 /// Knots along u and along v.

@@ -96,7 +96,7 @@ fn a_saddle_is_fitted_by_a_biquadratic() {
 
 /// The smoothing sum of the paper is 1000 for 30 contacts of weight 100. A biquadratic spline without knots leaves 21
 /// degrees of freedom. If the noise is 5 % of the unit of length, the expected residual sum is 525, so knots are not
-/// needed. If it is 10 %, the sum is 2100, so knots are needed.
+/// needed. If the noise is 10 %, the expected sum is 2100, so knots are needed.
 #[test]
 fn the_noise_decides_the_number_of_knots() {
     let trials = 100;

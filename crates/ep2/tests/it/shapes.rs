@@ -42,8 +42,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Fits shapes to contacts on random caps. Returns the share of fits whose interval contains the true radius, and the
 /// share of fits in which the radius is determined. `ratios` contains the smallest and the largest value of sagitta ·
-/// √n / noise, where n is the number of contacts. Cases are skipped if the noise exceeds `max_noise` times the extent
-/// of the contacts.
+/// √n / noise, with the sagitta of the cap and the number n of contacts. Cases are skipped if the noise exceeds
+/// `max_noise` times the extent of the contacts.
 fn coverage(shape: Shape, with_normals: bool, ratios: [f64; 2], max_noise: f64) -> [f64; 2] {
     let [mut held, mut resolved, mut count] = [0.0; 3];
     for case in 0..120 {
