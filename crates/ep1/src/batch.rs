@@ -60,8 +60,8 @@ impl ProbeRotation {
 }
 
 impl Moments {
-    /// The moments of one set of readings, whose index is `set`. Each array of length `N` contains one of the sums for
-    /// `N` sets of readings.
+    /// The sums of the set of readings with index `set`. Each array of length `N` contains one of the sums for `N` sets
+    /// of readings.
     #[inline(always)]
     pub(crate) fn of_set<const N: usize>(
         deviations: &[[f64; N]; 3],
@@ -111,13 +111,13 @@ impl Default for BatchMoments {
 }
 
 impl BatchMoments {
-    /// The moments of the set of readings with index `place`, which must be below [`BATCH_SIZE`].
+    /// The sums of the set of readings with index `place`, which must be below [`BATCH_SIZE`].
     #[inline(always)]
     pub fn at(&self, place: usize) -> Moments {
         Moments::of_set(&self.deviations, &self.lengths, place)
     }
 
-    /// Stores the moments of the set of readings with index `place`, which must be below [`BATCH_SIZE`].
+    /// Stores the sums of the set of readings with index `place`, which must be below [`BATCH_SIZE`].
     #[inline(always)]
     pub fn put(&mut self, place: usize, moments: Moments) {
         for (sums, sum) in self.deviations.iter_mut().zip(moments.deviations) {
@@ -179,8 +179,8 @@ impl BatchEstimates {
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];
-        // Nearly always, all sets of readings determine a curvature. Then the sum of the flags equals their number.
-        // Test the sum first, because this is faster than a search.
+        // Nearly always, all sets of readings determine a curvature. Then the sum of the flags equals the number of
+        // sets. Test the sum first, because this is faster than a search.
         match all.iter().sum::<u64>() as usize {
             sum if sum == all.len() => sum,
             _ => all.iter().take_while(|&&one| one == 1).count(),

@@ -21,7 +21,7 @@ const MIN_STD: f64 = 1e-9;
 /// moves steadily.
 const PROBED: usize = 4;
 
-/// Successive samples with the same active pad.
+/// A run: successive samples of a roll with the same active pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Run {
     pub(crate) first: usize,
@@ -43,8 +43,8 @@ pub(crate) struct Crossing {
     pub(crate) std: f64,
 }
 
-/// Removes the runs between a change of the active pad and the change back. Two pads that are active alternately do not
-/// locate the contact.
+/// Removes the runs (successive samples on one pad) between a change of the active pad and the change back. Two pads
+/// that are active alternately do not locate the contact.
 pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     let mut kept = Vec::with_capacity(all.len());
     let mut at = 0;
@@ -59,8 +59,9 @@ pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     kept
 }
 
-/// The crossings of pad edges between successive runs. Distances are in radii of the probe. `mobility` is the contact's
-/// travel per radian. It determines the direction of rotation that moves the contact across an edge.
+/// The crossings of pad edges between successive runs, which are samples on one pad each. Distances are in radii of the
+/// probe. `mobility` is the contact's travel per radian. It determines the direction of rotation that moves the contact
+/// across an edge.
 pub(crate) fn crossings(
     samples: &[RollSample],
     runs: &[Run],
@@ -156,9 +157,10 @@ fn rotation_at_change(
     (rotation, (variance + width * width / 12.0).sqrt())
 }
 
-/// For each edge of the pad of each run, finds the sample whose contact is furthest towards this edge. Only the samples
-/// at the ends of [`PROBED`] intervals of the run are compared. If several runs have the same edge, only one sample is
-/// returned for it. Each result consists of the index of the edge, its offset and the index of the sample.
+/// For each edge of the pad of each run (successive samples on one pad), finds the sample whose contact is furthest
+/// towards this edge. Only the samples at the ends of [`PROBED`] intervals of the run are compared. If several runs
+/// have the same edge, only one sample is returned for it. Each result consists of the index of the edge, the offset of
+/// the edge and the index of the sample.
 pub(crate) fn edge_samples(
     samples: &[RollSample],
     runs: &[Run],

@@ -12,7 +12,7 @@ pub struct Measured {
     pub std: Option<f64>,
 }
 
-/// The object's curvature at the contact, in the probe's first contact frame (u, v).
+/// The object's curvature at the contact, in the contact frame (u, v) at the start of the rolls.
 ///
 /// ```
 /// use nalgebra::Vector2;

@@ -13,8 +13,8 @@ use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::PadCell;
 
-/// Numbers of nodes of successive numerical integrals over the set of possible mobilities. The mean and the covariance
-/// from each integral are the first guess for the next one.
+/// Numbers of nodes of successive numerical integrals over the set of possible mobilities (contact travels per radian).
+/// The mean and the covariance from each integral are the first guess for the next one.
 const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
 /// The result of an integral is accepted if the effective number of its weighted nodes, divided by the number of all
 /// nodes, exceeds this value.
@@ -23,19 +23,20 @@ const MIN_EFFECTIVE: f64 = 0.15;
 const BLOCK: usize = 32;
 /// Number of integration nodes that are computed once and stored.
 const MOST_NODES: usize = 2048;
-/// Standard deviation of the integration nodes, relative to the standard deviation of the mobility over the set.
+/// Standard deviation of the integration nodes, relative to the standard deviation of the mobility (contact travel per
+/// radian).
 const NODE_WIDTH: f64 = 1.3;
 /// Largest distance of an integration node from the mean of all nodes, in standard deviations of the nodes.
 const NODE_RADIUS: f64 = 5.8;
-/// Largest change of a component of the mobility that is considered, in radii of the probe. A set of mobilities that
-/// reaches this change counts as open, that is, as unbounded.
+/// Largest change of a component of the mobility (contact travel per radian) that is considered, in radii of the probe.
+/// A set of mobilities that reaches this change counts as open, that is, as unbounded.
 pub(crate) const OPEN: f64 = 16.0;
 /// A bound (row) counts as violated if a point violates it by more than this distance, in radii of the probe.
 const TOLERANCE: f64 = 1e-12;
 /// The start of a roll may violate the bounds (rows) of the roll by this distance, in radii of the probe. The distance
 /// is larger than the rounding errors of the sums of rows.
 const START_TOLERANCE: f64 = 1e-9;
-/// Largest number of steps of the simplex method, and of rounds that add sums of rows.
+/// Largest number of steps of the simplex method, and of rounds that add bounds.
 const MAX_STEPS: usize = 300;
 /// Relative change of the direction in which a linear program searches. This change avoids cycles of the simplex
 /// method.
@@ -44,7 +45,7 @@ const OBLIQUE: f64 = 1e-7;
 /// areas in the range of doubles.
 const UNIT: f64 = 1e-3;
 
-/// A bound (row) `form · β ≤ slack` of the change β of the mobility.
+/// A bound (row) `form · β ≤ slack` of the change β of the mobility (contact travel per radian).
 type Row = (Vector3<f64>, f64);
 
 /// A bound (row) `form · β + normal · start ≤ slack` of one roll, with the index of the pad's edge. β is the change of
@@ -60,24 +61,24 @@ pub(crate) struct EdgeRow {
 /// The bounds (rows) of one roll.
 #[derive(Clone, Debug)]
 pub(crate) struct RollRows {
-    /// The rows, in the order of their edges.
+    /// The bounds, in the order of the pads' edges to which they belong.
     pub(crate) rows: Vec<EdgeRow>,
     pub(crate) is_start_known: bool,
 }
 
-/// The corner of a polyhedron that is furthest in a direction.
+/// The corner of the polyhedron of all bounds that is furthest in a direction.
 struct Corner {
     point: Vector3<f64>,
-    /// For each of the three rows through the corner: its index (`None` for a side of the bounding box), and its share.
-    /// The direction is the sum of the rows' normals, each multiplied by its share.
+    /// For each of the three bounds (rows) through the corner: its index (`None` for a side of the bounding box), and
+    /// its share. The direction is the sum of the rows' normals, each multiplied by its share.
     shares: [(Option<usize>, f64); 3],
 }
 
-/// Indices of the three rows through a corner; `None` for a side of the bounding box.
+/// Indices of the three bounds (rows) through a corner; `None` for a side of the bounding box.
 type Basis = [Option<usize>; 3];
 
-/// State of the linear programs for the rows of all rolls. A program begins at the corner at which the last program
-/// ended. The sums of rows, in which the starts cancel, are used for all directions.
+/// State of the linear programs for the bounds (rows) of all rolls. A program begins at the corner at which the last
+/// program ended. The sums of rows, in which the starts cancel, are used for all directions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Programs {
     sums: Vec<Row>,
@@ -85,7 +86,7 @@ pub(crate) struct Programs {
 }
 
 impl Programs {
-    /// The programs of the same rolls after the rows have changed slightly.
+    /// The linear programs of the same rolls after the bounds have changed slightly.
     pub(crate) fn restarted(&self) -> Self {
         Self {
             sums: Vec::new(),
@@ -149,8 +150,8 @@ fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Opti
     None
 }
 
-/// The change of the mobility that is furthest in `direction` and agrees with all rolls, and the changes of the rolls'
-/// starts that belong to it. `None` if no change agrees with all rolls.
+/// The change of the mobility (contact travel per radian) that is furthest in `direction` and agrees with all rolls,
+/// and the changes of the rolls' starts that belong to it. `None` if no change agrees with all rolls.
 pub(crate) fn furthest_change(
     rolls: &[RollRows],
     direction: &Vector3<f64>,
@@ -197,15 +198,15 @@ pub(crate) fn furthest_change(
     None
 }
 
-/// A row, divided by the length of its normal `form`.
+/// A bound, divided by the length of its normal `form`.
 fn scaled(form: Vector3<f64>, slack: f64) -> Row {
     let scale = 1.0 / form.norm().max(1e-12);
     (form * scale, slack * scale)
 }
 
 impl RollRows {
-    /// The start of the roll whose largest violation of the rows is smallest if the mobility changes by `point`. The
-    /// third coordinate of the corner is this violation.
+    /// The start of the roll for which the largest violation of a bound is smallest, if the mobility changes by
+    /// `point`. The third coordinate of the corner is this violation.
     fn start(
         &self,
         point: &Vector3<f64>,
@@ -220,7 +221,7 @@ impl RollRows {
         furthest(rows, &-Vector3::z(), basis)
     }
 
-    /// The weighted sum of the rows through a corner, in which the unknown start cancels. `None` if the corner is on
+    /// The weighted sum of the bounds through a corner, in which the unknown start cancels. `None` if the corner is on
     /// the bounding box.
     fn sum(&self, corner: &Corner) -> Option<Row> {
         let (mut form, mut slack) = (Vector3::zeros(), 0.0);
@@ -235,10 +236,10 @@ impl RollRows {
         Some(scaled(form, slack))
     }
 
-    /// The rows as bounds of the mobility alone, in the order of their edges. `response` is the derivative of the
-    /// roll's start with respect to the mobility.
+    /// The bounds of the roll as bounds of the mobility alone, in the order of the pads' edges. `response` is the
+    /// derivative of the roll's start with respect to the mobility.
     ///
-    /// The normals of a roll's rows differ slightly from the normals of the pads' edges. In the term with this small
+    /// The normals of a roll's bounds differ slightly from the normals of the pads' edges. In the term with this small
     /// difference, the likeliest start replaces the unknown start.
     fn of_mobility(&self, response: &Matrix2x3<f64>, cell: &PadCell) -> Vec<MobilityRow> {
         let mut all = Vec::with_capacity(self.rows.len());
@@ -260,7 +261,7 @@ impl RollRows {
         all
     }
 
-    /// Indices of the rows that no other row of the same edge implies for mobilities near `mean`. `root` is the
+    /// Indices of the bounds that no other bound of the same edge implies for mobilities near `mean`. `root` is the
     /// Cholesky factor of the mobility's covariance.
     pub(crate) fn needed(
         &self,
@@ -275,7 +276,8 @@ impl RollRows {
     }
 }
 
-/// A row `form · β ≤ slack` of one roll, with the index of the pad's edge and the number of its [`EdgeRow`].
+/// A bound `form · β ≤ slack` of the change β of the mobility from one roll, with the index of the pad's edge and the
+/// index of the [`EdgeRow`].
 #[derive(Clone, Copy, Debug)]
 struct MobilityRow {
     edge: usize,
@@ -284,8 +286,8 @@ struct MobilityRow {
     number: usize,
 }
 
-/// Removes the rows that another row of the same edge implies at all integration nodes. `root` is the Cholesky factor
-/// of the mobility's covariance.
+/// Removes the bounds that another bound of the same edge implies at all integration nodes. `root` is the Cholesky
+/// factor of the mobility's covariance.
 fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix3<f64>) {
     let at_mean = |row: &MobilityRow| row.slack - row.form.dot(mean);
     let mut tightest: [Option<MobilityRow>; 6] = [None; 6];
@@ -303,11 +305,11 @@ fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix
     });
 }
 
-/// Mean and covariance of the mobility, if the starts and the mobility are distributed uniformly over the values that
-/// agree with the readings. The density of the mobility is then proportional to the product of the areas in which the
-/// rolls can start. `is_possible` excludes mobilities with which the contact would not roll. `centre` and `covariance`
-/// are first guesses of the mean and the covariance, and `responses` are the derivatives of the starts with respect to
-/// the mobility.
+/// Mean and covariance of the mobility (contact travel per radian), if the starts of the rolls and the mobility are
+/// distributed uniformly over the values that agree with the readings. The density of the mobility is then proportional
+/// to the product of the areas in which the rolls can start. `is_possible` excludes mobilities with which the contact
+/// would not roll. `centre` and `covariance` are first guesses of the mean and the covariance, and `responses` are the
+/// derivatives of the starts with respect to the mobility.
 pub(crate) fn distribution(
     rolls: &[RollRows],
     responses: &[Matrix2x3<f64>],
@@ -366,7 +368,7 @@ pub(crate) fn distribution(
 }
 
 /// Multiplies each of the `areas` by the area in which a roll can start if the mobility changes by (`uu`, `uv`, `vv`).
-/// If the start is known, this area is 1 if the mobility agrees with the rows, otherwise 0.
+/// If the start is known, this area is 1 if the mobility agrees with all bounds, otherwise 0.
 fn multiply_areas(
     rows: &[MobilityRow],
     is_start_known: bool,

@@ -25,14 +25,15 @@ pub(crate) struct Law {
     /// plane.
     pub(crate) inverse: Symmetric3,
     /// Correction that is added to the sums of `g₁ d₁` and `g₂ d₂` (length). On average, the errors of the measured
-    /// rotations decrease both sums by this value. Here `g` is the drive of a probe, and `d = Δp − R₁ g` is the
-    /// deviation of its shift from the shift on a plane.
+    /// rotations decrease both sums by this value. Here `g` is the rotation vector of a probe, turned by 90°, and `d =
+    /// Δp − R₁ g` is the deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
-    /// Covariance of the entries of `K₁ D` (see `inverse`) that is due to the noise of the shifts and to rounding.
+    /// Covariance of the entries of `K₁ D` that is due to the noise of the shifts and to rounding. K₁ is the probe's
+    /// curvature, and D the deviation of the mobility from the mobility on a plane.
     pub(crate) from_shifts: Symmetric3,
-    /// One matrix for each of the entries `uu`, `vv` and `uv` of `(K₁ B)²`, where B is the mobility. The sum of these
-    /// matrices, each multiplied by its entry, is the covariance of the entries of `K₁ D` (see `inverse`) that is due
-    /// to the noise of the rotations.
+    /// One matrix for each of the entries `uu`, `vv` and `uv` of `(K₁ B)²`, where K₁ is the probe's curvature and B the
+    /// mobility. The sum of these matrices, each multiplied by its entry, is the covariance of the entries of `K₁ B`
+    /// that is due to the noise of the rotations.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
@@ -78,9 +79,9 @@ impl Law {
     /// Fits one set of readings without branches, so that many sets can be fitted together.
     #[inline(always)]
     pub(crate) fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
-        // K₁ is the probe's curvature, and K_rel = K₁ + K₂ is the relative curvature. The matrix D maps the drive g of
-        // a roll to the deviation of its shift from the shift on a plane. `deviation` is the matrix K₁ D. `travel` is
-        // the matrix I + K₁ D, which is the inverse of K_rel / K₁.
+        // K₁ is the probe's curvature, and K_rel = K₁ + K₂ is the relative curvature. The matrix D maps the rotation
+        // vector of a roll, turned by 90°, to the deviation of its shift from the shift on a plane. `deviation` is the
+        // matrix K₁ D. `travel` is the matrix I + K₁ D, which is the inverse of K_rel / K₁.
         let [along_u, along_v, mixed] = moments.deviations;
         let deviation = match IS_STATED {
             true => self
@@ -128,8 +129,8 @@ impl Law {
         }
     }
 
-    /// Covariance of the entries of `K₁ B`, the mobility times the probe's curvature. `travel` is the estimate of `K₁
-    /// B`.
+    /// Covariance of the entries of `K₁ B`, where K₁ is the probe's curvature and B the mobility (contact travel per
+    /// radian). `travel` is the estimate of `K₁ B`.
     #[inline(always)]
     pub(crate) fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
         self.from_shifts
@@ -177,8 +178,8 @@ impl Law {
 }
 
 /// Derivatives of the object's curvatures K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of `K₁ B`.
-/// Here K₁ is the probe's curvature and B the mobility. The results are the derivatives multiplied by `−det²/K₁`, where
-/// `det` is the determinant of `K₁ B`.
+/// Here K₁ is the probe's curvature and B the mobility (contact travel per radian). The results are the derivatives
+/// multiplied by `−det²/K₁`, where `det` is the determinant of `K₁ B`.
 #[inline(always)]
 pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
     // `w` is the relative curvature of object and probe, in units of K₁ / det, where det is the determinant of
@@ -205,7 +206,8 @@ fn root(variance: f64) -> f64 {
 
 /// The result of a fit. It is valid only if `moved` and `in_range` are true.
 pub(crate) struct Solution {
-    /// Movement of the contact, divided by its movement on a plane: the mobility B times the probe's curvature K₁.
+    /// Travel of the contact per radian (mobility B), divided by its travel on a plane: `K₁ B` with the probe's
+    /// curvature K₁.
     pub(crate) travel: Symmetric,
     /// The object's curvature form.
     pub(crate) curvature: Symmetric,

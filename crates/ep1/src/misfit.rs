@@ -13,7 +13,7 @@ use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, StatedQuantity}
 
 use crate::{Estimate, ProbeReading, ReadingNoise};
 
-/// Number of fitted entries of the mobility `B`, which is a symmetric 2×2 matrix.
+/// Number of fitted entries of the mobility `B` (contact travel per radian), which is a symmetric 2×2 matrix.
 const MOBILITY_ENTRIES: usize = 3;
 /// Number of fitted parameters: the entries of the mobility `B`, and the two components of the shift that all probes on
 /// pads share.
@@ -125,8 +125,8 @@ struct Refit<'r> {
     noise: ReadingNoise,
     estimate: &'r Estimate,
     readings: &'r [ProbeReading],
-    /// Units in which the derivatives of the residuals are computed. The first is the longest rotation. The second is
-    /// the smallest standard deviation of a residual, divided by the probe's radius.
+    /// Units in which the derivatives of the residuals are computed. The first unit is the longest rotation. The second
+    /// unit is the smallest standard deviation of a residual, divided by the probe's radius.
     units: [f64; 2],
     covariance: Unknowns,
     /// Change of the fitted parameters that minimises chi-squared.
@@ -136,7 +136,7 @@ struct Refit<'r> {
 }
 
 impl<'r> Refit<'r> {
-    /// Fits the parameters. `None` if the readings and their noise do not determine them.
+    /// Fits the parameters. `None` if the readings and their noise do not determine the parameters.
     fn new(
         noise: ReadingNoise,
         estimate: &'r Estimate,

@@ -14,8 +14,8 @@ use crate::{PadCell, Quantity, RollSample, RollSeries};
 /// Largest number of times that the bounds are linearised to find one extreme value over the set of possible
 /// mobilities.
 const PASSES: usize = 8;
-/// An extreme value over the set has converged if its last change is less than this fraction of its distance from the
-/// mean. The next change is estimated from the last one, and is added.
+/// An extreme value over the set of possible mobilities has converged if its last change is less than this fraction of
+/// its distance from the mean. The next change is estimated from the last change, and is added.
 const CONVERGED: f64 = 0.03;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
@@ -25,11 +25,12 @@ const MAX_SPREAD: f64 = 0.03;
 /// Largest deviation of the mobility from its mean over the set, relative to the mean, for which the distribution of
 /// the mobility counts as normal.
 const MAX_DEVIATION: f64 = 0.06;
-/// First guess of the standard deviation of the mobility, relative to the half-width of the set.
+/// First guess of the standard deviation of the mobility (contact travel per radian), relative to the half-width of the
+/// set of possible mobilities.
 const STD_OF_HALF_WIDTH: f64 = 0.4;
 /// Largest number of times that the bounds of the set are linearised at the middle of the set.
 const CENTRES: usize = 5;
-/// Largest number of times that a change of the mobility is halved.
+/// Largest number of times that a change of the mobility is halved until the contact rolls.
 const MAX_HALVINGS: usize = 60;
 /// Distances, in radii of the probe, by which the linear bounds are widened if no mobility fulfils them.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
@@ -43,7 +44,7 @@ pub(crate) struct BoundedRoll {
     pub(crate) is_start_known: bool,
     /// Contact point at the start of the roll, or a first guess of it, in radii of the probe.
     pub(crate) start: Vector2<f64>,
-    /// Derivatives of the start with respect to the entries uu, uv, vv of the mobility.
+    /// Derivatives of the start with respect to the entries uu, uv, vv of the mobility (contact travel per radian).
     pub(crate) response: Matrix2x3<f64>,
     /// For each bound, the index of the pad's edge, its offset in radii of the probe, and the index of the rotation in
     /// `rotations`.
@@ -64,7 +65,7 @@ impl BoundedRoll {
         let mobility = shape.relative().try_inverse()?;
         let mut edges = edge_samples(samples, runs, cell.pitch() / radius, cell, &mobility);
         let turned = samples.last()?.rotation;
-        // If the path bends, it is computed at more rotations than the bounds need.
+        // If the path bends, it is computed at more rotations than those at which the bounds are needed.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
         let bend = uneven * turned.norm() + sagitta(samples);
         let square = turned.norm_squared() * bend / 12.0;
@@ -79,14 +80,14 @@ impl BoundedRoll {
                     .step_by(step)
                     .map(|at| samples[at].rotation),
             );
-            // Bounds of the same sample share its rotation.
+            // Bounds that come from the same sample share the rotation of this sample.
             if rotations.is_empty() || edge.2 != last {
                 last = edge.2;
                 rotations.push(samples[last].rotation);
             }
             edge.2 = rotations.len() - 1;
         }
-        // The bounds are widened by the error of the path.
+        // The bounds are widened by the estimated error of the computed path.
         let count = rotations.len() as f64;
         for edge in &mut edges {
             edge.1 += square / (count * count);
@@ -117,9 +118,9 @@ pub(crate) struct PadEdgeSet {
     cell: PadCell,
     rolls: Vec<BoundedRoll>,
     shape: LocalShape,
-    /// The mobility at the centre, in radii of the probe.
+    /// The mobility (contact travel per radian) at the centre of the set, in radii of the probe.
     centre: Matrix2<f64>,
-    /// The bounds, linearised at the centre.
+    /// The bounds of the mobility, linearised at the centre of the set.
     rows: Vec<RollRows>,
     /// Mean of the mobility over the set, minus the mobility at the centre: entries uu, uv, vv.
     mean: Vector3<f64>,
@@ -177,7 +178,8 @@ impl PadEdgeSet {
                 }
                 break;
             }
-            // The middle of a wide set need not be the mobility of a rolling contact.
+            // With the mobility in the middle of a wide set, the contact possibly does not roll. Then move the middle
+            // towards the centre.
             let centre = set.centre + matrix(&set.rolling(change));
             (set.shape, set.centre) = (LocalShape::of_mobility(&centre)?, centre);
             set.mean = Vector3::zeros();
@@ -214,8 +216,8 @@ impl PadEdgeSet {
         rolling.next().unwrap_or_default()
     }
 
-    /// Computes the mean and the covariance of the mobility over the set, with the linearised bounds. `centre` and
-    /// `guess` are first guesses of the mean and the covariance.
+    /// Computes the mean and the covariance of the mobility (contact travel per radian) over the set, with the
+    /// linearised bounds. `centre` and `guess` are first guesses of the mean and the covariance.
     fn distribute(&mut self, centre: Vector3<f64>, guess: Matrix3<f64>) -> Option<()> {
         let responses: Vec<_> = self.rolls.iter().map(|roll| roll.response).collect();
         let is_possible = |change: &Vector3<f64>| is_rolling(&(self.centre + matrix(change)));
@@ -231,7 +233,8 @@ impl PadEdgeSet {
         Some(())
     }
 
-    /// Whether the set is open, that is, the readings do not limit the mobility in some direction.
+    /// Whether the set of possible mobilities is open, that is, the readings do not limit the mobility in some
+    /// direction.
     pub(crate) fn is_open(&self) -> bool {
         let direction = Vector3::new(1.0, 0.0, 1.0);
         let end = furthest_change(&self.rows, &direction, &mut Programs::default());
@@ -250,25 +253,26 @@ impl PadEdgeSet {
         })
     }
 
-    /// Whether the standard deviation of the mobility is so large that the set may be unbounded.
+    /// Whether the standard deviation of the mobility (contact travel per radian) is so large that the set of possible
+    /// mobilities may be unbounded.
     pub(crate) fn is_wide(&self) -> bool {
         largest_spread(&self.mobility(), &self.covariance) > MAX_SPREAD
     }
 
-    /// Whether so few edges are crossed that the distribution of the curvature inside the set is not normal.
+    /// Whether so few pad edges are crossed that the distribution of the curvature is not normal.
     pub(crate) fn has_few_crossings(&self) -> bool {
         let largest = |[low, high]: [f64; 2]| high.max(-low);
         self.deviations()
             .is_none_or(|ends| largest(ends) > MAX_DEVIATION)
     }
 
-    /// Mean mobility, in radii of the probe.
+    /// Mean mobility (contact travel per radian), in radii of the probe.
     pub(crate) fn mobility(&self) -> Matrix2<f64> {
         self.centre + matrix(&self.mean)
     }
 
-    /// The bounds of all rolls, linearised at the shape `shape` and at the starts `starts`. `None` if the contact
-    /// cannot follow the rotations.
+    /// The bounds of all rolls, linearised at the shape `shape` and at the starts `starts`. `None` if a contact on this
+    /// shape cannot roll as measured.
     fn linearised(&self, shape: &LocalShape, starts: &[Vector2<f64>]) -> Option<Vec<RollRows>> {
         let normals: Vec<_> = self.cell.normals().collect();
         let mut path = Vec::new();
@@ -296,9 +300,10 @@ impl PadEdgeSet {
         Some(all)
     }
 
-    /// Largest value of `direction · β` over the set, where β is the difference of a mobility from the centre. Each
-    /// step linearises the bounds at the last maximum and maximises again, until the value changes by less than
-    /// [`CONVERGED`]. The expected next change is then added. `None` if the set is unbounded in this direction.
+    /// Largest value of `direction · β` over the set of possible mobilities, where β is the difference of a mobility
+    /// from the centre. Each step linearises the bounds at the last maximum and maximises again, until the value
+    /// changes by less than [`CONVERGED`]. The expected next change is then added. `None` if the set is unbounded in
+    /// this direction.
     fn furthest(&self, direction: &Vector3<f64>, programs: &mut Programs) -> Option<f64> {
         let mean = direction.dot(&self.mean);
         let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;
@@ -334,8 +339,9 @@ impl PadEdgeSet {
         Some(largest)
     }
 
-    /// Bounds of the smallest and the largest eigenvalue of A δ over the set. δ is the difference of a mobility from
-    /// the mean mobility, and A is the inverse of the mean mobility. `None` if the set is open.
+    /// Bounds of the smallest and the largest eigenvalue of A δ over the set of possible mobilities. δ is the
+    /// difference of a mobility from the mean mobility, and A is the inverse of the mean mobility. `None` if the set is
+    /// unbounded.
     pub(crate) fn deviations(&self) -> Option<[f64; 2]> {
         *self.deviations.get_or_init(|| {
             let root = self.mobility().try_inverse()?.cholesky()?.unpack();
@@ -360,8 +366,8 @@ impl PadEdgeSet {
         })
     }
 
-    /// The smallest and the largest value of a curvature over the set, in units of the probe's curvature; `None` where
-    /// the curvature has no bound. `quantity` must not be a principal curvature.
+    /// The smallest and the largest value of a curvature over the set of possible mobilities, in units of the probe's
+    /// curvature. An end is `None` if the curvature has no bound there. `quantity` must not be a principal curvature.
     ///
     /// The curvature is a linear function of the mobility plus a remainder. The [deviations](Self::deviations) of the
     /// mobility bound this remainder.
@@ -425,8 +431,9 @@ impl PadEdgeSet {
         [low, high].map(|end| end.is_finite().then_some(end))
     }
 
-    /// The smallest and the largest value of each principal curvature over the set, in units of the probe's curvature.
-    /// The first pair belongs to the smaller principal curvature. An end is infinite if the curvature has no bound.
+    /// The smallest and the largest value of each principal curvature over the set of possible mobilities, in units of
+    /// the probe's curvature. The first pair belongs to the smaller principal curvature. An end is infinite if the
+    /// curvature has no bound.
     pub(crate) fn principal_ends(&self) -> [[f64; 2]; 2] {
         *self.principal.get_or_init(|| {
             let form = self.mobility().try_inverse().unwrap_or_default() - Matrix2::identity();
@@ -467,8 +474,8 @@ impl PadEdgeSet {
     }
 }
 
-/// Whether a contact with this mobility rolls, that is, whether the matrix is positive definite. The inverse of a
-/// mobility has the same property.
+/// Whether a contact with this mobility (travel per radian) rolls, that is, whether the matrix is positive definite.
+/// The matrix may also be the inverse of a mobility.
 fn is_rolling(mobility: &Matrix2<f64>) -> bool {
     mobility.determinant() > 0.0 && mobility.trace() > 0.0
 }
@@ -491,7 +498,7 @@ fn entries(slopes: &Matrix2<f64>) -> Vector3<f64> {
 /// vv, the half-widths along these axes, and the mean change of the start of each roll.
 type Middle = (Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>);
 
-/// The middle of the set. `None` if the set is empty.
+/// The middle of the set of possible changes of the mobility. `None` if the set is empty.
 fn middle(rows: &[RollRows]) -> Option<Middle> {
     let (mut mean, mut half_widths) = (Vector3::zeros(), Vector3::zeros());
     let mut starts = vec![Vector2::zeros(); rows.len()];

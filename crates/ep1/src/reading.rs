@@ -42,7 +42,7 @@ pub struct ReadingNoise {
     /// Resolution of shifts (length): the sensor may report a shorter shift as zero. It is 0 if the sensor has no such
     /// limit.
     pub shift_resolution: f64,
-    /// Place on the pads at which the rolls start. It has no effect without pads.
+    /// Place on the pads at which the rolls start. This field has no effect without pads.
     pub pad_start: PadStart,
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct RollData {
     pub(crate) start: Vector2<f64>,
     /// Standard deviation of the first guess `start`; infinite if the guess has no weight.
     pub(crate) start_std: f64,
-    /// Rotations at the observations.
+    /// Rotations of the probe at the observations.
     pub(crate) rotations: RollRotations,
     pub(crate) observations: Vec<Observation>,
 }
@@ -60,10 +60,10 @@ pub(crate) struct RollData {
 pub(crate) struct FitNoise {
     /// Standard deviation of contact points, in radii of the probe.
     pub(crate) contact_std: f64,
-    /// Standard deviation (rad) of the part of a rotation's error that does not depend on the rotation; drawn for each
-    /// sample.
+    /// Standard deviation (rad) of the part of a rotation's error that does not depend on the rotation. This error is
+    /// independent in each sample.
     pub(crate) rotation_std: f64,
-    /// Standard deviation of the rotation in each sample, divided by the rotation.
+    /// Standard deviation of the error of the rotation in each sample, divided by the rotation.
     pub(crate) relative_sample_std: f64,
     /// Standard deviation of the relative error that all rotations of a roll have in common.
     pub(crate) relative_roll_std: f64,
@@ -85,7 +85,7 @@ pub(crate) struct RollFit<const N: usize> {
     step: Vector4<f64>,
     /// Derivatives of the roll's own unknowns with respect to the coefficients of the shape.
     response: SMatrix<f64, 4, N>,
-    /// Position of the last contact on the object, in the carried frame.
+    /// Position of the last contact on the object, in the frame that is carried along the path.
     pub(crate) end: Vector2<f64>,
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct RollFit<const N: usize> {
 pub(crate) struct SeriesFit<const N: usize> {
     pub(crate) shape: LocalShape,
     /// Sum of the normal equations of the rolls. For a shape with one term, the unknowns are the entries uu, uv, vv of
-    /// the mobility; otherwise they are the coefficients of the shape.
+    /// the mobility (contact travel per radian); otherwise they are the coefficients of the shape.
     pub(crate) information: SMatrix<f64, N, N>,
     pub(crate) covariance: SMatrix<f64, N, N>,
     pub(crate) rolls: Vec<RollFit<N>>,
@@ -278,8 +278,8 @@ impl<const N: usize> RollFit<N> {
 }
 
 impl<const N: usize> SeriesFit<N> {
-    /// Fits `rolls`, starting from `shape`. The steps end if the coefficients change by less than `tolerance`. `None`
-    /// if the readings do not determine the coefficients.
+    /// Fits the object's shape to `rolls`, starting from `shape`. The steps end if the coefficients change by less than
+    /// `tolerance`. `None` if the readings do not determine the coefficients.
     pub(crate) fn new(
         rolls: &[RollData],
         noise: &FitNoise,

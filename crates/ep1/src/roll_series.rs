@@ -68,12 +68,13 @@ impl PadCell {
         self.normals().all(|normal| normal.dot(place) <= half)
     }
 
-    /// Number of edges of the polygon.
+    /// Number of edges of the pad.
     pub(crate) const fn edges(&self) -> usize {
         2 * self.pairs
     }
 
-    /// Unit normals of the edges, in the order of their angles. Each edge is half a pitch from the centre.
+    /// Unit normals of the edges, in the order of their angles. Each edge is half a pitch away from the centre of the
+    /// pad.
     pub(crate) fn normals(&self) -> impl Iterator<Item = Vector2<f64>> + use<> {
         let half_root = 0.5 * 3.0_f64.sqrt();
         let all = match self.pairs {

@@ -19,12 +19,12 @@ pub(crate) const MAX_TERMS: usize = 4;
 pub(crate) const MAX_COEFFICIENTS: usize = coefficients(MAX_TERMS);
 /// Largest number of Newton steps that solve for the position of the contact.
 const NEWTON_STEPS: usize = 4;
-/// If a Newton step is shorter than this, the iteration ends. The remaining error is about the square of the step,
-/// which is negligible.
+/// If a Newton step is shorter than this value, the iteration ends. The remaining error is about the square of the
+/// step, which is negligible.
 const SMALL_STEP: f64 = 1e-5;
 
-/// Number of coefficients of a polynomial with `terms` terms: 3 for the curvature form, 4 for its first derivatives,
-/// and so on.
+/// Number of coefficients of a polynomial with `terms` terms: 3 for the curvature form, 4 more for its first
+/// derivatives, and so on.
 pub(crate) const fn coefficients(terms: usize) -> usize {
     terms * (terms + 5) / 2
 }
@@ -49,7 +49,7 @@ impl LocalShape {
         Some(Self { terms: 1, tensors })
     }
 
-    /// The sum of the curvature forms of probe and object at the start.
+    /// The sum of the curvature forms of probe and object at the start of the rolls.
     pub(crate) fn relative(&self) -> Matrix2<f64> {
         let [uu, uv, vv, ..] = self.tensors;
         Matrix2::new(1.0 + uu, uv, uv, 1.0 + vv)
@@ -129,7 +129,8 @@ pub(crate) struct PathPoint {
     pub(crate) x: Vector2<f64>,
     /// The drive (rotation vector, turned by 90°), summed over the path from the start.
     drive: Vector2<f64>,
-    /// Inverse of the sum of the curvature forms of both bodies at the contact.
+    /// Mobility (contact travel per radian): the inverse of the sum of the curvature forms of both bodies at the
+    /// contact.
     pub(crate) mobility: Matrix2<f64>,
     /// Angle by which the probe has rotated about the contact normal since the start of the roll.
     spin: f64,
@@ -267,7 +268,7 @@ impl PathPoint {
     }
 }
 
-/// The drive (−Δθ_y, Δθ_x), which follows from the rotation vector of the probe.
+/// The drive (−Δθ_y, Δθ_x): the x and y components of the rotation vector, turned by 90°.
 pub(crate) fn drive_of(rotation: &Vector3<f64>) -> Vector2<f64> {
     Vector2::new(-rotation.y, rotation.x)
 }
@@ -284,7 +285,8 @@ fn spun(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
     )
 }
 
-/// Returns `mobility` if it is positive definite, as for a rolling contact, otherwise `None`.
+/// Returns `mobility` (contact travel per radian) if it is positive definite, as for a rolling contact, otherwise
+/// `None`.
 fn positive(mobility: Matrix2<f64>) -> Option<Matrix2<f64>> {
     (mobility.determinant() > 0.0 && mobility.trace() > 0.0).then_some(mobility)
 }

@@ -27,14 +27,14 @@ pub enum Quantity {
     PrincipalMax,
 }
 
-/// Reasons why a roll was left out of the fit.
+/// Reasons why the fit does not use a roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exclusion {
     /// The roll has fewer than two samples.
     TooFewSamples,
     /// The probe did not rotate.
     NoRotation,
-    /// The contact did not leave its first pad, so that the roll only bounds the curvature.
+    /// The contact did not leave its first pad, so the roll only bounds the curvature.
     NoCrossing,
     /// The roll contradicts the other rolls.
     Inconsistent,
@@ -311,8 +311,9 @@ impl SeriesEstimate {
         matches!(self.uncertainty, Uncertainty::NormalForm)
     }
 
-    /// The interval of a curvature. If the errors of the mobility are normally distributed, the ends of the mobility's
-    /// interval are converted to curvatures. The interval has no upper end if the mobility's interval includes 0.
+    /// The interval of a curvature. If the errors of the mobility (contact travel per radian) are normally distributed,
+    /// the ends of the mobility's interval are converted to curvatures. The interval has no upper end if the mobility's
+    /// interval includes 0.
     fn around(&self, curvature: f64, std: f64) -> [Option<f64>; 2] {
         let half = self.half_width() * std;
         let flat = 1.0 / self.radius;
@@ -328,8 +329,8 @@ impl SeriesEstimate {
         [Some(relative / (1.0 + share) - flat), upper]
     }
 
-    /// Draws relative curvature forms from the distribution of the estimate, in units of the probe's curvature. `None`
-    /// if a contact with the drawn mobility would not roll, so that no curvature corresponds to the draw.
+    /// Draws sums of the curvature forms of probe and object from the distribution of the estimate, in units of the
+    /// probe's curvature. A draw is `None` if a contact with the drawn mobility (travel per radian) would not roll.
     fn draws(&self) -> impl Iterator<Item = Option<Matrix2<f64>>> {
         const ORDER: [usize; 3] = [0, 2, 1];
         let scale = self.radius * self.radius;

@@ -19,24 +19,26 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
-/// Each roll that is left out requires this number of rolls in total.
+/// At most the number of all rolls, divided by this value, may be left out.
 const ROLLS_PER_OUTLIER: usize = 4;
-/// Largest number of contact points of a roll that a fit uses. If a roll has more, they are averaged in this number of
-/// groups.
+/// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are averaged in
+/// this number of groups.
 const GROUPS: usize = 12;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
-/// Tolerance of a fit that only finds a first guess for the set of mobilities that agree with exact readings.
+/// Tolerance of a fit that only finds a first guess for the set of mobilities (contact travels per radian) that agree
+/// with exact readings.
 const ROUGH_TOLERANCE: f64 = 1e-2;
-/// Largest standard deviation of a mobility that counts as determined, divided by the mobility. With a larger value,
-/// the interval of the mobility would nearly reach 0, where the curvature is infinite.
+/// Largest standard deviation of a mobility (contact travel per radian) that counts as determined, divided by the
+/// mobility. With a larger value, the interval of the mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
 /// A flat object.
 const FLAT: LocalShape = LocalShape {
     terms: 1,
     tensors: [0.0; MAX_COEFFICIENTS],
 };
-/// If the mobility differs between directions by more than this ratio, the crossings of pad edges are located again.
+/// If the mobility (contact travel per radian) differs between directions by more than this ratio, the crossings of pad
+/// edges are located again.
 const ISOTROPY: f64 = 0.02;
 
 /// The curvature from time series of rolls of a probe of `radius`.
@@ -76,7 +78,7 @@ struct Problem<'r> {
     reports: Vec<RollReport>,
 }
 
-/// A fit of a shape with a given number of terms.
+/// A fit of a polynomial shape with a given number of terms.
 struct Candidate {
     criterion: f64,
     estimate: SeriesEstimate,
@@ -136,7 +138,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The estimate from exact rotations and pads. `fit` is the least-squares fit to the crossings of pad edges.
+    /// The estimate from exact rotations and active pads. `fit` is the least-squares fit to the crossings of pad edges.
     fn of_sets(
         &mut self,
         cell: &PadCell,
@@ -151,8 +153,8 @@ impl Problem<'_> {
             return self.of_set(set);
         }
         let fit = fit.ok_or(self.undetermined())?;
-        // No mobility agrees with all rolls. Leave out one roll, beginning with the roll whose crossings contradict the
-        // other rolls most.
+        // No curvature agrees with all rolls. Leave out one roll, beginning with the roll whose crossings contradict
+        // the other rolls most.
         self.p_values(data, fit);
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
@@ -179,7 +181,8 @@ impl Problem<'_> {
         }
     }
 
-    /// The set of mobilities that agree with the rolls of `data`.
+    /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`. `None` if there is no
+    /// such mobility.
     fn set(
         &self,
         cell: &PadCell,
@@ -201,7 +204,7 @@ impl Problem<'_> {
         PadEdgeSet::new(cell, rolls, shape, fit.map(|fit| fit.covariance))
     }
 
-    /// The estimate that follows from a set of possible mobilities.
+    /// The estimate that follows from a set of possible mobilities (contact travels per radian).
     fn of_set(&self, set: PadEdgeSet) -> Result<SeriesEstimate, SeriesError> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
@@ -437,8 +440,8 @@ impl Problem<'_> {
         if let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) {
             *shape = fit.shape;
             let mut one = self.candidate(data, &fit, shape.terms);
-            // The omitted terms probably change the curvature at the start as the last two terms did, but less: by the
-            // share of the last terms in the curvature form.
+            // The omitted terms probably change the curvature at the start as the last two terms did, but less. The
+            // ratio is the share of the last terms in the curvature form.
             if let Some(before) = all
                 .iter()
                 .rfind(|one| one.estimate.terms + 2 == shape.terms)
@@ -518,7 +521,8 @@ impl Problem<'_> {
         )
     }
 
-    /// The error for readings that do not determine the curvature in the direction in which the rolls are shortest.
+    /// The error for readings that do not determine the curvature. It names the direction in which the rolls are
+    /// shortest.
     fn undetermined(&self) -> SeriesError {
         let mut gram = Matrix2::zeros();
         for roll in self.rolls {
@@ -534,8 +538,8 @@ impl Problem<'_> {
     }
 }
 
-/// Derivatives of the entries uu, uv, vv of the inverse of a mobility with respect to the entries of the mobility.
-/// `relative` is this inverse.
+/// Derivatives of the entries uu, uv, vv of the inverse of a mobility (contact travel per radian) with respect to the
+/// entries of the mobility. `relative` is this inverse.
 pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
     let units = [
         Matrix2::new(1.0, 0.0, 0.0, 0.0),
@@ -549,7 +553,8 @@ pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&columns)
 }
 
-/// Largest standard deviation of the entries of a mobility, relative to the smallest mobility in any direction.
+/// Largest standard deviation of the entries of a mobility (contact travel per radian), relative to the smallest
+/// mobility in any direction.
 pub(crate) fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>) -> f64 {
     let half = 0.5 * (mobility[(0, 0)] - mobility[(1, 1)]);
     let least = 0.5 * mobility.trace() - libm::hypot(half, mobility[(0, 1)]);

@@ -242,8 +242,8 @@ mod tests {
             0.841_344_746_068_542_9_f64.powi(2),
             epsilon = 1e-6
         );
-        // The errors of K and H are completely correlated. So the probability of the class is the smaller of the
-        // probabilities that K and H are within their thresholds, and not their product.
+        // The errors of K and H are completely correlated. So the probability of the class is the smaller of two
+        // probabilities (that K and that H is within its thresholds), and not the product of both.
         let tied = curvature(-0.02, 0.06, [0.01, 0.01], -1.0);
         assert_relative_eq!(
             probability(&tied, ShapeClass::SaddleRidge),

@@ -10,7 +10,7 @@ use crate::spline::{Jet, Lanes};
 /// derivatives r, s, t along u², uv, v² (Monge's letters).
 pub(crate) const DERIVATIVES: usize = 5;
 
-/// Covariance of the derivatives (p, q, r, s, t) at several places that are processed together.
+/// Covariance of the slopes (p, q) and the second derivatives (r, s, t) at several places that are processed together.
 pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
 /// Gaussian and mean curvature at a place. The mean curvature is positive where the surface is convex.
@@ -214,7 +214,7 @@ pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f6
 }
 
 /// Standard errors of k_min, k_max (in the graph's unit) and the angle of their directions (rad), as
-/// [`CurvatureForm::principal_stds`] returns them, from the covariance of the graph's derivatives.
+/// [`CurvatureForm::principal_stds`] returns them, from the covariance of the graph's slopes and second derivatives.
 pub(crate) fn principal_stds(
     jet: &Jet,
     covariance: &SMatrix<f64, DERIVATIVES, DERIVATIVES>,

@@ -35,11 +35,12 @@ const MIN_NOISY_REST: usize = 20;
 /// During a rest with noise as large as the steps of the moving finger, this is the largest distance of the contacts
 /// from the finger's median position, relative to the median of the finger's steps.
 const MAX_NOISY_EXTENT: f64 = 2.5;
-/// A noisy rest is accepted only if the median distance of all other contacts from it, divided by the largest distance
-/// of its own contacts, is at least this value. Otherwise, the contacts may be in no order.
+/// Contacts around one position count as a noisy rest of a finger only if the median distance of all other contacts
+/// from this position, divided by the largest allowed distance of the contacts of the rest, is at least this value.
+/// Otherwise, the contacts may be in no order.
 const MIN_REST_DISTANCE: f64 = 4.0;
-/// Number of residuals that is sufficient to estimate their correlation. If the strokes used so far contain this
-/// number, no further stroke is used.
+/// Number of residuals that is sufficient to estimate the correlation between residuals. If the strokes used so far
+/// contain this number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, in residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;

@@ -55,9 +55,9 @@ pub struct Fit {
     pub noise: Option<NoiseEstimate>,
     /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.
     pub effective_unknowns: f64,
-    /// Status of the smoothing splines, if the method uses any. If a spline did not reach its required sum of squared
-    /// residuals, the curvature is useless, and the status is that of the first such spline. Otherwise it is the status
-    /// of the last spline.
+    /// Status of the smoothing splines; `None` if the method uses no smoothing splines. If a spline did not reach its
+    /// required sum of squared residuals, the curvature is useless, and the status is that of the first such spline.
+    /// Otherwise it is the status of the last spline.
     pub status: Option<Status>,
 }
 
@@ -101,7 +101,7 @@ fn check_side(side: usize) -> Result<(), Ep2Error> {
 }
 
 impl Fit {
-    /// The fit without standard errors. Its curvatures are computed faster.
+    /// The fit without standard errors. This makes the computation of curvatures faster.
     pub fn without_uncertainty(self) -> Self {
         Self {
             posterior: None,
@@ -348,7 +348,7 @@ impl Columns {
 /// Values of the surface that are the same for all places on a line of constant v.
 struct Line {
     v: f64,
-    /// Index of the first B-spline in u that `heights` contains.
+    /// Index of the first B-spline in u for which `heights` contains coefficients.
     first: usize,
     /// For each B-spline in u, three coefficients on the line: for the height and for its first and second derivatives
     /// along v. Each is a sum over the B-splines in v.

@@ -52,8 +52,8 @@ const MAX_FEW_STROKES: usize = 4;
 /// A fit to the independent contacts of a log, and the contacts to which it was fitted.
 #[derive(Clone, Debug)]
 pub struct IndependentFit {
-    /// Contacts of the fit, in which copies and the contacts of resting fingers are merged. If the noise is correlated,
-    /// they are means of consecutive contacts.
+    /// The fitted contacts, in which copies and the contacts of resting fingers are merged. If the noise is correlated,
+    /// the fitted contacts are means of consecutive contacts.
     pub contacts: Vec<Contact>,
     /// The patch that these contacts form.
     pub patch: Patch,
@@ -81,7 +81,8 @@ struct Log<'a, M> {
     distinct: DistinctContacts,
     /// For each finger, the indices of its contacts in `distinct`.
     strokes: Vec<Vec<usize>>,
-    /// Number of consecutive contacts that are replaced by their mean in a fit that assumes independent noise.
+    /// In a fit that assumes independent noise, each group of this number of consecutive contacts is replaced by its
+    /// mean.
     block: usize,
 }
 
@@ -137,9 +138,9 @@ impl IndependentFit {
     /// the largest difference between a shape and a paraboloid through the same contacts.
     ///
     /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline
-    /// instead of a shape: its mean square error is at least the square of their difference plus the variance of the
-    /// spline. Both methods are also compared with the fit around an implicit quadric, such as an ellipsoid, that the
-    /// contacts do not exclude.
+    /// instead of a shape: the mean square error of the quadric is at least the square of the difference between both
+    /// estimates plus the variance of the spline. Both methods are also compared with the fit around an implicit
+    /// quadric, such as an ellipsoid, that the contacts do not exclude.
     ///
     /// Heights on up to four strokes, or heights and normals on two strokes, do not show whether the surface bends like
     /// a circle or like a parabola across the strokes. The standard error of the mean curvature is at least the
@@ -376,7 +377,7 @@ impl<M: Method> Log<'_, M> {
     }
 
     /// Fits the means of every `block` consecutive contacts of each finger. `times` are the numbers of consecutive
-    /// positions and normals that count as one because their noise is correlated.
+    /// positions and of consecutive normals that count as one because their noise is correlated.
     fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
         let means = self.means(block);
         // If noise is correlated over more contacts than are averaged, averaging does not reduce the noise. Then the

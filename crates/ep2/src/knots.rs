@@ -15,8 +15,8 @@ pub(crate) struct Knots {
 }
 
 impl Knots {
-    /// Knots of a spline with `degree` (at most [`MAX_DEGREE`]) on `[start, end]`. The interior knots must be strictly
-    /// inside the interval and in ascending order.
+    /// Knots of a spline of degree `degree` (at most [`MAX_DEGREE`]) on the interval `[start, end]`. The interior knots
+    /// must be strictly inside the interval and in ascending order.
     pub(crate) fn new(degree: usize, start: f64, end: f64, interior: &[f64]) -> Self {
         assert!((1..=MAX_DEGREE).contains(&degree) && start < end);
         let mut knots = vec![start; degree + 1];

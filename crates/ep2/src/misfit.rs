@@ -26,7 +26,7 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// to rounding errors, or be smaller than the approximation error of the series that describes the surface.
 const MIN_POSITION_STD: f64 = 5e-4;
 /// Assumed variance of the surface at a contact that is not part of the fit, relative to the variance that follows from
-/// the most probable process. The true variance is assumed to be at most this large.
+/// the most probable Gaussian process. The true variance is assumed to be at most this large.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.
@@ -78,7 +78,8 @@ struct Variances {
 struct Weighted {
     /// Deviations of the observed height and slopes from the quadric.
     values: DVector<f64>,
-    /// Derivatives of the height and the slopes with respect to the factors of the quadric and the process.
+    /// Derivatives of the height and the slopes with respect to the coefficients of the quadric and the random factors
+    /// of the process.
     slopes: DMatrix<f64>,
 }
 
@@ -244,8 +245,8 @@ struct Refit {
 }
 
 impl Refit {
-    /// Fits the factors of the quadric and the process to the contacts. `None` if the contacts do not determine the
-    /// quadric, or if numbers are beyond the range of doubles.
+    /// Fits the coefficients of the quadric and the random factors of the process to the contacts. `None` if the
+    /// contacts do not determine the quadric, or if numbers are beyond the range of doubles.
     fn new(contacts: &[Weighted]) -> Option<Self> {
         let size = contacts.first()?.slopes.ncols();
         let mut information = DMatrix::zeros(size, size);

@@ -41,8 +41,8 @@ impl Contact {
     }
 }
 
-/// One value for each finger, in the order in which the fingers first appear. Access is fast if the contacts of one
-/// finger follow each other.
+/// One value for each finger, in the order in which the fingers first appear among the contacts. Access is fast if the
+/// contacts of one finger follow each other.
 #[derive(Debug, Default)]
 pub(crate) struct FingerMap<T> {
     places: BTreeMap<usize, usize>,

@@ -72,7 +72,8 @@ pub struct Penalised {
     pub noise: Noise,
 }
 
-/// The surface around which a spline was fitted, and the data from which the posterior is computed.
+/// The surface around which a spline was fitted, and the data from which the posterior distribution of the surface is
+/// computed.
 #[derive(Clone, Debug)]
 pub(crate) struct Basis {
     square: Square,

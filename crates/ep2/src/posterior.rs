@@ -187,8 +187,9 @@ pub(crate) struct PosteriorLine {
 }
 
 impl PosteriorLine {
-    /// Mean products of the errors of the estimated derivatives (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²) at places on
-    /// the line. `jet` contains the estimates, and `series` the values of the polynomials in u at these places.
+    /// Mean products (variances and covariances) of the errors of the estimated derivatives (p, q, r, s, t) = (∂u, ∂v,
+    /// ∂u², ∂u∂v, ∂v²) at places on the line. `jet` contains the estimates, and `series` the values of the polynomials
+    /// in u at these places.
     #[inline(always)]
     pub(crate) fn errors(&self, series: &Series, jet: &Jet<Lanes>) -> JetCovariance {
         let mut distance = [jet.u, jet.v, jet.uu, jet.uv, jet.vv];

@@ -88,7 +88,7 @@ impl RoundTip {
         let centres = self.centres(readings, outward)?;
         let has_normals = readings.iter().any(|contact| contact.normal.is_some());
         let normals: Vec<Vector3<f64>> = if has_normals {
-            // A missing or invalid normal is replaced by 0; `Patch::new` rejects it later.
+            // A missing or invalid normal is replaced by a zero vector, which `Patch::new` rejects later.
             let normals = readings.iter().map(|reading| unit(reading.normal));
             normals.collect()
         } else {

@@ -32,8 +32,8 @@ pub enum Passes {
 /// The method of the 1996 paper.
 ///
 /// First, a smoothing spline is fitted to the contacts. Then a second spline is fitted to three points per contact. One
-/// is the point of the first spline at the contact. The other two are one step to each side of it on a tangent line.
-/// This line is perpendicular to the fingers' travel (u in the patch's frame).
+/// is the point of the first spline at the contact. The other two points are one step to each side of the first point
+/// on a tangent line. This line is perpendicular to the fingers' travel (u in the patch's frame).
 ///
 /// The settings use a unit of length, which by default is the distance between fingers. Residuals and the tangent step
 /// are in this unit. The sum of `weight`² · `residual`² is compared with the smoothing sums. Weights of the contacts
@@ -108,9 +108,9 @@ impl Method for TwoPass {
         Ok(fit(patch, second, Some(first.status)))
     }
 
-    /// The misfit test of [`Penalised`] with estimated noise. Its result is also valid for this method, because a
-    /// contact that contradicts the other contacts does so in any fit. The result is empty if the contacts do not
-    /// determine a penalised spline.
+    /// The misfit test of [`Penalised`] with estimated noise. The result of this test is also valid for `TwoPass`,
+    /// because a contact that contradicts the other contacts does so in any fit. The result is empty if the contacts do
+    /// not determine a penalised spline.
     fn misfit(&self, patch: &Patch, _fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
         let found = Penalised::default().misfit(patch, None);
         Ok(found.unwrap_or_default())

@@ -175,9 +175,9 @@ impl CurvatureForm {
             + self.k_vv * unit.y * unit.y
     }
 
-    /// Converts the curvature form of one body at a contact to the contact frame of the other body. The other body's
-    /// normal points in the opposite direction, and its axes are rotated by the contact angle ψ. The form is `K̃ = R_ψ
-    /// K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
+    /// Converts the curvature form K of one body at a contact to the contact frame of the other body. The other body's
+    /// normal points in the opposite direction, and its axes are rotated by the contact angle ψ. The converted form is
+    /// `K̃ = R_ψ K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
     pub fn seen_from_other_body(&self, contact_angle_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(contact_angle_rad);
         let reflection = Matrix2::new(cos, -sin, -sin, -cos);

@@ -54,7 +54,7 @@ macro_rules! delegate {
 /// A computation on a surface that is compiled separately for each type of surface. It is faster than the same
 /// computation on a [`Shape`], because a [`Shape`] selects the type at every call.
 pub trait Visitor {
-    /// Type of the result that [`Visitor`] computes.
+    /// Type of the result that the computation returns.
     type Out;
 
     /// Runs the computation on the surface `surface`.

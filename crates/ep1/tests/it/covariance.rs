@@ -47,9 +47,9 @@ fn standard_errors_match_all_noise_with_any_lengths_and_directions() {
 
 #[test]
 fn the_isotropic_standard_error_matches_the_formula() {
-    // The relative standard error of a normal curvature is σ (1 + R₂/R₁)/√4. Here σ is the relative noise of a
-    // rotation, and R₁ and R₂ are the radii of probe and object. The divisor is √4, because four of the eight probes
-    // measure each direction.
+    // The relative standard error of a normal curvature is σ (1 + R₂/R₁)/√4. Here σ is the relative standard deviation
+    // of a rotation, and R₁ and R₂ are the radii of probe and object. The divisor is √4, because four of the eight
+    // probes measure each direction.
     let noise = ReadingNoise {
         relative_rotation_std: 0.01,
         ..Default::default()

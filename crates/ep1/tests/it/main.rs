@@ -29,8 +29,8 @@ pub const EXACT: ReadingNoise = ReadingNoise {
     pad_start: PadStart::PerRoll,
 };
 
-/// Noiseless readings of a probe of radius `radius` on an object with the curvature `form`, by the linear law. Each
-/// element of `rolls` is a direction (rad from u) and a rotation (rad).
+/// Noiseless readings of a probe of radius `radius` on an object with the curvature `form`. The shift of the contact is
+/// proportional to the rotation. Each element of `rolls` is a direction (rad from u) and a rotation (rad).
 pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<ProbeReading> {
     let relative = Matrix2::identity() / radius + form.matrix();
     let mobility = relative.try_inverse().unwrap();

@@ -83,8 +83,8 @@ fn p_values_are_uniform_where_the_model_holds() {
 
 #[test]
 fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
-    // The first two rolls have the same direction, but their shifts have the errors +0.003 and −0.003. No mobility of
-    // the contact explains both.
+    // The first two rolls have the same direction, but their shifts have the errors +0.003 and −0.003. No curvature of
+    // the object explains both shifts.
     let rolls = [(0.0, 0.1), (0.0, 0.1), (1.5, 0.1)];
     let mut read = readings(1.0, &FORM, &rolls);
     read[0].shift.x += 0.003;
@@ -92,8 +92,8 @@ fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
     let of_shifts = goodness(OF_SHIFTS, &read).unwrap();
     assert_eq!(of_shifts.freedom, 3);
     assert_relative_eq!(of_shifts.chi_squared, 18.0, max_relative = 1e-9);
-    // Noise of the rotations, multiplied by the mobility, has the same effect as noise of the shifts. So chi-squared is
-    // the same.
+    // Noise of the rotations, multiplied by the contact's travel per radian, has the same effect as noise of the
+    // shifts. So chi-squared is the same.
     let stated = ReadingNoise {
         relative_rotation_std: 0.01,
         ..EXACT

@@ -332,7 +332,7 @@ fn errors_of_the_measured_rotations_do_not_attenuate() {
                 let size = noise.relative_sample_std * sample.rotation.norm();
                 sample.rotation += Vector3::from_fn(|_, _| draws.normal()) * size;
             }
-            // Use few samples of each roll, because the bias of the estimate does not depend on their number.
+            // Use few samples of each roll, because the bias of the estimate does not depend on the number of samples.
             roll.samples = roll.samples.iter().step_by(50).copied().collect();
         }
         let places = Places::Contacts { std: 0.0 };

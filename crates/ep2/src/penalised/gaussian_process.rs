@@ -14,8 +14,8 @@ use crate::square_quadric::UNKNOWNS;
 /// derivatives is below this value everywhere in the square.
 const MIN_VARIANCE: f64 = 1e-3;
 
-/// A random surface, as a linear map from independent random factors of variance 1 to the coefficients of a series. The
-/// map is returned in transposed form. The coefficients of quadrics are left out.
+/// A random surface, as a linear map from independent random factors of variance 1 to the coefficients of a Chebyshev
+/// series. The map is returned in transposed form. The coefficients that form quadrics are left out.
 ///
 /// The covariance of heights is proportional to exp(−d²/2ℓ²). Here d is the distance between two places and ℓ is
 /// `length`, both in units of half a side of the square. The second derivatives along an axis have unit variance.

@@ -22,22 +22,25 @@ const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
 /// lengths.
 const MAX_LENGTH_RATIO: f64 = 3.0;
 const EXPECTED_LENGTH: f64 = 1.75;
-/// The prior probability of a correlation length decreases with this power of the length, on both sides of its maximum.
+/// The prior probability of a correlation length decreases with this power of the length, on both sides of the most
+/// probable length.
 const LENGTH_POWER: f64 = 2.0;
 /// The amplitude of the roughness with the largest prior probability, relative to the second derivatives of the
 /// quadric.
 const EXPECTED_AMPLITUDE: f64 = 0.75;
-/// The amplitude with the largest prior probability for deviations from an implicit quadric, relative to the second
-/// derivatives of the quadric. These deviations are usually smaller than deviations from an ordinary quadric.
+/// The amplitude of the roughness with the largest prior probability, for deviations from an implicit quadric such as
+/// an ellipsoid, relative to the second derivatives of the quadric. These deviations are usually smaller than
+/// deviations from an ordinary quadric.
 const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
-/// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of its maximum.
+/// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of the most probable
+/// amplitude.
 const AMPLITUDE_POWER: f64 = 4.0;
 /// Number of amplitudes of the roughness on each side of the expected amplitude, over which the posterior is averaged.
 const AMPLITUDE_STEPS: i32 = 6;
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
-/// Exponent of the likelihood of an amplitude and a length, which reduces its weight. The roughness of a real surface
-/// depends on place and direction, unlike the roughness of a surface that is drawn from the process. Therefore the
-/// contacts determine the roughness of a real surface less accurately.
+/// Exponent of the likelihood of an amplitude and a correlation length. It reduces the weight of the likelihood. The
+/// roughness of a real surface depends on place and direction, unlike the roughness of a surface that is drawn from the
+/// process. Therefore the contacts determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
 /// A combination of length and amplitude of the roughness is omitted from the average over the posteriors if the
 /// logarithm of the ratio between its probability and the largest probability is below this value.
@@ -283,8 +286,8 @@ fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }
 
-/// Averages over all candidates: mean and covariance of the coefficients of the rough products, and mean factor on the
-/// variances.
+/// Averages over all correlation lengths and amplitudes: mean and covariance of the coefficients of the rough products,
+/// and mean factor on the variances.
 struct Mixture {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -423,7 +426,7 @@ impl Process {
             (square, 1.0)
         } else {
             // If the noise is not stated, all variances have an unknown common factor. `misfit` is −2 ln(likelihood)
-            // with the best factor, and `scale` is the mean of the factor.
+            // with the most probable factor, and `scale` is the posterior mean of the factor.
             (
                 rest.degrees * libm::log(square),
                 square / (rest.degrees - 2.0).max(1.0),

@@ -32,8 +32,8 @@ const MAX_EXPECTED: f64 = 16.0;
 /// A criterion by which the smoothing weight of a penalised spline is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. It rarely
-    /// smooths too little. Kim and Gu (2004) recommend 1.4.
+    /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. This criterion
+    /// rarely smooths too little. Kim and Gu (2004) recommend 1.4.
     RobustGcv {
         /// Factor on the effective degrees of freedom, at least 1.
         gamma: f64,

@@ -18,9 +18,9 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Divides contacts into cells with similar numbers of contacts, by their footpoints on the shape. Positions are
-    /// not used, because their errors are correlated with the distances from the shape. `None` if there are too few
-    /// contacts.
+    /// Divides contacts into cells with similar numbers of contacts, by their footpoints on the shape. The measured
+    /// positions are not used for this, because their errors are correlated with the distances from the shape. `None`
+    /// if there are too few contacts.
     pub(super) fn new(pose: &Pose, cloud: &Cloud) -> Option<Self> {
         let contacts = cloud.places.len();
         let wanted = (contacts / MIN_CONTACTS).min(MAX_CELLS);

@@ -57,8 +57,8 @@ pub(super) struct Pose {
     pub(super) curvature: f64,
 }
 
-/// Distance of a contact from the surface, and surface normal at the contact, with their derivatives with respect to
-/// the fitted parameters.
+/// Distance of a contact from the fitted surface, and surface normal at the contact, with their derivatives with
+/// respect to the fitted parameters.
 pub(super) struct Deviation {
     pub(super) distance: f64,
     pub(super) distance_row: Row,
@@ -67,7 +67,8 @@ pub(super) struct Deviation {
 }
 
 impl Pose {
-    /// A pose with a point of the surface, the normal there and, for a cylinder, the direction of the axis.
+    /// The pose that is given by a point of the surface, the normal there, the curvature and, for a cylinder, the
+    /// direction of the axis.
     pub(super) fn new(
         shape: Shape,
         point: Vector3<f64>,

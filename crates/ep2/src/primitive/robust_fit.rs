@@ -27,7 +27,7 @@ const MIN_SENSOR_SHARE: f64 = 0.05;
 const RANK_TOLERANCE: f64 = 1e-12;
 /// Largest number of contacts in the preliminary fits, which compute the start of the final fit.
 const START_CONTACTS: usize = 600;
-/// Number of subsets of contacts whose poses are start values of a robust fit.
+/// Number of subsets of contacts. The shape through each subset is a start value of a robust fit.
 const SUBSETS: u64 = 60;
 /// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
@@ -219,7 +219,7 @@ pub(super) fn solve(
         } else {
             left[0].max(0.0) + left[1].max(0.0)
         };
-        // The variances have changed since the pose was solved, so compute the equations again.
+        // The variances have changed since the pose was fitted, so compute the normal equations again.
         let gram = Weights::new(&pose, variances).gram(&pose, &equations);
         let is_steady = (0..2).all(|kind| (variances[kind] / before[kind] - 1.0).abs() < 0.01);
         last = Some(Solution {

@@ -6,7 +6,7 @@ use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
 use super::{Candidate, Shape, start};
 
-/// P-value of the most probable shape at which "none of these shapes" is as probable as this shape.
+/// At this p-value of the most probable shape, "none of these shapes" is as probable as this shape.
 const NONE_P_VALUE: f64 = 0.01;
 /// Positions count as a line if their variance across the line is below this multiple of the variance of their noise.
 const MIN_SPREAD_RATIO: f64 = 10.0;

@@ -46,8 +46,8 @@ impl Mesh {
         self.knots[0].functions() * self.knots[1].functions()
     }
 
-    /// Width of the band of the equations. The height at a place depends only on coefficients in a range of this many
-    /// indices.
+    /// Width of the band of the equations: the height at a place depends only on coefficients whose indices are within
+    /// a range of this width.
     pub(super) fn band(&self) -> usize {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }
@@ -103,7 +103,8 @@ impl Mesh {
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// Numbers of B-splines whose support contains the same knot: along the slow axis, and along the fast axis.
+    /// Numbers of B-splines whose support contains the same knot: along the slow axis, and along the fast axis of the
+    /// mesh.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,
@@ -149,7 +150,8 @@ impl Roughness {
     }
 }
 
-/// Adds one smoothness equation with `cut` coefficients. The indices of successive coefficients differ by `stride`.
+/// Adds one equation that requires a jump of a derivative to be 0. It has `cut` coefficients. The indices of successive
+/// coefficients differ by `stride`.
 fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, parameter: f64) {
     if let Some(jumps) = jumps {
         let row = block.push(0.0);

@@ -19,7 +19,7 @@ pub(crate) struct WeightedPoint {
 /// Points with the values of the B-splines at these points.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Units in which the computation measures heights and weights.
+    /// Units of heights and of weights in the computation.
     units: [f64; 2],
     /// For each point, the B-splines in u and in v that are not zero there.
     bases: Vec<[LocalBasis; 2]>,

@@ -17,8 +17,8 @@ pub(super) struct Block {
     rows: usize,
     /// Largest number of rows of the block, as a number of groups of [`LANES`] rows.
     packs: usize,
-    /// Whether the rows were already merged into a triangle. The values in the block are then cleared before the next
-    /// row is added.
+    /// Whether the rows of the block were already merged into a triangle. The values in the block are then cleared
+    /// before the next row is added.
     is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }

@@ -92,8 +92,8 @@ fn p_values_are_uniform_on_a_quadric() {
     }
 }
 
-/// If there are few contacts, only a small part of the noise remains in the residuals. The test must not report it as
-/// an outlier.
+/// If there are few contacts, only a small part of the noise remains in the residuals. The outlier test must not report
+/// this remaining noise as an outlier.
 #[test]
 fn few_sound_contacts_seldom_have_a_misfit() {
     for (fingers, contacts_per_finger) in [(3, 2), (3, 3), (3, 4), (4, 4)] {
@@ -120,7 +120,7 @@ fn few_sound_contacts_seldom_have_a_misfit() {
 
 #[test]
 fn an_outlier_of_eight_standard_deviations_is_named() {
-    // A single contact that is far off must be reported as an outlier, and not as roughness.
+    // A single contact that is far off the surface must be reported as an outlier, and not as roughness of the surface.
     let cases = [
         (stated(&SWEEP), 8.0),
         (Noise::default(), 10.0),

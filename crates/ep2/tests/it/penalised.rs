@@ -106,8 +106,8 @@ fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
 
 #[test]
 fn many_contacts_of_few_fingers_do_not_cause_steps() {
-    // The contacts of each finger scatter about one line along the finger's path. Along this line, the slope across it
-    // is constant.
+    // The contacts of each finger scatter about one line along the finger's path. Along this line, the slope across the
+    // line is constant.
     let steep = Surface {
         name: "steep saddle",
         at: |x, y| {
@@ -199,8 +199,8 @@ fn intervals_contain_the_truth_of_random_surfaces() {
 
 #[test]
 fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
-    // The surfaces are nearly quadrics, but the estimator's model allows for much rougher surfaces. So its standard
-    // errors are too large here.
+    // The surfaces are nearly quadrics, but the estimator's model allows for much rougher surfaces. So the estimator's
+    // standard errors are too large here.
     for (noise, contacts_per_finger) in [(0.05, 100), (0.2, 10)] {
         let sweep = Sweep {
             contacts_per_finger,
@@ -227,7 +227,7 @@ fn errors_on_detailed_surfaces_are_smaller_than_with_two_passes() {
         ..Sweep::paper(0.1)
     };
     // The required sums of squared residuals match the noise: each point contributes (w σ)², with the weight w and the
-    // noise σ.
+    // standard deviation σ of the noise.
     let matched = TwoPass {
         smoothing: 140.0 * 100.0,
         second_smoothing: 420.0 * 100.0,

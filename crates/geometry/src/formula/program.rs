@@ -1,4 +1,4 @@
-//! A formula compiled to postfix instructions for a small stack.
+//! A formula, compiled to postfix instructions that are evaluated on a small stack.
 
 use super::Formula;
 use super::jet::Number;
@@ -137,8 +137,8 @@ impl Program {
     }
 
     pub(super) fn run<N: Number>(&self, x: N, y: N) -> N {
-        // Most formulas need at most four slots. They are treated separately, because initialising all slots would take
-        // as much time as the arithmetic.
+        // Most formulas need at most four slots of the stack. They are treated separately, because initialising all
+        // slots would take as much time as the arithmetic.
         if self.slots <= 4 {
             self.run_in::<N, 4>(x, y)
         } else {
@@ -146,8 +146,8 @@ impl Program {
         }
     }
 
-    /// Evaluates the program with `SIZE` slots. The top of the stack is a local variable, so that it can stay in a
-    /// register. Therefore the first push stores a dummy value, which is never read.
+    /// Evaluates the program on a stack with `SIZE` slots. The top of the stack is a local variable, so that it can
+    /// stay in a register. Therefore the first push stores a dummy value, which is never read.
     fn run_in<N: Number, const SIZE: usize>(&self, x: N, y: N) -> N {
         let mut below = [x; SIZE];
         let mut depth = 0;

@@ -68,8 +68,8 @@ fn a_bowl_seen_from_beyond_its_centre_of_curvature_has_no_closest_point() {
     assert!(inside.x > 1.0 && inside.y == 0.0);
 }
 
-/// Asserts that `found` is the closest point of an ellipsoid to `from`. It is the only point of the ellipsoid with
-/// `from = found + t ∇F/2` and `t >= −(shortest semi-axis)²`.
+/// Asserts that `found` is the closest point of an ellipsoid to `from`. The closest point is the only point of the
+/// ellipsoid with `from = found + t ∇F/2` and `t >= −(shortest semi-axis)²`.
 fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
     let axes = Vector3::from(semi_axes);
     let smallest = axes.min();

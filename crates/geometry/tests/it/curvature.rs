@@ -59,7 +59,8 @@ fn eight_classes() {
     assert_eq!(class(1.0, -1.0), "pit");
     assert_eq!(class(0.0, -1.0), "valley");
     assert_eq!(class(-1.0, -1.0), "saddle-valley");
-    // K > H² is impossible except by noise. `classify` then uses K = H², which is 0 here.
+    // A Gaussian curvature K above the squared mean curvature H² is impossible except by noise. `classify` then uses K
+    // = H², which is 0 here.
     assert_eq!(class(1.0, 0.0), "flat");
 }
 

@@ -109,8 +109,8 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_eq!(metric.m21, 0.0);
         assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
 
-        // The stored curvature form has only one mixed term. Therefore the comparison also checks that the form from
-        // finite differences is symmetric.
+        // The stored curvature form has only one mixed term, `k_uv`. Therefore the comparison also checks that the form
+        // from finite differences is symmetric.
         let (form, turn) = (
             in_frame * normals * inverse,
             frame.y.transpose() * tangents * inverse,
