@@ -298,7 +298,7 @@ impl LeastSquares {
         let eigen = SymmetricEigen::new(matrix);
         let (index, smallest) = eigen.eigenvalues.argmin();
         let direction = eigen.eigenvectors.column(index);
-        // Two opposite directions describe the same movement, so use the one whose angle is in (−π/2, π/2].
+        // Two opposite directions describe the same movement, so use the direction whose angle is in (−π/2, π/2].
         let backward = direction.x < -1e-9 || (direction.x < 1e-9 && direction.y < 0.0);
         let along = if backward {
             -direction

@@ -195,7 +195,7 @@ impl PadEdgeSet {
         Some(set)
     }
 
-    /// Removes the bounds that other bounds of the same edge imply.
+    /// Removes the bounds of the mobility that other bounds of the same pad edge imply.
     fn retain_needed(&mut self) {
         let Some(root) = self.covariance.cholesky().map(|root| root.unpack()) else {
             return;

@@ -33,11 +33,12 @@ pub enum PadStart {
 /// shifts of different rolls share errors as described for [`PadStart`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadingNoise {
-    /// Standard deviation of each component of a rotation, divided by the magnitude of the rotation.
+    /// Standard deviation of the error of each component of a rotation, divided by the magnitude of the rotation.
     pub relative_rotation_std: f64,
-    /// Standard deviation of each component of a rotation, independent of its magnitude (rad).
+    /// Standard deviation of the error of each component of a rotation that does not depend on the rotation's magnitude
+    /// (rad).
     pub rotation_std_rad: f64,
-    /// Standard deviation (length) of each component of a shift.
+    /// Standard deviation (length) of the error of each component of a shift.
     pub shift_std: f64,
     /// Resolution of shifts (length): the sensor may report a shorter shift as zero. It is 0 if the sensor has no such
     /// limit.

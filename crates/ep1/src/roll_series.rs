@@ -105,13 +105,14 @@ pub enum Places {
 /// Noise of the measured rotations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SeriesNoise {
-    /// Standard deviation of each component of the rotation in each sample (rad). The errors of all samples are
-    /// independent.
+    /// Standard deviation of the error of each component of the rotation in each sample (rad). The errors of all
+    /// samples are independent.
     pub rotation_std_rad: f64,
     /// Standard deviation of the relative error of the rotation that all samples of a roll share. The error is drawn
     /// once for each roll and component.
     pub relative_rotation_std: f64,
-    /// Standard deviation of each component of the rotation in each sample, divided by the magnitude of the rotation.
+    /// Standard deviation of the error of each component of the rotation in each sample, divided by the magnitude of
+    /// the rotation.
     pub relative_sample_std: f64,
 }
 

@@ -225,7 +225,7 @@ impl PathPoint {
         let step = drive - drive_of(last);
         let middle = last + Vector3::new(step.y, -step.x, 0.0) * 0.5;
         let frame = self.frame * rolled(&(self.mobility * step * 0.5));
-        // `slopes` is the derivative of the rotation vector with respect to a small rotation of the body.
+        // `slopes` is the derivative of the rotation vector with respect to a small rotation of the probe.
         let cross = middle.cross_matrix();
         let square = middle.norm_squared();
         let of_square = 1.0 / 12.0 + square * (1.0 / 720.0 + square / 30_240.0);

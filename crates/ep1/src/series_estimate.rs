@@ -65,7 +65,7 @@ pub(crate) enum Uncertainty {
     Set(Box<PadEdgeSet>),
 }
 
-/// An estimate from time series of rolls.
+/// An estimate of the object's curvature from time series of rolls.
 #[derive(Clone, Debug)]
 pub struct SeriesEstimate {
     /// The object's curvature form (1/length) at the common start of the rolls, in the axes of the pads.

@@ -136,7 +136,8 @@ pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
 /// Merges consecutive contacts of each finger into runs. Each contact of a run is at most the distance `limit` away
 /// from the run's first contact. If `with_copies`, exact copies are merged too.
 fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
-    /// Sums over the contacts of a run. Positions are relative to the first contact of the run.
+    /// Sums over the contacts of a run, which are merged into one contact. Positions are relative to the first contact
+    /// of the run.
     struct Rest {
         sum: Vector3<f64>,
         normal: Vector3<f64>,

@@ -78,8 +78,8 @@ pub struct Penalised {
 pub(crate) struct Basis {
     square: Square,
     quadric: SquareQuadric,
-    /// Prior standard deviation of the coefficient m (see `SQUARE_TERM_PRIOR`) if the spline is added to an implicit
-    /// quadric; `None` if the spline alone describes the surface.
+    /// Prior standard deviation of the coefficient m if the spline is added to an implicit quadric z = Q + m z²/2;
+    /// `None` if the spline alone describes the surface.
     square_term: Option<f64>,
     intervals: [usize; 2],
     variances: Variances,
@@ -352,7 +352,7 @@ fn default_intervals(patch: &Patch) -> [usize; 2] {
         .unwrap_or([1, 1])
 }
 
-/// Twice the numbers of knot intervals; `None` if they would be too large or if there are not enough contacts.
+/// Twice the numbers of knot intervals; `None` if these numbers would be too large or if there are not enough contacts.
 fn finer(intervals: [usize; 2], patch: &Patch) -> Option<[usize; 2]> {
     let finer = intervals.map(|count| 2 * count);
     let fits = finer.iter().all(|&count| count <= MAX_DEFAULT_INTERVALS);

@@ -5,7 +5,8 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// Smallest coherence of a region's directions of largest curvature at which the region has a mean direction.
+/// Smallest coherence (agreement, from 0 to 1) of a region's directions of largest curvature at which the region has a
+/// mean direction.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map that is divided into regions of one shape class.

@@ -15,7 +15,7 @@ pub enum TangentNormals {
     /// The normals of the contacts; if there are none, the normals of the first spline.
     #[default]
     Measured,
-    /// The normals of the first spline.
+    /// The normals of the first of the two fitted splines.
     FirstFit,
 }
 

@@ -1,4 +1,5 @@
-//! The normal equations of a bicubic spline, summed separately for each knot interval, and its roughness penalty.
+//! The normal equations of a bicubic spline, summed separately for each knot interval, and the roughness penalty of the
+//! spline.
 
 use nalgebra::{DMatrix, DVector};
 
