@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::bonded_layer::{BondedLayer, ENDS, LayerContact};
 use crate::{PressError, half_space};
 
-/// Largest distance (length) from the contact at which displacements are computed. At larger distances, they are set to
-/// 0.
+/// Largest distance (length) from the contact at which displacements are computed. At larger distances, the
+/// displacements are set to 0.
 const MAX_DISTANCE: f64 = 1e50;
 
 /// A model of the soft body. It computes the displacement of the skin, at the depth of the markers, in a press.
@@ -50,9 +50,9 @@ enum Rung {
 /// The two methods by which contacts with a bonded layer are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
-    /// Interpolation in tables of solved contacts; faster for many contacts.
+    /// Each contact is interpolated in a table of solved contacts, which is faster for many contacts.
     Tables,
-    /// Solution of the equations for each contact, which is faster for few contacts and more accurate.
+    /// The equations are solved for each contact, which is more accurate, and faster for few contacts.
     Solved,
 }
 
@@ -116,9 +116,10 @@ impl Body {
     }
 
     /// An incompressible layer bonded to a rigid core. Its displacements are computed at the depth `depth`. Contacts
-    /// are interpolated in tables. For depths up to 0.8 of the thickness, the error is at most 1e-7 of the largest
-    /// displacement. The computation of a contact takes a few microseconds. There are nine ranges of contact radii; the
-    /// first contact in each range takes about ten milliseconds, because the table of this range is computed.
+    /// are interpolated in tables. For depths up to 0.8 of the layer's thickness, the error is at most 1e-7 of the
+    /// largest displacement. The computation of a contact takes a few microseconds. There are nine ranges of contact
+    /// radii; the first contact in each range takes about ten milliseconds, because the table of this range is
+    /// computed.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] unless `thickness` is from 1e-50 to 1e50 and `depth` is inside the layer.
@@ -126,10 +127,9 @@ impl Body {
         BondedLayer::new(thickness, depth).map(|layer| Self::layer(layer, Layers::Tables))
     }
 
-    /// Models of one incompressible layer bonded to a rigid core. There is one model for each depth in `depths`, in the
-    /// same order; the model computes displacements at this depth. The tables of all models are computed together, in
-    /// little more time
-    /// than the tables for one depth.
+    /// Models of one incompressible layer bonded to a rigid core. Each model computes displacements at one of the
+    /// depths `depths`; the models have the order of `depths`. The tables of all models are computed together, in
+    /// little more time than the tables for one depth.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -201,8 +201,8 @@ impl Body {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Largest ratio of indentation to relative curvature in the tables of a bonded layer; infinite for other bodies.
-    /// Fits avoid wider contacts, because each of them must be solved without a table, which is slow.
+    /// Largest ratio of indentation to relative curvature in the tables of a bonded layer; infinite for bodies without
+    /// tables. Fits avoid larger ratios, because contacts beyond the tables are solved one by one, which is slow.
     pub(crate) fn end_of_tables(&self) -> f64 {
         let end = match &self.0 {
             Rung::BondedLayer {
@@ -301,8 +301,8 @@ impl Body {
         }
     }
 
-    /// Indentation divided by the relative curvature, for a contact of radius `a`, and its derivative with respect to
-    /// `a`.
+    /// Ratio of the indentation to the relative curvature, for a contact of radius `a`, and the derivative of this
+    /// ratio with respect to `a`.
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok([a * a, 2.0 * a]),
@@ -318,7 +318,8 @@ impl Contact<'_> {
     /// Displacement of a point of the skin. `r` is the distance of the point from the contact along the skin (length,
     /// positive or negative). The displacement is 0 if `r` is NaN or beyond 1e50.
     ///
-    /// The relative error is at most 1e-11 for a half-space. [`Body::bonded_layer`] states the error for a layer.
+    /// The relative error is at most 1e-11 for a half-space. For a layer, the documentation of [`Body::bonded_layer`]
+    /// states the error.
     pub fn displacement(&self, r: f64) -> Displacement {
         let field = self.field(r);
         Displacement {

@@ -1,13 +1,13 @@
 //! Contact with an incompressible elastic layer bonded to a rigid core.
 //!
-//! The object is a frictionless rigid paraboloid. Its curvature is the relative curvature of the two bodies. The layer
-//! is flat, and depths are measured from its surface. The displacement is the sum of two parts. One part is the
-//! displacement of a half-space under the contact's pressure, which is computed by a formula ([`pressure_field`]). The
-//! other part is the correction for the rigid base, which is a sum over wavenumbers ([`reflection`]) or is interpolated
-//! in a table ([`contact_table`]).
+//! The object is modelled as a frictionless rigid paraboloid, whose curvature is the relative curvature of sensor and
+//! object. The layer is flat, and depths are measured from its surface. The displacement is the sum of two parts. One
+//! part is the displacement of a half-space under the contact's pressure, which is computed by a formula
+//! ([`pressure_field`]). The other part is the correction for the rigid base, which is a sum over wavenumbers
+//! ([`reflection`]) or is interpolated in a table ([`contact_table`]).
 //!
-//! The solution depends only on three ratios: the contact's radius, the depth of a point and its distance from the
-//! contact, each divided by the layer's thickness.
+//! The displacement of a point depends only on three lengths: the contact's radius, the depth of the point and its
+//! distance from the contact, each divided by the layer's thickness.
 
 mod contact_table;
 mod pressure;
@@ -94,8 +94,8 @@ impl BondedLayer {
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Models of one layer, one for each depth in `depths`, in the same order. Their tables are computed together, in
-    /// little more time than the tables for one depth.
+    /// Models of one layer, one for each depth in `depths`, in the same order. The tables of all models are computed
+    /// together, in little more time than the tables for one depth.
     pub(crate) fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
@@ -130,9 +130,9 @@ impl BondedLayer {
         self.thickness
     }
 
-    /// Indentation divided by the relative curvature, for a contact of radius `a > 0`, and its derivative with respect
-    /// to `a`. The first result divided by a² depends on the layer's thickness t. It decreases from 1 for a ≪ t
-    /// (half-space) to 1/4 for a ≫ t (thin layer).
+    /// Ratio of the indentation to the relative curvature, for a contact of radius `a > 0`, and the derivative of this
+    /// ratio with respect to `a`. Divided by a², the ratio decreases from 1 for a ≪ t (half-space) to 1/4 for a ≫ t
+    /// (thin layer), where t is the layer's thickness.
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         let [indentation, slope] = self.scaled_indentation(self.scaled(a)?)?;
         Ok([
@@ -141,8 +141,8 @@ impl BondedLayer {
         ])
     }
 
-    /// The contact's radius, computed from the indentation divided by the relative curvature. The relative error is at
-    /// most 1e-12.
+    /// The contact's radius, computed from the ratio of the indentation to the relative curvature. The relative error
+    /// is at most 1e-12.
     pub(crate) fn contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -277,9 +277,9 @@ impl LayerContact {
         0.5 * self.numbers[3] * self.thickness
     }
 
-    /// Displacements at the distance `r` (positive or negative) from the contact, and their derivatives. The
-    /// displacements are 0 at the rigid base. Beyond 30 thicknesses from the contact's edge, they are set to 0, because
-    /// they are negligible there.
+    /// Displacements at the distance `r` (positive or negative) from the contact, and their derivatives with respect to
+    /// `r` and the contact's radius. The displacements are 0 at the rigid base. Beyond 30 thicknesses from the
+    /// contact's edge, they are set to 0, because they are negligible there.
     pub(crate) fn field(&self, r: f64) -> Field {
         let r = r.abs() / self.thickness;
         if r.is_nan() || r > self.contact + reflection::BEYOND || self.depth == 1.0 {

@@ -40,7 +40,8 @@ const MAX_LOG: f64 = 8.0;
 /// Number of directions in which bounds of the normal curvature are computed.
 const DIRECTIONS: usize = 360;
 
-/// Number of repetitions of the fit. Before each repetition, the noise is estimated from the residuals.
+/// Number of repetitions of the fit if the noise is not stated. Before each repetition, the noise is estimated from the
+/// residuals.
 const NOISE_PASSES: usize = 2;
 
 impl ForwardFit {
@@ -96,8 +97,9 @@ impl ForwardFit {
         problem.outcome(&best)
     }
 
-    /// Cramér–Rao bounds, as in [`ForwardFit::bounds`], for a fit of both principal curvatures. The true contact is at
-    /// the chart coordinates `at`. `axis` is the angle between the contact's longer axis and the x axis at the contact.
+    /// Cramér–Rao bounds for a fit of both principal curvatures; [`ForwardFit::bounds`] describes the other arguments.
+    /// The true contact is at the skin coordinates `at`. `axis` is the angle between the contact's longer axis and the
+    /// x axis at the contact.
     pub fn elliptic_bounds(
         &self,
         markers: &Markers,
@@ -208,9 +210,9 @@ impl Stds {
     }
 }
 
-/// Start values of the fit. The contact is at the marker that moved most, and the object has the sensor's own curvature
-/// (relative curvature 2/R_s). On a nearly flat skin, the start value of the curvature is computed from the extent of
-/// the markers instead.
+/// Start values of the fit. The contact starts at the marker that moved most, and the object with the sensor's own
+/// curvature (relative curvature 2/R_s). On a nearly flat skin, the start value of the curvature is computed from the
+/// extent of the markers instead.
 fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
     let markers = reading.markers;
     let (marker, largest) = reading
@@ -474,8 +476,9 @@ impl<'a> Problem<'a> {
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
         // The 95 % interval of the axis contains the angles at which the mixed component of the tensor, in axes at this
-        // angle, is 0 within the noise. This component is gap · sin(2Δ)/2, where Δ is the difference between the angle
-        // and the estimated axis. `unknown` is the standard error if the noise allows every angle.
+        // angle, is 0 within the noise. This component is gap · sin(2Δ)/2, where `gap` is the difference between the
+        // eigenvalues and Δ the difference between the angle and the estimated axis. If the noise allows every angle,
+        // the standard error is `unknown`.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {
@@ -486,8 +489,8 @@ impl<'a> Problem<'a> {
         let finite = |log: f64| (log - own_log < MAX_LOG).then(|| libm::exp(log) - own);
         let curvature = |log: f64, bias: f64, angle: f64, [low, high]: [f64; 2]| {
             let std = stds.along(angle);
-            // The readings are nearly linear in the radius of curvature, so the estimated curvature has the bias of an
-            // inverse, 1/x.
+            // The readings are nearly linear in the radius of curvature. The estimated curvature is the inverse of this
+            // radius, so noise makes it too large on average.
             let value = (log - bias - libm::log1p(std * std)).clamp(low, high);
             Estimated {
                 value: libm::exp(value) - own,

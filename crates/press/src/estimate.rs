@@ -164,18 +164,18 @@ pub struct PressEstimate {
     /// Chi-squared of the residuals divided by the degrees of freedom. It is about 1 if the stated noise is correct.
     pub reduced_chi_squared: f64,
     /// Goodness of fit. It is `None` for the Gaussian approximation, and if some noise was estimated from the
-    /// residuals. In a fit of images, the likelihood is averaged over the unknown deviations of the sensor's
-    /// parameters. Each deviation has a prior, so the deviations do not reduce the degrees of freedom.
+    /// residuals. In a fit of images, the likelihood is averaged over the unknown deviations of the sensor's parameters
+    /// from their nominal values. Each deviation has a prior, so the deviations do not reduce the degrees of freedom.
     pub goodness: Option<GoodnessOfFit>,
     /// Whether the readings alone show a contact. If this is `false`, the estimate relies on a stated indentation. The
-    /// interval of the curvature then contains the curvatures of all contacts that lie on the markers and are
+    /// interval of the curvature then contains the curvatures of all contacts in the area of the markers that are
     /// compatible with the readings. In most cases, the interval has no upper end, and the position of the contact is
     /// unknown.
     pub is_detected: bool,
     /// Number (from 0) of the only marker that moved significantly. Without this marker, the readings show no contact.
     /// Either the marker is an outlier, or the object presses at a place where no other marker moves.
     pub only_marker: Option<usize>,
-    /// Conclusion about the sign of the object's curvature, from its 95 % interval.
+    /// Conclusion about the sign of the object's curvature, from the 95 % interval of this curvature.
     pub verdict: Verdict,
 }
 

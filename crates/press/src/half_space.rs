@@ -59,8 +59,8 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
     while n < TERMS {
         let even = 2.0 * n as f64;
         let (first, second, third) = (even + 1.0, even + 2.0, even + 3.0);
-        // The series of integrals with the Bessel function J₁ contain (m−1)! instead of m!, where m is the power of k.
-        // Divide by m = 2n, but for m = 0 by 1.
+        // The series of integrals with the Bessel function J₁ contain (m−1)! instead of m!, where m is the power of the
+        // wavenumber k. Divide by m = 2n, but for m = 0 by 1.
         let lower = if n == 0 { 1.0 } else { even };
         factors[n] = [
             1.0 / (first * third),
@@ -83,11 +83,11 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
 /// limit, derivatives at the edge on the surface would be infinite.
 const EDGE: f64 = 1e-20;
 
-/// Displacements under a contact of radius `a > 0`, and their derivatives. The point is at the distance `r >= 0` from
-/// the axis and at the depth `z >= 0`.
+/// Displacements of a point under a contact of radius `a > 0`, and their derivatives with respect to `r` and `a`. The
+/// point is at the distance `r >= 0` from the axis and at the depth `z >= 0`.
 ///
-/// At the edge of the contact on the surface (z = 0, r = a), the derivatives have a jump. The result there is the limit
-/// from inside the contact.
+/// At the edge of the contact on the surface (z = 0, r = a), the derivatives have a jump. At the edge, the result is
+/// the limit from inside the contact.
 #[inline(always)]
 pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     let moments = if a * a < SERIES_RATIO * SERIES_RATIO * (r * r + z * z) {

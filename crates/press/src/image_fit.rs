@@ -1,8 +1,8 @@
 //! Nonlinear least-squares fit of a press model to the camera image of the markers.
 //!
-//! Each marker consists of two discs. A press displaces the discs; their displacements are computed by one [`Body`] per
-//! disc depth. A camera takes an image ([`View`]), and the tracker measures the centroid, hue and size of each marker
-//! ([`Seen`]).
+//! Each marker consists of two discs, a magenta and a yellow one, at two depths. A press displaces the discs; one
+//! [`Body`] per depth computes the displacements. A camera takes an image ([`View`]), and the tracker measures the
+//! centroid, hue and size of each marker ([`Seen`]).
 //!
 //! Two frames are used. The frame at rest determines the misalignment between the two discs of each marker ([`Rest`]).
 //! It also determines some of the sensor deviations, which are differences between the sensor's parameters and their
@@ -38,16 +38,18 @@ pub struct ImageFit<V> {
     pub view: V,
     /// The markers, that is, their places on the skin.
     pub markers: Markers,
-    /// The soft body, as two models: one computes displacements at the depth of the magenta discs, the other at the
-    /// depth of the yellow discs.
+    /// The soft body, as two models: the first computes displacements at the depth of the magenta discs, the second at
+    /// the depth of the yellow discs.
     pub bodies: [Body; 2],
-    /// A small length, and the two bodies (one per disc colour) for discs that are deeper by this length. From them the
-    /// fit computes derivatives with respect to the depths of the discs. They are required if the depths are uncertain.
+    /// A small length, and the two bodies (one per disc colour) for discs that are deeper by this length. From these
+    /// bodies the fit computes derivatives with respect to the depths of the discs. The field is required if the depths
+    /// are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
     /// Standard deviations of the sensor deviations in [`SensorState::common`]. The value 0 means that a sensor
     /// parameter is exactly equal to its nominal value.
     pub common_stds: Vec<f64>,
-    /// Joint prior, with covariances, of some of the sensor deviations in `common_stds`.
+    /// Joint normal prior of some of the sensor deviations in `common_stds`; `None` if all sensor deviations are
+    /// independent.
     pub departure_prior: Option<DeparturePrior>,
     /// Standard deviation (rad) of each component of the misalignment between a marker's two discs; 0 if the discs are
     /// aligned.
@@ -103,7 +105,7 @@ impl<V: View> ImageFit<V> {
             .transpose()
     }
 
-    /// Index and standard deviation of each common sensor deviation that is uncertain (standard deviation > 0).
+    /// Index and standard deviation of each uncertain sensor deviation, that is, with a standard deviation > 0.
     fn free_stds(&self) -> Vec<(usize, f64)> {
         let stds = self.common_stds.iter().copied().enumerate();
         stds.filter(|(_, std)| *std > 0.0).collect()

@@ -8,13 +8,13 @@ use crate::{Body, Contact, PressError, Skin};
 
 /// The least-squares problem of a press: readings, fit parameters and their priors.
 pub(crate) trait LeastSquares {
-    /// Values of the fit parameters, with chi-squared and its derivatives there.
+    /// Values of the fit parameters, with chi-squared and its derivatives at these values.
     type Fit: Clone;
     /// Limit for singular information matrices: a matrix is inverted only if the smallest diagonal entry of its scaled
     /// Cholesky factor exceeds this value.
     const SINGULAR: f64;
-    /// Text for an error message. It describes what the readings do not determine if the information matrix is
-    /// singular.
+    /// Text for the error message if the information matrix is singular. It names the quantities that the readings do
+    /// not determine.
     const FREE: &'static str;
     /// A fit with a fixed curvature stops if the next step is predicted to decrease chi-squared by less than this
     /// value.
@@ -86,8 +86,8 @@ pub(crate) trait LeastSquares {
     /// [`PressError`] if no press has these fit parameters.
     fn fit_at(&self, state: State) -> Result<Self::Fit, PressError>;
 
-    /// The fit after a step that is predicted to decrease chi-squared by `promise`; `None` if chi-squared increases
-    /// instead.
+    /// The fit after a step of the fit parameters that is predicted to decrease chi-squared by `promise`; `None` if
+    /// chi-squared increases instead.
     fn advance(
         &self,
         from: &Self::Fit,
@@ -95,14 +95,14 @@ pub(crate) trait LeastSquares {
         promise: f64,
     ) -> Result<Option<Self::Fit>, PressError>;
 
-    /// The same fit with derivatives that are computed again for its fit parameters. The result is `None` if its
-    /// derivatives already belong to these parameters.
+    /// The same fit with derivatives of the model that are computed again at its fit parameters. The result is `None`
+    /// if the derivatives already belong to these parameters.
     fn refreshed(&self, _fit: &Self::Fit) -> Result<Option<Self::Fit>, PressError> {
         Ok(None)
     }
 
-    /// The fit after the last, very small step of a search. Chi-squared and its derivatives are predicted, not
-    /// computed. By default, the last step is not made, and the result is `None`.
+    /// The fit after the last, very small step of a search. Chi-squared and its derivatives are predicted by a
+    /// quadratic approximation, not computed. By default, the last step is not made, and the result is `None`.
     fn last_step(&self, _from: &Self::Fit, _step: &Unknowns) -> Option<Self::Fit> {
         None
     }
@@ -122,7 +122,7 @@ pub(crate) trait LeastSquares {
     fn is_better(&self, fit: &Self::Fit, best: &Self::Fit) -> bool;
 }
 
-/// An exact search stops if the next step is predicted to decrease chi-squared by less than this value.
+/// A search for the exact minimum stops if the next step is predicted to decrease chi-squared by less than this value.
 pub(crate) const EXACTLY: f64 = 1e-8;
 const MAX_STEPS: usize = 200;
 const MIN_STEP: f64 = 1e-13;

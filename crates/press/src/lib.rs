@@ -1,5 +1,5 @@
-//! Models the elastic contact of a soft spherical fingertip. Computes the displacements of its skin in a press, and
-//! estimates the curvature of the object from these displacements.
+//! Models the elastic contact of a soft spherical fingertip with an object. Computes the displacements of the
+//! fingertip's skin in a press, and estimates the curvature of the object from these displacements.
 //!
 //! [`Body`], [`Skin`] and [`Markers`] compute the displacements of the markers from the relative curvature and the
 //! indentation. The body is a half-space or a layer that is bonded to a rigid core. The markers may be at the surface

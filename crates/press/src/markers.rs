@@ -12,7 +12,7 @@ use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
 use crate::{Contact, EllipticContact, Place, PressError, Skin};
 
-/// Largest length scale for the start values of a fit, as a multiple of the extent of the markers.
+/// Largest length scale for the start values of a fit, as a multiple of the extent of the area of the markers.
 const MAX_SCALE: f64 = 10.0;
 
 /// Markers at points under the skin.
@@ -27,8 +27,8 @@ pub struct Markers {
 pub struct MarkerDisplacement {
     /// Inward displacement (length) along the normal.
     pub normal: f64,
-    /// Displacement (length) along the skin. The components are along the x and y axes of the apex, transported along
-    /// the meridian to the marker.
+    /// Displacement (length) along the skin. Its components are along the x and y axes of the apex after these axes
+    /// were transported along the meridian to the marker.
     pub tangential: [f64; 2],
 }
 
@@ -217,8 +217,8 @@ impl Markers {
     }
 
     /// Returns an error unless a marker is within twice the radius `contact_radius` of the contact, or markers surround
-    /// the contact. Otherwise, the markers cannot observe the contact. Only markers in the hemisphere
-    /// around the contact count.
+    /// the contact. Otherwise, the markers cannot observe the contact. The markers on the opposite hemisphere do not
+    /// count.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
@@ -285,11 +285,11 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     !bearings.windows(2).any(is_gap)
 }
 
-/// Derivatives of a displacement with respect to four fit parameters: the logarithm of the relative curvature, the
-/// displacements of the contact along the two axes at its place, and the indentation.
+/// Derivatives of a marker's displacement with respect to four fit parameters: the logarithm of the relative curvature,
+/// the positions of the contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
-/// Values of a contact that are needed for the derivatives of displacements.
+/// Values of a contact from which the derivatives of displacements are computed.
 pub(crate) struct PressSlopes {
     pub(crate) curvature: f64,
     pub(crate) indentation: f64,
@@ -315,8 +315,8 @@ impl PressSlopes {
 
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, sight: &Sight, gain: f64) -> Slopes {
-        // If the contact moves towards the marker, their distance decreases. Therefore the derivative has a negative
-        // sign.
+        // If the contact moves towards the marker, the distance between contact and marker decreases. Therefore the
+        // derivative has a negative sign.
         let nearer = -self.curvature * field.normal_per_r;
         [
             gain * self.by_log(field.normal, field.normal_per_a),

@@ -1,8 +1,9 @@
 //! Tests whether a press was fitted with the wrong model. Patterns in the residuals show that the soft body differs
-//! from the model or that the object is not round. Another test compares a stated indentation with its estimate.
+//! from the model or that the object is not round. Another test compares a stated indentation with the indentation that
+//! is estimated from the readings.
 //!
-//! A pattern is a change of the markers' displacements. It is tested by Rao's score test. The amplitude of the pattern
-//! is treated as an additional fit parameter. The resulting decrease of chi-squared is computed to first order.
+//! A pattern is a change of the markers' displacements. In Rao's score test, the amplitude of the pattern is treated as
+//! an additional fit parameter, and the resulting decrease of chi-squared is computed to first order.
 
 use std::ops::Range;
 
@@ -19,16 +20,16 @@ const BY_DISTANCE: Range<usize> = 0..5;
 /// Indices of the patterns of displacements that also depend on the direction from the contact.
 const BY_DIRECTION: Range<usize> = 5..7;
 
-/// A pattern is tested only if the fitted parameters leave at least this share of it unexplained. A smaller rest is
-/// mostly an effect of the model's nonlinearity.
+/// A pattern of displacements is tested only if changes of the fit parameters leave at least this share of the pattern
+/// unexplained. A smaller rest is mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
-/// Displacements of a marker in all tested patterns, one column per pattern. The three rows are the components inward
-/// and along both axes of the skin at the marker. The scale of a pattern is arbitrary.
+/// Displacements of a marker in all tested patterns, one column per pattern. The three rows are the components of the
+/// displacement: inward, and along both axes of the skin at the marker. The scale of a pattern is arbitrary.
 pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
 
-/// Displacements of a marker in the tested patterns. `contact` is the fitted contact, and `sight` the position of the
-/// marker as viewed from it.
+/// Displacements of a marker in the tested patterns. `contact` is the fitted contact, and `sight` the distance and
+/// direction of the marker from this contact.
 ///
 /// The displacement is u_z inward and u_r along the skin, and r is the distance from the contact. Five patterns show
 /// that the body differs from the model: the size of u_z, the steepness of u_z, an offset of u_z, the size of u_r and
@@ -92,7 +93,8 @@ impl Noise {
         }
     }
 
-    /// P-value of `explained`, the decrease of chi-squared by patterns in the residuals, with this noise.
+    /// P-value of `explained`, the decrease of chi-squared by patterns in the residuals, if the readings have this
+    /// noise.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -105,7 +107,7 @@ impl Noise {
 }
 
 /// Weighted sums over the readings. Each term is the value of a pattern multiplied by another value: a derivative with
-/// respect to a fit parameter, the value of a pattern, or a residual.
+/// respect to a fit parameter, the value of the same or another pattern, or a residual.
 pub(crate) struct PatternSums {
     pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
     pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
@@ -133,8 +135,9 @@ impl PatternSums {
     }
 
     /// Decrease of chi-squared, to first order, if the amplitudes of the patterns with the indices `range` were fitted
-    /// too. At the best fit, the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. At
-    /// such a limit, the part of the residuals that belongs to the gradient is removed (Neyman's C(α)).
+    /// too. At the best fit, the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. In
+    /// this case, the part of the residuals that a change of the fit parameters could explain is removed (Neyman's
+    /// C(α)).
     fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
         let Self {
             by_slopes,

@@ -7,12 +7,12 @@ use crate::least_squares::LeastSquares;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Square, State, Sums};
 use crate::{Estimated, GoodnessOfFit, PressError, PressEstimate, Verdict};
 
-/// Maximum number of fits of one press. Whenever the search for the interval finds a better fit, the estimate is
-/// computed again from this fit.
+/// Maximum number of fits of one press. Whenever the search for the 95 % interval finds a better fit, the estimate is
+/// computed again from the better fit.
 const MAX_FITS: usize = 4;
 
-/// Calls `conclude` with a fit. If `conclude` returns a better fit instead of an estimate, `until_best` calls
-/// `conclude` again with the better fit.
+/// Calls `conclude`, which computes the estimate from a fit. If `conclude` returns a better fit instead of an estimate,
+/// it is called again with the better fit.
 ///
 /// # Errors
 /// Errors of `conclude`, and [`PressError::Undetermined`] if `conclude` returns a better fit again and again.
@@ -119,8 +119,8 @@ impl Stds {
             - 2.0 * indentation * variance(INDENTATION, CURVATURE)
             + indentation * indentation * variance(CURVATURE, CURVATURE);
         let share = 1.0 / (contact.relative_curvature * slope);
-        // If all markers lie on a circle, the axes of the fitted place point along and across the circle. Convert it to
-        // the axes of the skin.
+        // If all markers lie on a great circle, the axes of the fitted place point along and across this circle.
+        // Convert the standard errors to the axes of the skin.
         let axes = skin.place_at(state.place.direction.as_ref());
         let along = |axis: &Vector3<f64>| {
             let (x, y) = (axis.dot(&state.place.x_axis), axis.dot(&state.place.y_axis));
@@ -138,7 +138,7 @@ impl Stds {
     }
 }
 
-/// Significance level of the test of whether the markers moved.
+/// Significance level of the test whether the markers moved.
 const SIGNIFICANCE_LEVEL: f64 = 1e-6;
 
 /// Returns the error for a press without a detected contact, in which the fitted contact decreases chi-squared by

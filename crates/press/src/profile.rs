@@ -4,11 +4,12 @@ use crate::Interval;
 use crate::least_squares::{LeastSquares, minimise};
 use crate::unknowns::{CURVATURE, INDENTATION, State};
 
-/// Tolerance of the search for an end of the interval. It is the relative error of the square root of the increase of
-/// chi-squared at the end. A result within this tolerance is improved by interpolation.
+/// Tolerance of the search for an end of the interval. It is the largest relative error of the square root of the
+/// increase of chi-squared at the end. A result within this tolerance is then improved by interpolation.
 const TOLERANCE: f64 = 0.03;
 const MAX_TRIES: usize = 40;
-/// Limit of the search: largest ratio between a curvature and the estimated curvature, in either direction.
+/// Limit of the search for the ends of an interval: largest ratio between a tried curvature and the estimated
+/// curvature, in either direction.
 const MAX_RATIO: f64 = 1e6;
 
 /// The interval of the relative curvature. For each curvature, chi-squared is minimised with respect to all other fit
@@ -27,8 +28,8 @@ pub(crate) fn profile<P: LeastSquares>(
     })
 }
 
-/// A step of the logarithm of the curvature. `root` is the square root of the increase of chi-squared after this step,
-/// and `per_root` the derivative of the step with respect to `root`.
+/// A step of the logarithm of the curvature from the best fit. `root` is the square root of the increase of chi-squared
+/// after this step, and `per_root` the derivative of the step with respect to `root`.
 #[derive(Clone, Copy)]
 struct Found {
     step: f64,
@@ -109,7 +110,7 @@ fn walk<P: LeastSquares>(
             }
             Some(Ok(found)) if found.root < limit => inside = found,
             Some(Ok(found)) => outside = Some((step, Some(found))),
-            // No press is possible at this step, so the end of the interval is before it.
+            // No press is possible at this step, so the interval ends before this step.
             None => outside = Some((step, None)),
         }
         if let Some((_, Some(found))) = outside {

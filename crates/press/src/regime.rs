@@ -1,4 +1,5 @@
-//! Regimes of contact between a spherical sensor and an object, and the limits of the contact theory.
+//! Regimes of contact between a spherical sensor and an object, and limits of the contact radius for which the contact
+//! theory is valid.
 
 use strum::IntoStaticStr;
 

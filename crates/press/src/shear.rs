@@ -1,8 +1,8 @@
 //! Computes the motion of the skin under an object that sticks to the skin and moves sideways.
 //!
-//! If the contact (a disc of radius a) shifts a little without slip, all its points move equally. On an elastic
-//! half-space, the traction is then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. A wave of
-//! traction with the amplitude q̄ and the wavenumber k displaces the material at the depth z. In units of q̄
+//! If the contact (a disc of radius a) shifts a little without slip, all points of the contact move equally. On an
+//! elastic half-space, the traction is then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. A
+//! wave of traction with the amplitude q̄ and the wavenumber k displaces the material at the depth z. In units of q̄
 //! e^{−kz}/(2Gk), with the shear modulus G, the displacement has three components: 2(1−ν) − kz along the direction of
 //! the wave, 2 across it, and (1−2ν) + kz inward. The inward component is shifted by a quarter of a wavelength. The
 //! shift of the contact is π(2−ν) q₀ a/(4G). For a shift by one unit of length, with the azimuth φ relative to the
@@ -14,8 +14,8 @@
 //! A_m = ∫ sin(ka) e^{−kz} J_m(kr) dk/k                      B_m = ∫ sin(ka) e^{−kz} J_m(kr) dk
 //! ```
 //!
-//! With the complex distance ρ = √(r² + ζ²), ζ = z − ia, and t = r/(ρ + ζ) they are Im tᵐ/m (A₀ = asin of a over half
-//! the sum of the distances to both ends of a diameter) and Im tᵐ/ρ.
+//! With the complex distance ρ = √(r² + ζ²), ζ = z − ia, and t = r/(ρ + ζ), A_m is Im tᵐ/m and B_m is Im tᵐ/ρ. A₀ is
+//! asin(a/l), where l is half the sum of the distances from the point to both ends of the contact's diameter.
 
 use std::f64::consts::PI;
 

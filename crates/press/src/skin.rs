@@ -4,7 +4,8 @@ use nalgebra::{UnitVector3, Vector2, Vector3};
 
 use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_object};
 
-/// Range of allowed radii of the skin. Products of a few such lengths are within the range of doubles.
+/// Range of allowed radii (length) of the skin. Products of a few such lengths are within the range of double-precision
+/// numbers.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// The skin of a sensor: a sphere, with coordinates relative to its apex. The skin of a flat pad is a sphere with an
@@ -74,7 +75,8 @@ impl Skin {
     }
 
     /// The place with the coordinates (x, y). Coordinates that correspond to more than half a turn around the sphere
-    /// are reduced by whole turns. If x and y, divided by the radius, are not finite angles, the result is the apex.
+    /// are reduced by whole turns. If x/R_s and y/R_s, with the skin's radius R_s, are not finite angles, the result is
+    /// the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x, y].map(|along| along / self.place_radius());
         let angle = libm::hypot(x, y);
@@ -175,7 +177,8 @@ impl Skin {
         Ok(contact)
     }
 
-    /// Sum of the curvatures of the skin and the object. Returns an error if they do not first touch at a single point.
+    /// Sum of the curvatures of the skin and the object. Returns an error if skin and object do not first touch at a
+    /// single point.
     fn relative_curvature(&self, object_curvature: f64) -> Result<f64, PressError> {
         let relative_curvature = self.curvature() + object_curvature;
         match ContactRegime::of(self.curvature(), object_curvature) {

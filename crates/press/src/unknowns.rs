@@ -6,11 +6,11 @@ use crate::least_squares::solve;
 use crate::{Body, Contact, Measured, Place, PressError, Skin};
 
 pub(crate) const UNKNOWNS: usize = 6;
-/// Index of the logarithm of the relative curvature in the fit parameters.
+/// Index of the logarithm of the relative curvature among the fit parameters.
 pub(crate) const CURVATURE: usize = 0;
-/// Index of the contact's displacement along its first axis, in the fit parameters.
+/// Index, among the fit parameters, of the contact's position along the first axis at its place.
 pub(crate) const ALONG: usize = 1;
-/// Index of the contact's displacement along its second axis, in the fit parameters.
+/// Index, among the fit parameters, of the contact's position along the second axis at its place.
 pub(crate) const ACROSS: usize = 2;
 pub(crate) const INDENTATION: usize = 3;
 /// Index of the first of the two fit parameters that depend on the kind of fit.
@@ -19,8 +19,9 @@ pub(crate) const OTHERS: usize = 4;
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Smallest ratio of a prior's standard deviation to its value with which the parameter is fitted. If the ratio is
-/// smaller, the parameter counts as exact, because a fit with such a prior would suffer from rounding errors.
+/// If the standard deviation of a parameter's prior, relative to the scale of the parameter, is at most this value, the
+/// parameter counts as exact, because a fit with such a prior would suffer from rounding errors. It is also the
+/// smallest noise that a fit assumes, relative to the largest displacement.
 pub(crate) const EXACT: f64 = 1e-10;
 
 /// States which parameters of a press are fitted, and contains their normal priors.
@@ -33,8 +34,8 @@ pub(crate) struct Fitted {
 }
 
 impl Fitted {
-    /// Prepares a fit of all parameters, except an indentation that is exact. `others` contains the priors of the two
-    /// fit parameters that depend on the kind of fit.
+    /// Prepares a fit of all parameters; only an indentation that is stated exactly is not fitted. `others` contains
+    /// the priors of the two fit parameters that depend on the kind of fit.
     pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
         let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
         sought[INDENTATION] = indentation.is_none_or(|known| known.std > EXACT * known.value);

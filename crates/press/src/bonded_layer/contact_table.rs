@@ -1,10 +1,10 @@
 //! Contacts that are interpolated in a table, which is fast enough for fits. The table contains solved contacts for a
-//! few radii; contacts between them are interpolated by polynomials.
+//! few radii; contacts with other radii are interpolated by polynomials.
 //!
-//! The table contains the coefficients of the pressure and the correction for the rigid base. Both are smooth functions
-//! of the contact's radius, and the correction is also a smooth function of the distance. The displacement of a
-//! half-space under the pressure is not smooth at the edge of the contact, so it is computed from the interpolated
-//! coefficients.
+//! For each solved contact, the table contains the coefficients of the pressure's series and the correction of the
+//! displacements for the rigid base. These values are smooth functions of the contact's radius, and the correction is
+//! also a smooth function of the distance. The displacement of a half-space under the pressure is not smooth at the
+//! edge of the contact, so it is computed from the interpolated coefficients of the pressure.
 
 use std::f64::consts::PI;
 
@@ -27,7 +27,7 @@ const GROWTH: f64 = 1.5;
 /// Terms of the pressure's series are omitted if their ratio to the largest term is below this value.
 const RELATIVE_CUTOFF: f64 = 1e-12;
 
-/// Table of the contacts whose radii are in one range, for one depth.
+/// Table of solved contacts with radii in one range, for displacements at one depth.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     range: [f64; 2],
@@ -39,7 +39,8 @@ pub(super) struct Table {
 
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// The indentation, its derivative with respect to the radius, the force and the peak pressure; see [`Pressure`].
+    /// The indentation, its derivative with respect to the contact's radius, the force and the peak pressure; see
+    /// [`Pressure`].
     pub(super) numbers: [f64; 4],
     pub(super) terms: Vec<Term>,
     pub(super) panels: Panels,
@@ -84,8 +85,8 @@ impl Table {
             })
             .collect();
         for pressure in &pressures {
-            // The same wavenumbers are used for all depths. They are sufficient for the widest contact and the largest
-            // depth. Then the Bessel functions are evaluated only once.
+            // All depths use the same wavenumbers, so the Bessel functions are evaluated only once. These wavenumbers
+            // are sufficient for the widest contact and the largest depth.
             let reach = range[1] + panels[panels.len() - 1] - pressure.contact;
             let spectrum = Spectrum::new(pressure, deepest, reach, 1.0);
             for (table, depth) in tables.iter_mut().zip(depths) {
@@ -179,9 +180,9 @@ impl Panels {
 
 /// A row of a table, for one contact radius a. It contains, in this order: the values [`Entry::numbers`], the terms of
 /// the series of φ and of ∂φ/∂a, and Chebyshev coefficients for each panel of distances. The function φ describes the
-/// pressure; see [`Pressure`]. The coefficients describe the normal and the radial displacement, and their derivatives
-/// with respect to the contact's radius. Each value is divided by the power of the radius to which it is proportional
-/// for small contacts.
+/// pressure; see [`Pressure`]. The coefficients describe the corrections of the normal and the radial displacement for
+/// the rigid base, and the derivatives of these corrections with respect to the contact's radius. Each value is divided
+/// by the power of the radius to which it is proportional for small contacts.
 fn row(
     pressure: &Pressure,
     terms: usize,
@@ -282,7 +283,7 @@ fn lagrange(range: [f64; 2], value: f64) -> [f64; NODES] {
     shares.map(|share| share / sum)
 }
 
-/// Values of all Chebyshev polynomials at [`nodes`]: one row per polynomial, in ascending order.
+/// Values of the Chebyshev polynomials T₀, T₁, … at [`nodes`], one row per polynomial.
 struct Polynomials([[f64; NODES]; NODES]);
 
 impl Polynomials {
@@ -292,7 +293,8 @@ impl Polynomials {
         }))
     }
 
-    /// Chebyshev coefficients of a function from its values at [`nodes`]. The first coefficient is halved.
+    /// Chebyshev coefficients of a function from its values at [`nodes`]. The first coefficient is the mean of these
+    /// values.
     fn coefficients(&self, values: &[f64; NODES]) -> [f64; NODES] {
         std::array::from_fn(|order| {
             let products = values.iter().zip(&self.0[order]);

@@ -18,8 +18,8 @@ use crate::half_space::{self, Spheroidal};
 /// Below this ratio of the contact's radius to the distance of a point from the contact, the contact is treated as a
 /// point force.
 const POINT: f64 = 1e-10;
-/// The radial functions are computed by an upward recurrence if this recurrence amplifies rounding errors by at most a
-/// factor of e^`UPWARD`, and otherwise by a downward recurrence.
+/// The radial functions qₙ of the spheroidal harmonics are computed by an upward recurrence if this recurrence
+/// amplifies rounding errors by at most a factor of e^`UPWARD`, and otherwise by a downward recurrence.
 const UPWARD: f64 = 9.0;
 /// Terms of the series that are smaller than e^−`NEGLIGIBLE` are omitted.
 const NEGLIGIBLE: f64 = 32.0;
@@ -34,8 +34,8 @@ const EDGE: f64 = 1e-7;
 /// Coefficients of the Legendre polynomial Pₙ (n = 2j) in a pressure: (−1)ʲ cₙ for φ and for its derivative ∂φ/∂a.
 pub(super) type Term = [f64; 2];
 
-/// The displacements and their derivatives at the distance `r` and the depth `z` in a half-space under a pressure
-/// within the radius `a`.
+/// The displacements, and their derivatives, at the distance `r` and the depth `z` in a half-space. A pressure with the
+/// coefficients `terms` acts within the radius `a`.
 pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
     if a * a < POINT * POINT * (r * r + z * z) {
         return half_space::field(0.5, z, a, r);

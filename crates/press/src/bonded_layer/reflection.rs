@@ -31,8 +31,8 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
 /// The wavenumber beyond which the result of [`at_surface`] is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
-/// The difference between the displacements of layer and half-space at the depth `depth`, as two factors: the factor of
-/// J₀ (inward displacement) and the factor of J₁ (outward displacement).
+/// The difference between the displacements of layer and half-space at the depth `depth`, for one wavenumber: the
+/// factor of the Bessel function J₀ (inward displacement) and the factor of J₁ (outward displacement).
 fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
@@ -57,8 +57,8 @@ fn reach_at(depth: f64) -> f64 {
 /// displacement. At the distance r, they decay as e^{−0.739 r}, where 0.739 is the solution of cos x = x.
 pub(super) const BEYOND: f64 = 30.0;
 
-/// Largest distance for which the first sum over wavenumbers is accurate. Each further sum is accurate up to twice the
-/// distance of the previous sum.
+/// Largest distance from the contact's edge at which the first sum over wavenumbers is accurate. Each further sum is
+/// accurate up to twice the distance of the previous sum.
 const FIRST_REACH: f64 = 4.0;
 
 /// Effect of the rigid base on the displacements under a pressure, at one depth, as sums over wavenumbers.
@@ -81,8 +81,8 @@ pub(super) struct Wave {
     pub(super) per_contact: [f64; 2],
 }
 
-/// Wavenumbers with their weights. For each wavenumber, also two Hankel transforms: of the contact's pressure, and of
-/// the derivative of this pressure with respect to the contact's radius.
+/// Wavenumbers with their quadrature weights, and two Hankel transforms at each wavenumber: of the contact's pressure,
+/// and of the derivative of this pressure with respect to the contact's radius.
 pub(super) struct Spectrum {
     nodes: Vec<[f64; 2]>,
     transforms: Vec<[f64; 2]>,

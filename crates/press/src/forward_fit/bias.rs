@@ -67,8 +67,8 @@ impl Problem<'_> {
 }
 
 /// The estimated curvature, corrected for its relative bias `bias` and limited to its interval. If `bias` is above 1,
-/// the radius may be 0, and the correction cannot be computed. The result is then the inverse of a radius that equals
-/// two of its standard errors, because the estimated radius is nearly normally distributed.
+/// the estimated effective radius is within about one standard error of 0, and the correction is not valid. The result
+/// is then the inverse of a radius that equals two of its standard errors.
 fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())
@@ -88,8 +88,9 @@ const STEP: f64 = 0.3;
 /// (Box 1971) plus half of the logarithm's variance. It is positive if the curvature is overestimated on average.
 ///
 /// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature
-/// therefore has a long tail towards sharp objects. Another formula is used if the variance is large, or if the second
-/// differences would need impossible presses. It is the bias of 1/x for a normally distributed x.
+/// therefore has a long tail towards sharp objects. If the variance is large, or if the second differences would need
+/// impossible presses, the result is the variance of the logarithm, which is the bias of 1/x for a normally distributed
+/// x.
 fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {

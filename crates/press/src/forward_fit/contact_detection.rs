@@ -11,22 +11,22 @@ use crate::markers::see;
 use crate::outcome::no_contact;
 use crate::unknowns::State;
 
-/// False alarm rate: probability that a contact is detected although there is none. This value assumes that contacts
-/// are searched only at the markers. On a thin layer, a fit also finds contacts between the markers, which increases
-/// the probability by about 0.005.
+/// False alarm rate: probability that a contact is detected although there is none, if contacts are searched only at
+/// the markers. On a thin layer, a fit also finds contacts between the markers, which increases the probability by
+/// about 0.005.
 const FALSE_ALARM_RATE: f64 = 0.04;
 /// If one marker moved significantly, a contact must also decrease chi-squared of the other markers by at least this
-/// value. Otherwise only the one marker shows a contact, and this marker may be an outlier.
+/// value. Otherwise this marker alone shows the contact, and it may be an outlier.
 const MIN_IMPROVEMENT_OF_OTHERS: f64 = 9.0;
 
 impl Problem<'_> {
     /// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
     /// detected.
     ///
-    /// If there is only noise, a contact can be fitted at each marker. Its indentation and its width are two degrees of
-    /// freedom. Half of these contacts would point outward and are therefore impossible. The number of independent
-    /// positions of the contact is at most the number of markers (Bonferroni). If the noise is estimated from the
-    /// residuals, the test uses the F distribution.
+    /// If there is only noise, a contact can still be fitted at each marker. Its indentation and its width are two
+    /// degrees of freedom. In half of these contacts, the indentation would be negative, which is impossible. The
+    /// number of independent positions of the contact is at most the number of markers (Bonferroni). If the noise is
+    /// estimated from the residuals, the test uses the F distribution.
     pub(super) fn needed(&self) -> f64 {
         let odds = libm::log(self.counting().count() as f64 / (2.0 * FALSE_ALARM_RATE));
         if self.knows_noise() {
@@ -79,8 +79,8 @@ fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
         return (readings.map(squared).collect(), problem.components());
     }
     let normal: Vec<f64> = readings.map(|[normal, ..]| normal.abs()).collect();
-    // Upper bound of the noise: the median plus three of its standard errors. The relative standard error of the median
-    // of n normally distributed readings is 1.17/√n, and 3 · 1.17 = 3.5.
+    // Upper bound of the noise: the median of the displacements' magnitudes plus three standard errors of this median.
+    // The relative standard error of the median of n normally distributed readings is 1.17/√n, and 3 · 1.17 = 3.5.
     let chance = 1.0 + 3.5 / (normal.len() as f64).sqrt();
     let noise = chance * median(&normal) / HALF_WIDTHS[0];
     let squares = normal
@@ -93,8 +93,8 @@ fn squared(residuals: [f64; 3]) -> f64 {
     residuals.iter().map(|one| one * one).sum()
 }
 
-/// The most likely normal displacement that all markers have in common if there is no contact. It follows from the mean
-/// reading and the prior of the baseline.
+/// The most likely normal displacement that is common to all markers (the baseline) if there is no contact. It follows
+/// from the mean reading and the prior of the baseline.
 fn resting(problem: &Problem<'_>) -> f64 {
     // The prior of the baseline has the mean 0. It has the same weight as `known` readings of 0.
     let known = match problem.fit.baseline {

@@ -12,8 +12,8 @@ use crate::misfit::{Noise, PatternSums, Patterns, patterns, stated_indentation};
 use crate::unknowns::{INDENTATION, Square, State, Sums};
 use crate::{PressError, PressEstimate};
 
-/// The stated noise is reported as wrong only if it is larger or smaller than the noise of the residuals by at least
-/// this factor.
+/// The stated noise is reported as wrong only if the ratio between the stated noise and the noise of the residuals, in
+/// either direction, is at least this value.
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
@@ -77,8 +77,8 @@ impl ForwardFit {
         stated_indentation(stated, &alone.indentation, p_value)
     }
 
-    /// The least-squares problem of an estimate (the same markers and the same noise), and the fit parameters of the
-    /// estimate.
+    /// The least-squares problem from which an estimate was computed (with the same markers and noise), and the fit
+    /// parameters of the estimate.
     fn problem_of<'a>(
         &'a self,
         reading: &'a Reading<'a>,
@@ -106,12 +106,11 @@ impl ForwardFit {
         (problem, state)
     }
 
-    /// Tests an estimate of this fit and returns the ways in which the readings contradict the model. A stated
-    /// indentation is tested separately by [`Self::check_indentation`]. For an elliptic contact, the Gaussian
+    /// Tests an estimate that this fit computed, and returns all contradictions between the readings and the model. A
+    /// stated indentation is tested separately by [`Self::check_indentation`]. For an elliptic contact, the Gaussian
     /// approximation, an undetected contact, or a fit with hardly more equations than parameters, only the size of the
     /// residuals is tested. If the residuals are too large for the stated noise, the tests for outliers and for
-    /// patterns in the residuals
-    /// use the noise of the residuals instead.
+    /// patterns in the residuals use the noise of the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.
@@ -132,8 +131,8 @@ impl ForwardFit {
         let noise = problem.stated_noise(&state)?;
         let mut misfits: Vec<Misfit> = poor_fit.into_iter().chain(noise).collect();
         let noise = problem.noise(&sums);
-        // The following tests are valid only at the best fit. If the contact was not detected, there is no best fit to
-        // test.
+        // The following tests are valid only at the minimum of chi-squared. If no contact was detected, the estimate is
+        // not at a minimum.
         if let Some((noise, covariance)) = noise.zip(problem.covariance(&sums).ok())
             && estimate.is_detected
         {

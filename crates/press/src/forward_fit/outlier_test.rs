@@ -9,14 +9,14 @@ use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::misfit::Noise;
 use crate::unknowns::{CURVATURE, Square, State, Sums, Unknowns};
 
-/// Outliers are tested only if the ratio of the estimated noise to the largest displacement is at least this value.
-/// Smaller noise may only be the rounding of the readings.
+/// If the noise is estimated, outliers are tested only if the ratio of this noise to the largest displacement exceeds
+/// this value. A smaller residual may only be the rounding of the readings.
 const ROUNDING: f64 = 1e-3;
 /// Tests with estimated noise need at least this number of degrees of freedom.
 const MIN_FREEDOM: usize = 8;
 
-/// Smallest share of a reading's noise that must remain in the reading's residual. Below this share, the fit follows
-/// the marker, and the test must use a fit without the marker.
+/// Smallest share of a reading's noise variance that must remain in the reading's residual. If the share is smaller,
+/// the fit follows this marker's noise, and the test uses a fit without the marker.
 const MIN_RESIDUAL_SHARE: f64 = 0.1;
 
 impl Problem<'_> {
@@ -39,8 +39,8 @@ impl Problem<'_> {
     }
 
     /// The marker whose readings contradict the readings of the other markers most, and the p-value of this
-    /// contradiction. Only markers that can change the curvature are tested. The p-value is corrected for the number of
-    /// tested markers.
+    /// contradiction. Only markers that noticeably influence the estimated curvature are tested. The p-value is
+    /// corrected for the number of tested markers.
     pub(super) fn slipped(
         &self,
         state: &State,

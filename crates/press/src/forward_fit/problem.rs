@@ -18,7 +18,8 @@ pub(super) const GAIN: usize = OTHERS + 1;
 /// Outlier threshold: a reading is an outlier if its residual exceeds this number of standard deviations. Noise alone
 /// causes this once in two million readings.
 pub(super) const WRONG: f64 = 5.0;
-/// Markers are in a row if the ratio of their variance across the row to their variance along it is below this value.
+/// Markers count as a row if the variance of their positions across the row, divided by the variance along the row, is
+/// below this value.
 const ROW: f64 = 1e-5;
 
 #[derive(Clone, Debug)]
@@ -129,7 +130,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Chi-squared without its derivatives. The function `moved` returns the normal and tangential displacement of a
-    /// marker in the model.
+    /// marker that the model predicts.
     pub(super) fn cost(
         &self,
         state: &State,
@@ -207,7 +208,7 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// The sum Σ slopes × values over the used markers. Slopes are the derivatives of the readings with respect to the
+    /// The sum of slopes × values over the used markers. Slopes are the derivatives of the readings with respect to the
     /// fit parameters. Slopes and values are in standard deviations.
     pub(super) fn projected(
         &self,
@@ -311,8 +312,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The place on the skin in the direction `direction` from the sensor's centre. If the contact must lie on a
-    /// circle, the x axis of the place points along the circle.
+    /// The place on the skin in the direction `direction` from the sensor's centre. If the contact must lie on the
+    /// great circle of the markers, the x axis of the place points along this circle.
     pub(super) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         let Some(pole) = self.circle else {
             return self.reading.markers.skin().place_at(direction);
@@ -416,8 +417,8 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
     }
 }
 
-/// Largest product of terms 1 + s/c² in a [`RobustSum`]. If the product exceeds it, the logarithm of the product is
-/// added to the sum, so that the product cannot overflow.
+/// Limit of the product of terms 1 + s/c² in a [`RobustSum`]. If the product exceeds this limit, its logarithm is added
+/// to the sum, so that the product cannot overflow.
 const MAX_PRODUCT: f64 = 1e100;
 
 /// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers. Here s is the sum of squared
@@ -440,8 +441,8 @@ impl RobustSum {
         }
     }
 
-    /// Adds the residuals of one marker, in standard deviations, to the sum. Returns the weight of the marker in the
-    /// equations.
+    /// Adds the residuals of one marker, in standard deviations, to the robust chi-squared. Returns the weight of the
+    /// marker in the normal equations of the fit.
     pub(super) fn add(&mut self, residuals: [f64; 3]) -> f64 {
         let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
         if self.limit == f64::INFINITY {
@@ -480,8 +481,8 @@ impl Problem<'_> {
         minimise(self, self.fit_at(state)?, enough, held)
     }
 
-    /// Sum of the squared residuals of all markers. Each marker contributes at most the square of the outlier
-    /// threshold. The sum is infinite if the contact is impossible.
+    /// Sum of the squared residuals of all markers, in standard deviations. Each marker contributes at most the square
+    /// of the outlier threshold. The sum is infinite if the fit parameters `state` describe an impossible contact.
     pub(super) fn unexplained(&self, state: &State) -> f64 {
         let Ok(contact) = self.contact(state) else {
             return f64::INFINITY;

@@ -19,11 +19,11 @@ use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// Number of outliers from which an additional fit is tried. The cause of several outliers may be the error of another
-/// marker that was not rejected.
+/// If there are at least this number of outliers, a fit without another marker is also tried. The cause of several
+/// outliers may be the error of a marker that was not rejected.
 const SEVERAL: usize = 2;
-/// Significance level for the marker that contradicts the other markers most. If the p-value of this marker is lower,
-/// the interval is extended by the interval of a fit without the marker.
+/// Significance level for the marker that contradicts the other markers most. If the p-value of this contradiction is
+/// lower, the 95 % interval is extended by the interval of a fit without the marker.
 const SUSPECT: f64 = 0.05;
 /// Residuals beyond this number of standard deviations have a reduced weight in the robust fit, which precedes the
 /// rejection of outliers.
@@ -34,8 +34,8 @@ const ROUGHLY: f64 = 1e-2;
 /// that chi-squared changes by at most twice `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
-/// Number of most-displaced markers with which a search starts. About as many other markers are added to them. If there
-/// are fewer than twice this number of markers, the search starts with all markers.
+/// A search first uses this number of markers with the largest displacements, and about as many other markers. If there
+/// are at most twice this number of markers, the search uses all markers from the start.
 const MAX_START_MARKERS: usize = 10_000;
 
 #[derive(Clone)]
@@ -54,8 +54,8 @@ pub(super) struct Search<'a> {
 /// Result of the second search, which follows a fit without a detected contact.
 enum Found<'a> {
     Contact(Box<(Search<'a>, State, Sums)>),
-    /// The readings show no contact, but an indentation is stated, so there must be one. This is the estimate from the
-    /// stated indentation.
+    /// The readings show no contact, but an indentation is stated, so there must be a contact. The field is the
+    /// estimate from the stated indentation.
     Left(Box<PressEstimate>),
 }
 
@@ -138,15 +138,14 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Searches a contact at another place, if the readings show no contact at the fitted place or only one marker
-    /// shows it. Returns the contact if the readings show one at another place. Otherwise it returns an estimate from
-    /// the stated indentation, with the range of curvatures that the readings allow. Returns `None` if there is no
-    /// result.
+    /// Searches a contact at another place, after a fit whose contact is shown by no marker or by only one. Returns the
+    /// new contact if the readings show it. Otherwise returns an estimate from the stated indentation, with the range
+    /// of curvatures that the readings allow, or `None` if such an estimate is impossible.
     fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
         if let Some(marker) = only_marker {
-            // Exclude this marker, because a very sharp object under it could explain any displacement of it without
-            // moving the other markers.
+            // Exclude the only marker that moved, because a very sharp object under this marker could explain any
+            // displacement of it without moving the other markers.
             problem.kept[marker] = false;
         }
         problem.determined().ok()?;
@@ -209,7 +208,7 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If the interval of one of these fits is unbounded, the combined interval is unbounded too.
+            // If the interval around one of these minima is unbounded, the combined interval is unbounded too.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
@@ -246,7 +245,7 @@ impl<'a> Search<'a> {
                 Err(better) => told = others.without(marker, &better),
             }
         }
-        // Without this marker, the search found no interval, so nothing bounds the curvature.
+        // The search found no interval for the fit without this marker, so the curvature counts as unbounded.
         Ok(Interval::UNBOUNDED)
     }
 
@@ -259,8 +258,8 @@ impl<'a> Search<'a> {
             && self.problem.contact(one).is_ok_and(near)
     }
 
-    /// Fits some of the markers, and then all markers with the result as start value. Returns `None` if there are only
-    /// few markers, or if one of the two fits fails.
+    /// Fits some of the markers, and then all markers with the first fit's parameters as start values. Returns `None`
+    /// if there are only few markers, or if one of the two fits fails.
     fn begin_with_few(&mut self) -> Option<(State, Sums)> {
         let reading = self.problem.reading;
         let mut chosen: Vec<usize> = (0..reading.normal.len()).collect();
@@ -272,7 +271,8 @@ impl<'a> Search<'a> {
             |one: &usize, other: &usize| reading.normal[*other].total_cmp(&reading.normal[*one]);
         chosen.select_nth_unstable_by(MAX_START_MARKERS, by_displacement);
         let mut others = chosen.split_off(MAX_START_MARKERS);
-        // Multiples of the golden ratio are spread evenly, also over the rows of a grid of markers.
+        // The fractional parts of multiples of the golden ratio are spread evenly, so the chosen markers are also
+        // spread evenly over the rows of a grid.
         others.retain(|&marker| (marker as f64 * GOLDEN_RATIO).fract() < share);
         chosen.append(&mut others);
         let markers = reading.markers.subset(&chosen);
@@ -302,8 +302,8 @@ impl<'a> Search<'a> {
         }
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
-            // With a window, each fit uses other markers, so their residuals cannot be compared. Keep only the first
-            // fit.
+            // With a window, each fit uses the markers around its own contact, so the residuals of different fits
+            // cannot be compared. Keep only the first fit.
             fits.truncate(1);
         }
         self.rivals.clone_from(&fits);
@@ -331,9 +331,9 @@ impl<'a> Search<'a> {
         Ok(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// If there are several outliers, tries a fit without the marker that is nearest to the contact. The reason is that
-    /// an error of this marker would look like a sharp object under it. Returns the fit without this marker if it
-    /// explains all markers better.
+    /// If there are several outliers, tries a fit without the marker that is nearest to the contact, because an error
+    /// of this marker would look like a sharp object under it. Returns the fit without this marker if it explains all
+    /// markers better.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
         // Do not try this fit if a window is set, because markers outside of the window are not outliers. Do not try it
@@ -377,7 +377,7 @@ impl<'a> Search<'a> {
         Some((there, sums))
     }
 
-    /// Results of robust fits, one for each different minimum, sorted from the best fit to the worst.
+    /// Fit parameters at each minimum that the robust fits found, sorted from the smallest chi-squared to the largest.
     fn robust_fits(&self) -> Result<Vec<State>, PressError> {
         let mut problem = self.problem.clone();
         if !problem.fit.body.is_approximate() {
@@ -425,8 +425,8 @@ impl<'a> Search<'a> {
             let least = self.problem.minimum(*state, EXACTLY, None)?;
             (*state, sums) = (least.0, Some(least.1));
         }
-        // The noise and the outliers did not settle. For example, a marker at the outlier threshold may be accepted and
-        // rejected in turn. Use the last state.
+        // The estimated noise and the selection of markers did not converge. For example, a marker at the outlier
+        // threshold may be accepted and rejected in turn. Use the fit parameters of the last round.
         self.problem.sums(state)
     }
 
@@ -459,8 +459,8 @@ impl<'a> Search<'a> {
         Ok((0..problem.kept.len()).map(of_marker).collect())
     }
 
-    /// Estimates standard deviations from the residuals of the used markers: from their median if `robustly`, otherwise
-    /// from their squares.
+    /// Estimates the standard deviations of the noise from the residuals of the used markers: from the median of the
+    /// residuals' magnitudes if `robustly` is true, otherwise from the squared residuals.
     fn find_noise(&mut self, residuals: &[[f64; 3]], robustly: bool) {
         if !(self.find_normal || self.find_tangential) {
             return;

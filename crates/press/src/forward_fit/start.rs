@@ -14,19 +14,19 @@ use crate::{Displacement, Place};
 /// Number of markers at which contacts are tried. They are the markers that moved most. Contacts are also tried at the
 /// mean positions of the first two, three and four of these markers.
 const MARKERS: usize = 4;
-/// Distances from the markers at which contacts outside the markers are tried, in units of `Markers::scale`.
+/// Distances at which contacts outside the area of the markers are tried, in units of the length `Markers::scale`.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
-/// A contact outside the markers is a start value only if its chi-squared exceeds the smallest chi-squared by less than
-/// this value.
+/// A contact outside the area of the markers is a start value only if its chi-squared exceeds the smallest chi-squared
+/// of all tried contacts by less than this value.
 const MAX_EXCESS: f64 = 50.0;
-/// Contact radii that are tried, in units of `Markers::scale`. The first entry is a medium radius, which is tried at
-/// all places.
+/// Contact radii that are tried, in units of the length `Markers::scale`. The first entry is a medium radius, which is
+/// tried at all places.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of places at which all radii are tried: the most likely places for a contact of medium radius.
 const VIEWS: usize = 3;
 
-/// Start values: the `few` most likely contacts among the markers, and the most likely contact outside the markers. The
-/// contact outside the markers is omitted if it is much less likely than the other contacts.
+/// Start values: the `few` most likely contacts among the markers, and the most likely contact outside the area of the
+/// markers. The latter is omitted if it is much less likely than the contacts among the markers.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
     let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
@@ -94,8 +94,9 @@ impl Shapes {
     }
 }
 
-/// Chi-squared and fit parameters of contacts in the directions `directions`, sorted from the most to the least likely.
-/// A medium radius is tried in each direction. The other radii are tried only in the best directions.
+/// Chi-squared and fit parameters of contacts at the places in the directions `directions` from the sensor's centre,
+/// sorted from the most to the least likely. A medium radius is tried in each direction. The other radii are tried only
+/// in the best directions.
 fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
     let [middling, others @ ..] = &shapes.contacts[..] else {
         return Vec::new();
@@ -188,7 +189,7 @@ fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// The given directions, followed by the mean of the first two of them, the mean of the first three, and so on.
+/// The given directions, followed by the mean of the first two directions, the mean of the first three, and so on.
 fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let between = |count: usize| directions[..count].iter().sum::<Vector3<f64>>();
     let between: Vec<Vector3<f64>> = (2..=directions.len())
@@ -198,7 +199,8 @@ fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     directions
 }
 
-/// Directions of places outside the markers, on the side of the larger displacements.
+/// Directions from the sensor's centre to places outside the area of the markers, on the side where the markers moved
+/// most.
 fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let directions = || {
         let places = problem.reading.markers.places().iter();

@@ -18,7 +18,7 @@ const MAX_PLACES: usize = 100;
 /// Radius of the widest contact that can remain undetected between neighbouring markers, relative to the distance
 /// between the markers.
 const HIDDEN: f64 = 0.5;
-/// A search stops if the next step is predicted to decrease chi-squared by less than this value.
+/// The fit of a tried contact stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-2;
 /// Standard deviation of a weak prior for the logarithm of the curvature. The prior makes standard errors finite.
 const PRIOR_STD: f64 = 3.0;
@@ -86,8 +86,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
                 .collect(),
             problem,
         };
-        // Only a few radii were tried, and the best radius may be between two of them. Therefore fit the radius,
-        // starting at the best one.
+        // Only a few contact radii were tried, and the best radius may be between two of them. Therefore fit the
+        // radius, starting at the best tried radius.
         let best = unseen.likeliest().and_then(|best| near(best, None));
         unseen.found.extend(best);
         let log_curvature = |one: &Candidate| one.state.log_curvature;
@@ -102,9 +102,9 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
     }
 
     /// The most likely contact and the interval of the curvature. A curvature is in the interval if its chi-squared
-    /// exceeds the smallest chi-squared by less than `limit`. The result is `None` in three cases: the interval
-    /// contains all tried contacts, the widest contact in the interval could remain undetected between the markers, or
-    /// no tried contact would show clearly in the readings.
+    /// exceeds the smallest chi-squared by less than `limit`. The result is `None` in three cases: all tried contacts
+    /// are in the interval, even the widest contact in the interval could remain undetected between the markers, or no
+    /// tried contact would show clearly in the readings.
     pub(super) fn left(&self, limit: f64) -> Option<(State, Sums, Interval)> {
         let best = self.found.iter().min_by(Candidate::likelier)?;
         let least = best.sums.chi_squared;
@@ -142,8 +142,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
 }
 
 impl UndetectedContacts<'_, '_> {
-    /// Measure of how clearly a contact would show in the readings: the sum of its squared displacements, each divided
-    /// by the standard deviation of its noise.
+    /// Measure of how clearly a contact would show in the readings: the sum of the squares of the displacements that it
+    /// causes, each in standard deviations of the noise.
     fn clarity(&self, state: &State) -> f64 {
         let problem = self.problem;
         let Ok(contact) = problem.contact(state) else {

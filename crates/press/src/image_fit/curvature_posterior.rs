@@ -2,8 +2,8 @@
 //!
 //! The images of the markers are not linear in the random deviations of the sensor from its nominal parameters.
 //! Therefore the most likely curvature (the mode) differs from the mean over all possible sensors. By Laplace's method,
-//! the mean is the mode − ½ C ∇ ln det H (Tierney, Kass and Kadane 1989, to the same order). H is the Hessian of half
-//! of chi-squared with respect to all fit parameters, and C is the inverse of H.
+//! the mean of the fit parameters is mode − ½ C ∇ ln det H (equivalent to Tierney, Kass and Kadane 1989). H is the
+//! Hessian of half of chi-squared with respect to all fit parameters, and C is the inverse of H.
 
 use super::fit_state::FitState;
 use super::image_problem::Problem;
@@ -11,8 +11,8 @@ use super::view::View;
 use crate::least_squares::{LeastSquares, inverse};
 use crate::unknowns::{CURVATURE, Square, State, Unknowns};
 
-/// Step of the curvature for numerical derivatives, in standard errors of the curvature. During the step, all other fit
-/// parameters are changed such that chi-squared stays minimal.
+/// Step of the logarithm of the curvature for a numerical derivative, in standard errors. All other fit parameters are
+/// changed with the curvature such that chi-squared stays minimal.
 const STEP: f64 = 0.3;
 /// Largest variance of the logarithm of the curvature for which the mean is computed. If the variance is larger, the
 /// images only determine the order of magnitude of the curvature.
@@ -42,8 +42,8 @@ impl<V: View + Clone> Problem<'_, V> {
         }
     }
 
-    /// The result of [`Self::log_determinant`] after a step of the fit parameters. The sensor parameters are those that
-    /// fit best after the step.
+    /// The result of [`Self::log_determinant`] after a step of the fit parameters. The sensor's parameters also change
+    /// to those that fit best after the step.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;

@@ -1,16 +1,18 @@
-//! A prior of sensor deviations that comes from another frame or from an earlier fit.
+//! A prior of sensor deviations (differences between the sensor's parameters and their nominal values) that comes from
+//! another frame or from an earlier fit.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::PressError;
 
-/// A prior of some common sensor deviations. It comes from another frame of the same sensor, or from an earlier fit of
-/// the frame at rest itself. The fit then ignores the information on these sensor deviations that the frame at rest
-/// contains, so that no frame is used twice. The frame at rest still determines the remaining sensor deviations and the
-/// misalignments.
+/// A prior of some sensor deviations, which are differences between the sensor's parameters and their nominal values.
+/// It comes from another frame of the same sensor, or from an earlier fit of the frame at rest itself. The fit then
+/// ignores the information on these sensor deviations that the frame at rest contains, so that no frame is used twice.
+/// The frame at rest still determines the remaining sensor deviations and the misalignments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
-    /// Indices of the sensor deviations of this prior, in ascending order. Their standard deviations must not be 0.
+    /// Indices (in [`SensorState::common`](crate::SensorState::common)) of the sensor deviations of this prior, in
+    /// ascending order. The standard deviations of these sensor deviations must not be 0.
     pub numbers: Vec<usize>,
     /// Covariance of the sensor deviations of this prior, in the order of `numbers` and in the units of the deviations.
     pub covariance: DMatrix<f64>,
@@ -21,14 +23,13 @@ pub(super) struct FreePrior {
     /// For each sensor deviation of the prior, its position in the list of all uncertain sensor deviations.
     places: Vec<usize>,
     /// Inverse of the covariance matrix of the prior's sensor deviations, where each sensor deviation is divided by its
-    /// standard deviation.
+    /// stated standard deviation.
     precision: DMatrix<f64>,
 }
 
 impl DeparturePrior {
-    /// Converts the prior to the form that the equations need. `stds` contains the standard deviations of all common
-    /// sensor deviations; 0 means that the sensor deviation is exact. An exact sensor deviation in the prior is an
-    /// error.
+    /// Converts the prior to the form that the equations need. `stds` contains the standard deviations of all sensor
+    /// deviations. The value 0 means that a sensor parameter is exact; a prior of an exact parameter is an error.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,
@@ -64,10 +65,10 @@ impl DeparturePrior {
 }
 
 impl FreePrior {
-    /// Inserts the prior into the equations of a frame, instead of the frame's own information on the sensor deviations
-    /// of the prior. Let C be the sensor deviations in the prior, and D the other sensor deviations. The conditional
-    /// distribution of D given C does not change, and the marginal distribution of C becomes the prior. The result is
-    /// `None` if the equations do not determine D.
+    /// Inserts the prior into the equations of a frame. It replaces the frame's own information on the sensor
+    /// deviations of the prior. Let C be the sensor deviations in the prior, and D the other sensor deviations. The
+    /// conditional distribution of D given C does not change, and the marginal distribution of C becomes the prior. The
+    /// result is `None` if the equations do not determine D.
     pub(super) fn cut(
         &self,
         common: &DVector<f64>,

@@ -1,4 +1,4 @@
-//! Least-squares search for the sensor parameters that fit a frame at rest best.
+//! Least-squares search for the sensor parameters that fit the image of the markers at rest best.
 
 use nalgebra::DVector;
 
@@ -12,7 +12,7 @@ const MAX_STEPS: usize = 200;
 const DAMPING: f64 = 1.0;
 /// A search ends if its Levenberg–Marquardt damping exceeds this value.
 const MAX_DAMPING: f64 = 1e9;
-/// An exact search ends after a step that decreases chi-squared by less than this value.
+/// A search with the stated variances ends after a step that decreases chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
 /// A search with increased variances ends after a step that decreases chi-squared by less than this value. Such a
 /// search need not be exact.
@@ -20,8 +20,8 @@ const ROUGHLY: f64 = 1.0;
 /// Largest factor by which the variances of the readings are multiplied.
 const MAX_VARIANCE: f64 = 1e12;
 const FALL: f64 = 10.0;
-/// Each sequence of searches starts with the variance factor v^e, where v is the variance of the first residuals. These
-/// are the exponents e, in the order in which they are tried until chi-squared is small enough.
+/// Each sequence of searches first multiplies the variances of the readings by v^e, where v is the variance of the
+/// first residuals in units of the stated variances. These are the exponents e, in the order in which they are tried.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 /// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. With a correct sensor
 /// model, this happens with a probability equal to this constant.
@@ -33,8 +33,8 @@ struct Minimum {
     cost: Cost,
 }
 
-/// Cost of sensor parameters. A marker is hidden if it has a reading but is not visible in the model. Costs are
-/// compared first by the number of hidden markers, then by the sum of squared residuals of the other markers.
+/// Measure of how badly sensor parameters fit the frame at rest: first the number of hidden markers, which have a
+/// reading but are not visible in the model, then the sum of squared residuals of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,
@@ -58,8 +58,8 @@ impl<V: View> Resting<'_, V> {
         };
         let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
         let mut least: Option<(Minimum, f64)> = None;
-        // Each search first multiplies the variances by a factor, which then decreases to 1. Searches with different
-        // first factors may end in different minima, so start several searches and use the best minimum.
+        // Each search first multiplies the variances of the readings by a factor, which then decreases to 1. Searches
+        // with different first factors may end in different minima, so start several searches and use the best minimum.
         for root in ROOTS {
             let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
                 continue;
@@ -93,9 +93,9 @@ impl<V: View> Resting<'_, V> {
     }
 
     /// Finds the minimum by a sequence of searches in which the variances of the readings are multiplied by a factor
-    /// that decreases to 1. The reason is that chi-squared has local minima and narrow valleys far from its global
-    /// minimum. They disappear if the variances are as large as the first residuals. While the factor decreases, the
-    /// search stays near the global minimum.
+    /// that decreases to 1. Chi-squared has local minima and narrow valleys far from its global minimum, but they
+    /// disappear if the variances are as large as the first squared residuals. While the factor decreases, the search
+    /// stays near the global minimum.
     fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
         while variance > 1.0 {
             let noisier = self.noisier(variance);
@@ -114,8 +114,8 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// For each marker, the sum of squared residuals. It is infinite if the marker has a reading but is not visible in
-    /// the model. It is `None` if the marker has no reading.
+    /// For each marker, the sum of the squared residuals of its reading and its misalignment. The sum is infinite if
+    /// the marker has a reading but is not visible in the model, and `None` if the marker has no reading.
     fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
         let own = |marker: usize| {
             let weight = self.frame.weights[marker].as_ref()?;
@@ -162,8 +162,8 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// The minimum of chi-squared near the sensor parameters `state`. The search ends after a step that decreases
-    /// chi-squared by less than `enough`.
+    /// The minimum of chi-squared near the sensor parameters `state`, and the sensor parameters at this minimum. The
+    /// search ends after a step that decreases chi-squared by less than `enough`.
     fn minimised(&self, mut state: State, enough: f64) -> Result<Minimum, PressError> {
         let impossible = PressError::OutOfRange;
         let mut pictures = self.pictures(&state).ok_or(impossible)?;

@@ -9,7 +9,7 @@ use crate::shear::stuck_shift;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, State, UNKNOWNS, Unknowns};
 use crate::{Body, MarkerDisplacement, Place, PressError};
 
-/// Step for numerical derivatives of displaced discs, relative to the scale of each fit parameter.
+/// Step for numerical derivatives of the displacements of discs, relative to the scale of each fit parameter.
 const STEP: f64 = 1e-5;
 
 pub(super) type Discs = Vec<[MarkerDisplacement; 2]>;

@@ -1,4 +1,4 @@
-//! Fit parameters of an image fit, with the residuals and derivatives for these parameters.
+//! Fit parameters of an image fit, with the residuals and derivatives at these parameters.
 
 use super::image_problem::{Problem, Residuals, Slopes};
 use super::view::{NUMBERS, View};
@@ -6,11 +6,11 @@ use crate::least_squares::{LeastSquares, solve};
 use crate::unknowns::{Fitted, State, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// Limit of the predicted decrease of chi-squared by an undamped step. It is the square of four standard deviations. If
-/// the predicted decrease is at least this limit after a search, the search ended far from a minimum.
+/// Limit of the decrease of chi-squared that is predicted for an undamped step: the square of four standard deviations.
+/// If the predicted decrease exceeds this limit at the end of a search, the search may have ended far from a minimum.
 const STUCK: f64 = 16.0;
 
-/// Largest change of the logarithm of the curvature up to which derivatives of the images are reused instead of
+/// If the logarithm of the curvature changes by at most this value, the derivatives of the images are reused instead of
 /// computed again.
 const NEAR: f64 = 0.3;
 
@@ -19,11 +19,12 @@ pub(super) struct FitState {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) slopes: Slopes,
-    /// For each marker that the fit uses, the norm of the derivative of its whitened image with respect to an inward
-    /// displacement of both discs.
+    /// For each marker that the fit uses, the change of its image per inward displacement of both discs: the norm of
+    /// the derivative of its four numbers, in standard deviations.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
-    /// Whether the search reuses the derivatives, to save time. It does so as long as they predict chi-squared well.
+    /// Whether the search may reuse derivatives from earlier fit parameters, to save time, as long as these derivatives
+    /// predict chi-squared well.
     pub(super) keeps_slopes: bool,
 }
 
@@ -49,8 +50,8 @@ impl FitState {
         })
     }
 
-    /// Standard error of a marker's normal displacement, estimated from the image of this marker alone. Both discs are
-    /// assumed to move equally. The result is the median over the markers that the fit uses.
+    /// Median, over the markers that the fit uses, of the standard error of a marker's normal displacement. This
+    /// displacement is estimated from the image of the marker alone; both discs are assumed to move equally.
     pub(super) fn normal_std(&self) -> f64 {
         let mut stds: Vec<f64> = self
             .normal_slopes
@@ -68,8 +69,8 @@ impl FitState {
         solve(&self.sums.hessian, &gradient).map_or(0.0, |step| gradient.dot(&step))
     }
 
-    /// Whether the search ended far from a minimum, for example because further steps would be impossible presses. The
-    /// criterion is that an undamped step is predicted to remove most of chi-squared.
+    /// Whether the search ended far from a minimum of chi-squared, for example because further steps would be
+    /// impossible presses. The criterion is that an undamped step is predicted to remove most of chi-squared.
     pub(super) fn is_stuck(&self) -> bool {
         self.promise() > (0.5 * self.sums.chi_squared).max(STUCK)
     }

@@ -1,5 +1,5 @@
-//! Tests whether images contradict the fitted model. The fitted model includes the sensor deviations that are common to
-//! all markers.
+//! Tests whether images of markers contradict the fitted model. The fitted model includes the deviations of the
+//! sensor's parameters from their nominal values.
 
 use nalgebra::{DMatrix, SMatrix};
 use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, chi_squared_tail, normal_tail};
@@ -33,9 +33,9 @@ impl<V: View + Clone> ImageFit<V> {
         stated_indentation(stated, &alone, 2.0 * normal_tail(difference))
     }
 
-    /// Tests an estimate of this fit and returns the ways in which the images contradict the model. A stated
-    /// indentation is tested separately by [`Self::check_indentation`]. If the residuals are too large for the stated
-    /// errors, the tests for outliers and for patterns in the residuals use the noise of the residuals instead.
+    /// Tests an estimate that this fit computed, and returns all contradictions between the images and the model. A
+    /// stated indentation is tested separately by [`Self::check_indentation`]. If the residuals are too large for the
+    /// stated errors, the tests for outliers and for patterns in the residuals use the noise of the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ImageFit::estimate`].
@@ -100,8 +100,8 @@ impl<V: View> Problem<'_, V> {
         })
     }
 
-    /// Changes of the whitened images if both discs of each marker move by a pattern of displacements. There is one
-    /// column per pattern.
+    /// Changes of the markers' images, in standard deviations (whitened), if both discs of each marker move by a
+    /// pattern of displacements. There is one column per pattern.
     fn patterns(&self, state: &State) -> Result<DMatrix<f64>, PressError> {
         let fit = self.fit;
         let slopes = self.by_displacements(&self.displaced(state)?)?;

@@ -18,29 +18,30 @@ use crate::least_squares::LeastSquares;
 use crate::unknowns::{Fitted, OTHERS, Square, State, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
 
-/// Index of the first component of the object's sideways shift in the fit parameters.
+/// Index of the first component of the object's sideways shift among the fit parameters.
 const SHIFT: usize = OTHERS;
 
 /// Whitened residuals of the used markers. Whitening transforms residuals such that their errors are independent and
 /// have unit variance.
 pub(super) type Residuals = DVector<f64>;
-/// Derivatives of the whitened images with respect to the fit parameters.
+/// Derivatives of the whitened images with respect to the fit parameters. A whitened image is the four numbers of a
+/// marker's image, transformed such that their errors are independent and have unit variance.
 pub(super) type Jacobian = MatrixXx6<f64>;
 
 /// Derivatives of the whitened images, with the matrix products from which the derivatives of chi-squared are computed.
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// The part of the derivatives that changes of the common sensor deviations can also explain, with one row per
-    /// sensor deviation.
+    /// The part of the derivatives that changes of the sensor's parameters can also explain, with one row per sensor
+    /// parameter.
     pub(super) shared: Jacobian,
-    /// Matrix of the scalar products of the derivatives with respect to each pair of fit parameters, minus the scalar
-    /// products of the parts in `shared`.
+    /// Scalar products of the columns of `jacobian` for each pair of fit parameters, minus the scalar products of the
+    /// columns of `shared`.
     pub(super) square: Square,
 }
 
-/// A least-squares problem: the readings, the fitted parameters, and the weights of the readings. The weights are
-/// computed again only by [`Problem::weigh`] and [`Problem::weigh_at_rest`].
+/// The least-squares problem of an image fit: the readings, the fitted parameters, and the weights of the readings.
+/// Only [`Problem::weigh`] and [`Problem::weigh_at_rest`] compute the weights again.
 #[derive(Clone)]
 pub(super) struct Problem<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
@@ -61,14 +62,14 @@ pub(super) struct Problem<'a, V> {
     pub(super) whiten: Vec<Matrix4<f64>>,
     /// Derivatives of the whitened images of the used markers with respect to their misalignments.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
-    /// For each marker, the whitened image for the sensor fitted at rest minus the whitened image for the sensor
-    /// `sensor`, to first order.
+    /// For each marker, the difference between two whitened images, to first order: the image for the sensor parameters
+    /// that were fitted at rest, minus the image for the parameters in `sensor`.
     from_rest: Vec<Vector4<f64>>,
-    /// Derivatives of the whitened images with respect to the uncertain common sensor deviations. There is one row per
-    /// equation and one column per sensor deviation.
+    /// Derivatives of the whitened images with respect to the uncertain sensor parameters that are common to all
+    /// markers. There is one row per equation and one column per parameter.
     pub(super) common: DMatrix<f64>,
-    /// Lower Cholesky factor of the information matrix of the sensor deviations. The matrix is the sum of the
-    /// information from the frame at rest and from the pressed frame.
+    /// Lower Cholesky factor of the information matrix (inverse covariance) of the uncertain sensor parameters. The
+    /// matrix is the sum of the information from the frame at rest and from the pressed frame.
     pub(super) root: DMatrix<f64>,
 }
 
@@ -130,7 +131,7 @@ impl<'a, V: View> Problem<'a, V> {
     }
 
     /// Computes the weights of all readings for the fit parameters `state`. A weight includes the noise of the reading,
-    /// the uncertainty of the misalignments, and the uncertainty of the common sensor deviations.
+    /// the uncertainty of the marker's misalignment, and the uncertainty of the sensor's parameters.
     pub(super) fn weigh(&mut self, state: &State) -> Result<FitState, PressError> {
         let moving = self.fit.moving(state)?;
         let per_depth = self.fit.per_depth(state, &moving.moved)?;
@@ -319,13 +320,13 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals)
     }
 
-    /// Residuals after subtracting the part that the best change of the common sensor deviations explains.
+    /// Residuals after subtracting the part that the best change of the sensor's parameters explains.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// The part of the whitened columns `columns` that changes of the common sensor deviations can also explain, with
-    /// one row per sensor deviation.
+    /// The part of the whitened columns `columns` that changes of the sensor's parameters can also explain, with one
+    /// row per sensor parameter.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
         columns: &Matrix<f64, Dyn, C, S>,
@@ -376,7 +377,7 @@ impl<'a, V: View> Problem<'a, V> {
     }
 
     /// The derivatives `jacobian` and the scalar products of their columns. The products do not contain the part of the
-    /// derivatives that changes of the common sensor deviations can also explain.
+    /// derivatives that changes of the sensor's parameters can also explain.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

@@ -24,8 +24,8 @@ const ROBUST: f64 = 16.0;
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
 const ROUNDS: usize = 20;
 const SENSOR_UPDATES: usize = 5;
-/// The updates of the sensor parameters end if the predicted decrease of chi-squared is less than this value, which is
-/// the square of 1/20 standard deviation.
+/// The updates of the sensor parameters end if the next step of the fit is predicted to decrease chi-squared by less
+/// than this value, which is the square of 1/20 standard deviation.
 const SETTLED: f64 = 2.5e-3;
 /// A contact counts as detected if it decreases chi-squared by at least this value, compared with no contact. A fit of
 /// displacements with 240 markers has the same threshold. Fits of images usually have fewer markers, but each marker
@@ -41,7 +41,7 @@ const EXACTLY: f64 = 1e-6;
 impl<V: View + Clone> ImageFit<V> {
     /// Estimates the press from the readings of one frame and from the sensor at rest. The reading of a marker that is
     /// not visible is `None`. For exact readings, the error of the most likely curvature is below 1/1000 of its
-    /// standard error. This requires that the standard error is smaller than the curvature.
+    /// standard error, if the standard error is smaller than the curvature.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and
@@ -61,8 +61,8 @@ impl<V: View + Clone> ImageFit<V> {
     }
 
     /// Cramér–Rao bound: smallest possible standard error (1/length) of the relative curvature. It follows from the
-    /// stated errors of the markers and of the sensor. The arguments describe the press: relative curvature, position
-    /// in the coordinates of the skin, and indentation.
+    /// stated errors of the markers and of the sensor. The last argument describes the press: relative curvature,
+    /// position of the contact in the coordinates of the skin, and indentation.
     ///
     /// # Errors
     /// [`PressError::Undetermined`] if the readings do not determine the press, and errors of
@@ -159,8 +159,8 @@ pub(super) fn settle<V: View + Clone>(
     minimise(problem, near.keeping_slopes(), EXACTLY, None)
 }
 
-/// Alternates between two steps until the fit converges: fit the press, then update the sensor parameters with both
-/// frames (at rest and pressed).
+/// Repeats two steps until the fit converges: fit the press, then update the sensor parameters with both frames (at
+/// rest and pressed).
 fn update_sensor<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: FitState,
@@ -212,7 +212,8 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     let near = best.ok_or(failure)?;
     let near = problem.weigh(&near.state)?;
     let mut best = minimise(problem, near.keeping_slopes(), ROUGHLY, None)?;
-    // Outliers may cause a bad fit. Therefore the markers are weighted by their residuals before the fit is rejected.
+    // Outliers may cause a bad fit. Therefore markers with large residuals get smaller weights, and the fit is
+    // repeated, before it is rejected.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best.residuals)?;
@@ -273,8 +274,8 @@ impl<V: View> Problem<'_, V> {
         }
     }
 
-    /// For each used marker, the sum of the squared residuals, without the part that changes of the common sensor
-    /// deviations can explain.
+    /// For each used marker, the sum of the squared residuals, without the part that changes of the sensor's parameters
+    /// can explain.
     pub(super) fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
         let own = self.own(residuals)?;
         Ok((0..self.counting.len())
@@ -326,8 +327,8 @@ impl<V: View> Problem<'_, V> {
             .iter()
             .filter_map(|&share| state(&mean, share))
             .collect();
-        // Also start with contacts at the other markers that moved much. These contacts have the radius of the best
-        // start so far.
+        // Also start with contacts at the markers that moved most. These contacts have the radius of the best start
+        // value so far.
         let best = states.iter().min_by(|one, other| one.0.total_cmp(&other.0));
         if let Some(&(_, width, _)) = best {
             let beside = inward.iter().take(BESIDE);

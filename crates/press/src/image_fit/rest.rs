@@ -26,11 +26,11 @@ pub struct Rest {
     pub chi_squared: f64,
     /// Number of degrees of freedom of `chi_squared`.
     pub freedom: usize,
-    /// Information matrix (inverse covariance) of the uncertain common sensor deviations, from the frame at rest and
-    /// the priors.
+    /// Information matrix (inverse covariance) of the uncertain deviations in `common`, from the frame at rest and the
+    /// priors.
     pub(super) information: DMatrix<f64>,
-    /// For each marker, the linear dependence of its misalignment on the uncertain common sensor deviations, and the
-    /// covariance that the misalignment would have if these deviations were known.
+    /// For each marker, the linear dependence of its estimated misalignment on the uncertain sensor parameters, and the
+    /// covariance that the misalignment would have if these parameters were known.
     pub(super) local: Vec<Option<Local>>,
     /// Images of the markers at rest that the model predicts, and their derivatives, for the sensor parameters at which
     /// the model was linearised.
@@ -46,8 +46,8 @@ impl Rest {
         }
     }
 
-    /// Covariance of the uncertain common sensor deviations, where each sensor deviation is divided by its standard
-    /// deviation. The result is `None` if the covariance cannot be computed.
+    /// Covariance of the uncertain deviations of the sensor's parameters in [`Self::common`], where each deviation is
+    /// divided by the standard deviation of its prior. The result is `None` if the covariance cannot be computed.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let factor = self.information.clone().cholesky()?;
         Some(factor.inverse())
@@ -108,7 +108,8 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit `rest` with the model linearised at `sensor` instead; `None` if this sensor is impossible.
+    /// The fit `rest` with the model linearised at the sensor parameters `sensor` instead; `None` if these parameters
+    /// are impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();
@@ -152,18 +153,20 @@ pub(super) struct Resting<'a, V> {
     pub(super) frame: Arc<RestFrame>,
 }
 
-/// Values of the fitted parameters: the uncertain common sensor deviations (in standard deviations) and the
-/// misalignments (rad).
+/// Values of the fitted parameters: the uncertain deviations of the sensor from its nominal parameters (in standard
+/// deviations of their priors) and the markers' misalignments (rad).
 #[derive(Clone)]
 pub(super) struct State {
     pub(super) common: DVector<f64>,
     pub(super) misalignments: Vec<[f64; 2]>,
 }
 
-/// The image of each marker, as four numbers; `None` for markers that are not visible.
+/// The image of each marker, as four numbers (centroid, hue, logarithm of the size); `None` for markers that are not
+/// visible.
 pub(super) type Pictures = Vec<Option<[f64; NUMBERS]>>;
 
-/// Linear equations for a step of the common sensor deviations. The misalignments were eliminated from these equations.
+/// Linear equations for a step of the sensor parameters that are common to all markers. The markers' misalignments were
+/// eliminated from these equations.
 pub(super) struct Equations {
     information: DMatrix<f64>,
     right: DVector<f64>,
@@ -174,7 +177,8 @@ pub(super) struct Equations {
 #[derive(Clone)]
 struct Own {
     square: Matrix2<f64>,
-    /// Inverse of the matrix `square`. It is 0 if the discs are exactly aligned.
+    /// Inverse of the matrix `square`. It is 0 if the discs are exactly aligned, because the misalignment is then not
+    /// fitted.
     inverse: Matrix2<f64>,
     across: OMatrix<f64, U2, Dyn>,
     right: Vector2<f64>,

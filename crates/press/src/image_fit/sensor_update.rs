@@ -1,8 +1,8 @@
 //! Updates the sensor's parameters with the frame at rest and the pressed frame together.
 //!
-//! The model of the pressed frame is linearised with respect to the deviations of the sensor. This is inaccurate if the
-//! edges of a marker's two discs nearly touch. The image is then nonlinear within the uncertainty of the sensor
-//! deviations. Therefore the model is linearised again at the sensor that fits both frames best, and the fit is
+//! The model of the pressed frame is linearised with respect to the sensor's parameters. This is inaccurate if the
+//! edges of a marker's two discs nearly touch, because the image is then nonlinear within the uncertainty of these
+//! parameters. Therefore the model is linearised again at the parameters that fit both frames best, and the fit is
 //! continued.
 
 use std::borrow::Cow;
@@ -15,8 +15,8 @@ use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor, View};
 use crate::PressError;
 
 impl<V: View> Problem<'_, V> {
-    /// Uncertain common sensor deviations of the sensor fitted at rest, minus those of the sensor `sensor`, in standard
-    /// deviations.
+    /// Uncertain sensor parameters that were fitted at rest, minus the parameters in the field `sensor`, in standard
+    /// deviations of their priors.
     pub(super) fn to_rest(&self) -> DVector<f64> {
         let free = self.fit.free();
         let steps = free.iter().map(|&number| {
@@ -25,14 +25,14 @@ impl<V: View> Problem<'_, V> {
         DVector::from_iterator(free.len(), steps)
     }
 
-    /// Misalignment of a marker in the sensor fitted at rest, minus its misalignment in `sensor`, rad.
+    /// Misalignment (rad) of a marker that was fitted at rest, minus its misalignment in the field `sensor`.
     pub(super) fn to_rest_of(&self, marker: usize) -> Vector2<f64> {
         Vector2::from(self.rest.misalignments[marker])
             - Vector2::from(self.sensor.misalignments[marker])
     }
 
-    /// Uncertain common sensor deviations of the sensor that fits both frames best, minus those of the sensor fitted at
-    /// rest, in standard deviations.
+    /// Uncertain sensor parameters that fit both frames best, minus the parameters that were fitted at rest, in
+    /// standard deviations of their priors.
     pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
         let departures = self
             .root
@@ -45,7 +45,7 @@ impl<V: View> Problem<'_, V> {
         Ok(self.linearise_at(sensor))
     }
 
-    /// Linearises the model at `sensor`. Returns `false` if this sensor is impossible.
+    /// Linearises the model at the sensor parameters `sensor`. Returns `false` if these parameters are impossible.
     pub(super) fn linearise_at(&mut self, sensor: Sensor) -> bool {
         let rest = self.fit.rest_about(&self.rest, &sensor);
         let is_possible = rest.is_some();
@@ -56,8 +56,8 @@ impl<V: View> Problem<'_, V> {
         is_possible
     }
 
-    /// The sensor that fits both frames (at rest and pressed) best. It is computed from the residuals, which belong to
-    /// the current sensor.
+    /// The sensor parameters that fit both frames (at rest and pressed) best, computed from the residuals of the
+    /// pressed frame for the current parameters.
     pub(super) fn updated_sensor(&self, residuals: &Residuals) -> Result<Sensor, PressError> {
         let departures = self.departures(residuals)?;
         let own = residuals - &self.common * &departures;

@@ -15,15 +15,15 @@ pub(super) const NUMBERS: usize = 4;
 const HUE: usize = 2;
 pub(super) const SIZE: usize = 3;
 
-/// Step of numerical derivatives with respect to sensor deviations, in standard deviations of the sensor deviation.
+/// Step of numerical derivatives with respect to a sensor parameter, in standard deviations of its prior.
 const DEPARTURE_STEP: f64 = 1e-2;
 /// Step of numerical derivatives with respect to the misalignments of discs, rad.
 const MISALIGNMENT_STEP: f64 = 1e-6;
-/// Step of numerical derivatives with respect to displacements, as a share of the skin's radius.
+/// Step of numerical derivatives with respect to the displacements of discs, as a share of the skin's radius.
 const DISPLACEMENT_STEP: f64 = 1e-6;
 
-/// Rounding error of the four numbers of an image that the model computes: relative to the number, or absolute for
-/// numbers below 1.
+/// Rounding error of the four numbers that the model computes for a marker's image: relative to the number, or absolute
+/// for numbers below 1.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The image of a marker, as measured by the tracker.
@@ -74,7 +74,8 @@ pub struct SensorState<'a> {
 /// Upper limit of the misalignment between a marker's two discs, rad.
 pub(super) const MAX_MISALIGNMENT: f64 = 0.5;
 
-/// The parameters of a sensor: sensor deviations that are common to all markers, and misalignments.
+/// The parameters of a sensor: deviations from the nominal values that are common to all markers, and the misalignment
+/// of each marker.
 #[derive(Clone, Debug)]
 pub(super) struct Sensor {
     pub(super) common: Vec<f64>,
@@ -108,10 +109,11 @@ impl Sensor {
     }
 }
 
-/// Scales of the sensor parameters. A camera model uses them to choose the steps of numerical derivatives.
+/// Scales of the sensor parameters, from which a camera model chooses the steps of numerical derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<'a> {
-    /// Indices of the sensor deviations for which derivatives are requested, each with its standard deviation, > 0.
+    /// Indices (in [`SensorState::common`]) of the sensor deviations for which derivatives are requested, each with its
+    /// standard deviation, > 0.
     pub departures: &'a [(usize, f64)],
     /// Radius (length) of the sensor's skin.
     pub radius: f64,
@@ -123,13 +125,13 @@ pub struct Steps<'a> {
 pub struct PictureSlopes {
     /// The image of each marker, as returned by [`View::pictures`].
     pub pictures: Vec<Option<[f64; 4]>>,
-    /// Derivatives with respect to the requested sensor deviations. There are four rows per marker and one column per
-    /// sensor deviation. The rows of markers that are not visible are 0.
+    /// Derivatives of the images with respect to the requested deviations of the sensor's parameters. There are four
+    /// rows per marker and one column per deviation. The rows of markers that are not visible are 0.
     pub common: DMatrix<f64>,
-    /// Derivatives with respect to the two components of each marker's misalignment, per rad.
+    /// Derivatives of the images with respect to the two components of each marker's misalignment, per rad.
     pub misalignments: Vec<Matrix4x2<f64>>,
-    /// Derivatives with respect to the displacements of each marker's magenta and yellow disc, per length. The
-    /// displacements are inward and along both axes of the skin.
+    /// Derivatives of the images with respect to the displacements of each marker's magenta and yellow disc, per
+    /// length. The displacements are inward and along both axes of the skin.
     pub displacements: Vec<[Matrix4x3<f64>; 2]>,
 }
 
@@ -142,11 +144,12 @@ impl PictureSlopes {
     }
 }
 
-/// A camera model that computes the images of markers with displaced discs. If a result has a wrong number of markers,
-/// it is treated like `None`.
+/// A camera model that computes the images of markers with displaced discs. A result with a wrong number of markers is
+/// treated like `None`.
 pub trait View {
     /// The image of each marker, as in [`Seen`], after the displacements of its magenta and its yellow disc; `None` for
-    /// markers that are not visible. The whole result is `None` if the sensor or a motion is impossible.
+    /// markers that are not visible. The whole result is `None` if the sensor's parameters or a displacement are
+    /// impossible.
     fn pictures(
         &self,
         sensor: &SensorState<'_>,
@@ -235,9 +238,8 @@ impl<V: View> ImageFit<V> {
         pictures.filter(|pictures| pictures.len() == moved.len())
     }
 
-    /// The images of all markers, with their derivatives with respect to displacements, misalignments and the requested
-    /// sensor deviations. `departures` contains the index and the standard deviation of each requested sensor
-    /// deviation.
+    /// The images of all markers, with their derivatives with respect to displacements, misalignments and some sensor
+    /// deviations. `departures` contains the index and the standard deviation of each of these sensor deviations.
     pub(super) fn slopes_by(
         &self,
         departures: &[(usize, f64)],
@@ -252,9 +254,10 @@ impl<V: View> ImageFit<V> {
         slopes.filter(|slopes| slopes.are_of(moved.len(), departures.len()))
     }
 
-    /// Images with their derivatives with respect to the uncertain parameters of the sensor: the uncertain sensor
-    /// deviations, in standard deviations, and the misalignments. `moved` contains the displacements of the discs, and
-    /// `per_depth` the derivatives of these displacements with respect to the depths of the discs.
+    /// Images of the markers with their derivatives with respect to the uncertain parameters of the sensor: the
+    /// deviations from the nominal values (in standard deviations) and the misalignments. `moved` contains the
+    /// displacements of the discs, and `per_depth` the derivatives of these displacements with respect to the depths of
+    /// the discs.
     pub(super) fn slopes(
         &self,
         sensor: &SensorState<'_>,
@@ -284,7 +287,8 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-/// Difference between two images, as four numbers. Hues are periodic, so their difference is reduced by whole turns.
+/// Difference between two images of a marker, as four numbers. Hues are periodic, so the difference between the hues is
+/// reduced by whole turns.
 pub(super) fn difference(one: &[f64; NUMBERS], other: &[f64; NUMBERS]) -> [f64; NUMBERS] {
     let mut difference = std::array::from_fn(|number| one[number] - other[number]);
     let turn: f64 = difference[HUE];

@@ -9,8 +9,8 @@ use crate::body::Field;
 use crate::bonded_layer::{BondedLayer, LayerContact};
 use crate::{Body, PressError};
 
-/// Columns: effective radius, indentation, thickness, contact radius, depth, radial position, normal displacement. The
-/// values are accurate to 0.3 %.
+/// Columns: effective radius, indentation, thickness of the layer, contact radius, depth, distance from the axis,
+/// normal displacement. The displacements are accurate to 0.3 %.
 const GOLDEN: [[f64; 7]; 45] = [
     [20.0, 1.0, 5.0, 6.17679, 0.0, 0.0, 1.0],
     [20.0, 1.0, 5.0, 6.17679, 0.0, 1.0, 0.975],

@@ -8,7 +8,7 @@ use palpate_press::{
 };
 use proptest::prelude::*;
 
-/// Any double. Half of the generated numbers have an ordinary magnitude.
+/// Any double-precision number; two thirds of the generated numbers have an ordinary magnitude.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
@@ -56,7 +56,7 @@ fn non_finite_positions_map_to_the_apex_and_non_finite_distances_to_no_displacem
     }
 }
 
-/// A number in the range `range`; with a probability of 1/8, any double.
+/// A number in the range `range`; with a probability of 1/8, any double-precision number.
 fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }
@@ -110,7 +110,7 @@ fn is_finite(found: &PressEstimate) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// If the indentation is at most 1/50 of the radius, the contact is not too wide for the sensor.
+    /// If the indentation is at most 1/50 of the sensor's radius, the contact is not too wide for the sensor.
     #[test]
     fn shallow_presses_on_any_sensor_have_a_contact(
         radius in power(-9.0..9.0),

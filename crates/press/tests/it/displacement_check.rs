@@ -1,5 +1,5 @@
-//! Tests the reported misfits of estimates. If the model is right, misfits are reported rarely. If the model is wrong,
-//! the expected misfit is reported.
+//! Tests the reported misfits of estimates, which are contradictions between readings and model. If the model is right,
+//! misfits are reported rarely. If the model is wrong, the expected misfit is reported.
 
 use palpate_press::{Body, ForwardFit, Interval, Measured, Misfit, PressEstimate, Reading};
 
@@ -147,8 +147,8 @@ fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     }
 }
 
-/// The marker under the object slips. Its reading alone would look like the press of a needle, but the neighbouring
-/// markers contradict this.
+/// The marker under the object slips. The reading of this marker alone would look like the press of a needle, but the
+/// readings of the neighbouring markers contradict a needle.
 #[test]
 fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     let (markers, body) = (published(), half_space());
@@ -171,8 +171,8 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     };
     let is_left_out = |trial: &u64| estimate(0.01, *trial).wrong_markers == [apex];
     assert!((0..20).filter(is_left_out).count() >= 17);
-    // If the noise is five times as large, most intervals must still contain the true curvature, although one marker is
-    // wrong.
+    // If the noise is five times as large, most intervals must still contain the true curvature, although the reading
+    // of one marker is wrong.
     let is_held = |trial: &u64| {
         let curvature = estimate(0.05, *trial).relative_curvature;
         curvature.interval.holds(contact.relative_curvature)
@@ -188,8 +188,8 @@ fn nearest(count: usize) -> Vec<usize> {
     order
 }
 
-/// A marker with an error near the contact may change the curvature, so the marker is reported. A marker far away does
-/// not change the curvature, so it is hardly ever reported.
+/// An error of a marker near the contact changes the estimated curvature, so this marker is reported. An error of a
+/// marker far away does not change the curvature, so that marker is hardly ever reported.
 #[test]
 fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
     let order = nearest(61);
@@ -199,15 +199,15 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
         });
         misfit_share(&codes, Some("outlier"))
     };
-    // `named` computes the share of trials in which the test for misfits reports an outlier. In the remaining trials,
-    // noise increases the error of the marker and the fit itself rejects it. Without a wrong marker, the share is 0.5
-    // %.
+    // `named` computes the share of trials in which the test for misfits reports an outlier. In most other trials,
+    // noise increases the error of the marker, and the fit itself rejects the marker. Without a wrong marker, the share
+    // is 0.5 %.
     let [near, far] = [order[3], order[60]].map(named);
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }
 
-/// The interval of the curvature must also contain the estimate without the contradicting marker, because the estimates
-/// with and without this marker may both be right.
+/// The interval of the curvature must also contain the estimate without the contradicting marker, because either
+/// estimate, with or without this marker, may be right.
 #[test]
 fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     let (markers, body) = (published(), half_space());
@@ -235,8 +235,8 @@ fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     );
 }
 
-/// The displacements of the press are far smaller than the noise. Such readings exclude only blunt objects. The
-/// estimate states that the contact is not detected.
+/// The displacements of the press are far smaller than the noise. Such readings exclude only blunt objects, and the
+/// estimate must state that the contact is not detected.
 #[test]
 fn undetected_presses_are_bounded_and_reported() {
     let (markers, body) = (published(), half_space());

@@ -182,8 +182,8 @@ fn errors_from_noisy_readings_reach_the_bound() {
     }
 }
 
-/// The estimated curvature scatters by about 20 %, but its mean over 600 presses has no significant bias. The
-/// uncorrected curvature of the best fit is too large on average.
+/// The estimated curvature has a standard deviation of about 20 %, but the mean over 600 presses has no significant
+/// bias. Without the bias correction, the curvature of the best fit is too large on average.
 #[test]
 fn curvatures_are_without_bias() {
     const PRESSES: u64 = 600;
@@ -205,8 +205,8 @@ fn curvatures_are_without_bias() {
     assert!(bias(sum_of_best) > 0.015, "bias {}", bias(sum_of_best));
 }
 
-/// The displacements of a press differ from a Gaussian by more than the small noise. This difference must not make a
-/// marker an outlier.
+/// The displacements of a press differ from the fitted Gaussian by more than the small noise. This difference must not
+/// make a marker an outlier.
 #[test]
 fn a_gaussian_model_reports_no_outliers() {
     let (markers, body) = (published(), half_space());
@@ -403,8 +403,8 @@ const DISH: [[f64; 2]; 11] = [
     [9.476, -0.0361],
 ];
 
-/// Most likely effective radius from a published profile, and its interval. The radial positions are multiplied by
-/// `stretch`.
+/// Most likely effective radius from a published profile, and its interval. The radial positions in the profile are
+/// multiplied by `stretch`.
 fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     let positions: Vec<f64> = profile
         .iter()

@@ -6,8 +6,8 @@ use crate::sensor::{Readings, at, distance_from_uniform, exactly, fit_of, half_s
 
 const PRESSES: u64 = 200;
 
-/// The p-values of 200 presses are compared with the uniform distribution. The Kolmogorov distance of 200 uniform
-/// numbers from this distribution exceeds 0.115 with a probability of 1 %.
+/// The p-values of 200 presses are compared with the uniform distribution. For 200 numbers that are drawn from the
+/// uniform distribution, the Kolmogorov distance exceeds 0.115 with a probability of 1 %.
 #[test]
 fn p_values_are_uniform_if_the_model_is_right() {
     let (markers, body) = (published(), half_space());

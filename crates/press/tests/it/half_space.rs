@@ -1,5 +1,5 @@
-//! Compares displacements of the half-space with an independent quadrature, and with the values of a formula, which
-//! were computed with 60 digits.
+//! Compares displacements of the half-space with an independent quadrature, and with values that were computed from a
+//! formula with 60 digits.
 
 use palpate_press::Body;
 

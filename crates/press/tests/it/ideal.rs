@@ -4,7 +4,8 @@ use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Sk
 
 /// Radius of the skin, in multiples of `Ideal::unit`.
 pub(crate) const RADIUS: f64 = 20.0;
-/// Standard deviations of the readings of a marker: both centroid coordinates, hue, and logarithm of the size.
+/// Standard deviations of the readings of a marker: both centroid coordinates (px), hue (turns), and logarithm of the
+/// size.
 pub(crate) const STDS: [f64; 4] = [0.01, 0.01, 1e-4, 4e-4];
 /// Standard deviations of the uncertain sensor parameters: both disc depths (in multiples of `Ideal::unit`), both
 /// coordinates of the image centre, and pixels per radian.
@@ -13,10 +14,10 @@ pub(crate) const ROUGHLY: [f64; 5] = [0.02, 0.02, 0.3, 0.3, 0.01];
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 
 /// A simple camera. The centroid of an image is the position midway between the marker's two discs. The hue is a
-/// function of the distance between the discs, and the size is a function of their distance from the camera.
+/// function of the distance between the discs, and the size is a function of the discs' distance from the camera.
 #[derive(Clone, Debug)]
 pub(crate) struct Ideal {
-    /// Unit of length of the sensor. All constants of this module that are lengths are multiplied by it.
+    /// Unit of length of the sensor. All lengths that are constants of this module are in this unit.
     pub(crate) unit: f64,
     pub(crate) places: Vec<[f64; 2]>,
 }
@@ -38,8 +39,9 @@ impl Ideal {
         Markers::new(self.skin(), &self.places).unwrap()
     }
 
-    /// Bodies for both discs, which are deeper than [`DEPTHS`] by `deeper`. If `layer` contains a thickness, the bodies
-    /// are bonded layers of this thickness; otherwise they are half-spaces. Lengths are in multiples of `unit`.
+    /// Models of the soft body for both discs, at the depths [`DEPTHS`] plus `deeper`. If `layer` contains a thickness,
+    /// the bodies are bonded layers of this thickness; otherwise they are half-spaces. Lengths are in multiples of
+    /// `unit`.
     pub(crate) fn bodies(&self, layer: Option<f64>, deeper: [f64; 2]) -> [Body; 2] {
         [0, 1].map(|disc| {
             let depth = (DEPTHS[disc] + deeper[disc]) * self.unit;

@@ -1,4 +1,4 @@
-//! Tests fits of images with the simple camera [`Ideal`].
+//! Tests fits of marker images. The camera is the simple model [`Ideal`].
 
 use nalgebra::Matrix4;
 use palpate_press::{
@@ -171,7 +171,8 @@ fn noiseless_pictures_determine_the_displacements() {
     assert!(matches!(few, Err(PressError::BadSetting(_))), "{few:?}");
 }
 
-/// The errors of 150 presses are compared with the stated standard errors and with the Cramér–Rao bound.
+/// The errors of the estimates from 150 presses are compared with the stated standard errors and with the Cramér–Rao
+/// bound.
 #[test]
 fn intervals_contain_the_truth_for_uncertain_sensors() {
     let (mut held, mut squared, mut stated, mut bounds, mut at_rest) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -260,8 +261,8 @@ fn markers_at_rest_are_no_contact() {
     );
 }
 
-/// A sideways shift moves the skin under the contact. Because the fit includes the shift, the estimated curvature does
-/// not change.
+/// A sideways shift of the object moves the skin under the contact. Because the shift is a fit parameter, the estimated
+/// curvature does not change.
 #[test]
 fn a_fitted_sideways_shift_does_not_change_the_curvature() {
     let truth = Truth::drawn(8, [0.0; 5]);
@@ -313,7 +314,7 @@ fn a_non_finite_reading_is_refused_with_its_marker() {
     assert_eq!(few.unwrap_err().name(), "bad-setting");
 }
 
-/// A camera that does not see the marker `hidden`, or that returns `count` markers instead of all.
+/// A camera model in which the marker `hidden` is not visible, or that returns the images of only `count` markers.
 #[derive(Clone)]
 struct Partial {
     whole: Ideal,

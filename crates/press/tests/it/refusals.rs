@@ -122,7 +122,8 @@ fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
     assert!(share > 0.85, "{held} of {estimates}");
 }
 
-/// If the contact is far from all markers, a needle under one marker fits the readings almost as well.
+/// If the contact is far from all markers, a needle that presses on one marker fits the readings almost as well as the
+/// true contact.
 #[test]
 fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
     let (markers, body) = (published(), half_space());
@@ -151,8 +152,8 @@ fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
     }
 }
 
-/// A thin layer moves only under the contact, so only one marker moves. A wrong reading of this marker would look the
-/// same as a needle that presses on it.
+/// A thin layer moves only under the contact, so only one marker moves. A wrong reading of this marker would look like
+/// a needle that presses on it.
 #[test]
 fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let (markers, std) = (published(), 0.03);
@@ -185,8 +186,8 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(of_press >= 13 && held >= 12, "{held} of {of_press}");
     let (of_slip, _) = from_marker_alone(&slipped, 7, 0.0);
     assert!(of_slip >= 13, "{of_slip}");
-    // A stated indentation lets the markers that did not move exclude more curvatures. Even so, the only marker that
-    // moved is not rejected as an outlier.
+    // If the indentation is stated, the markers that did not move exclude more curvatures. The only marker that moved
+    // must still not be rejected as an outlier.
     let indentation = exactly(0.6);
     let estimates = (0..15).filter_map(|trial| {
         let readings = pressed.noisy(std, trial);
@@ -211,7 +212,7 @@ fn five_markers() -> (Markers, Readings) {
     (markers, exact)
 }
 
-/// The noise can only be estimated if there are more used markers than fitted parameters.
+/// The noise can only be estimated from the residuals if there are more used markers than fitted parameters.
 #[test]
 fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     let (markers, exact) = five_markers();
@@ -228,8 +229,8 @@ fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// No contact on the assumed body fits the readings. The error must not be `no-contact`, even if the noise is not
-/// stated.
+/// No contact with the assumed model of the soft body fits the readings. The error must not be `no-contact`, even if
+/// the noise is not stated.
 #[test]
 fn a_bad_fit_with_estimated_noise_is_not_called_no_contact() {
     let markers = published();

@@ -10,8 +10,8 @@ pub(crate) const RADIUS: f64 = 20.0;
 /// Depth of the markers under the skin, mm.
 pub(crate) const DEPTH: f64 = 2.0;
 
-/// The 77 markers of the 2020 paper: one at the apex, and rows of 1, 3, 3, 5 and 7 markers in each of four gores. The
-/// rows are 11.9° apart.
+/// The 77 markers of the 2020 paper: one at the apex, and rows of 1, 3, 3, 5 and 7 markers in each of four gores
+/// (quarters of the hemisphere). The rows are 11.9° of polar angle apart.
 pub(crate) fn published() -> Markers {
     let mut positions = vec![[0.0, 0.0]];
     for gore in 0..4 {
@@ -33,7 +33,7 @@ pub(crate) fn along(distances: &[f64]) -> Markers {
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
 }
 
-/// Chart coordinates of the point at the polar angle `polar` and the azimuth `azimuth`, both in degrees.
+/// Skin coordinates of the point at the polar angle `polar` and the azimuth `azimuth`, both in degrees.
 pub(crate) fn at(polar: f64, azimuth: f64) -> [f64; 2] {
     let distance = RADIUS * polar.to_radians();
     let (sine, cosine) = libm::sincos(azimuth.to_radians());
@@ -75,7 +75,7 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// Readings of the displacements inward alone.
+    /// Readings that contain only inward displacements.
     pub(crate) fn inward(normal: Vec<f64>) -> Self {
         let tangential = Vec::new();
         Self { normal, tangential }

@@ -1,4 +1,4 @@
-//! Tests fits whose camera was calibrated from a frame at rest.
+//! Tests image fits with camera parameters that were calibrated from a frame at rest.
 
 use nalgebra::DMatrix;
 use palpate_press::DeparturePrior;
@@ -9,7 +9,8 @@ use super::*;
 /// radian.
 const CAMERA: [usize; 3] = [2, 3, 4];
 
-/// A camera that measures the deviations of the sensor parameters from `common`, not from their nominal values.
+/// A camera model whose nominal sensor parameters are changed by `common`, so deviations are measured from the changed
+/// values.
 #[derive(Clone, Debug)]
 struct About {
     ideal: Ideal,
@@ -60,8 +61,8 @@ fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     through(known, |ideal| About { ideal, common })
 }
 
-/// If the camera is calibrated from the same frame at rest, the result does not change, because the information in a
-/// frame is used only once.
+/// If the camera is calibrated from the frame at rest that the fit also uses, the result does not change, because the
+/// information in a frame is used only once.
 #[test]
 fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
     let truth = Truth::drawn(11, ROUGHLY);

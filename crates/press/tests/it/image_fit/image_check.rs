@@ -1,4 +1,4 @@
-//! Tests the goodness of fit and the misfits of image fits.
+//! Tests the goodness of fit of image fits, and the misfits that they report (contradictions between images and model).
 
 use palpate_press::{Body, Contact, Measured, PressError, PressEstimate, Rest};
 use palpate_sensing::{Channel, Stream};
@@ -50,8 +50,8 @@ impl Press {
     }
 }
 
-/// The p-values of 120 presses are compared with the uniform distribution. The Kolmogorov distance of 120 uniform
-/// numbers from this distribution exceeds 0.149 with a probability of 1 %.
+/// The p-values of 120 presses are compared with the uniform distribution. For 120 numbers that are drawn from the
+/// uniform distribution, the Kolmogorov distance exceeds 0.149 with a probability of 1 %.
 #[test]
 fn p_values_are_uniform_and_misfits_are_rare_if_the_model_is_right() {
     for given in [None, Some(STATED)] {
@@ -91,8 +91,8 @@ fn codes(
     (0..trials).filter_map(of_trial).collect()
 }
 
-/// The same contact with both bodies. One body computes displacements at the depth of the magenta discs, the other at
-/// the depth of the yellow discs.
+/// The same contact with both models of the soft body. One model computes displacements at the depth of the magenta
+/// discs, the other at the depth of the yellow discs.
 fn contacts(bodies: &[Body; 2]) -> [Contact<'_>; 2] {
     let skin = Skin::new(RADIUS).unwrap();
     [0, 1].map(|disc| skin.contact(&bodies[disc], CURVATURE, 1.0).unwrap())
@@ -170,7 +170,7 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// One marker has an additional displacement. It is too small for a rejection of the marker as an outlier.
+/// One marker has an additional displacement, which is too small for the fit to reject this marker as an outlier.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

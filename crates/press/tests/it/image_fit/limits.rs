@@ -1,5 +1,5 @@
-//! Tests image fits at their limits: sensors of any size, presses that images can hardly resolve, and impossible inputs
-//! with the names of their errors.
+//! Tests image fits at their limits: sensors of any size, presses that images can hardly resolve, and impossible
+//! inputs, for which the name of the error is checked.
 
 use palpate_press::Rest;
 
@@ -15,7 +15,7 @@ const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
 struct Press {
     /// Unit of length of the press. The radius of the skin is 20 units.
     unit: f64,
-    /// Standard deviations of the uncertain sensor parameters, as in [`Ideal::fit`].
+    /// Standard deviations of the uncertain sensor parameters: disc depths, image centre, and pixels per radian.
     known: [f64; 5],
     /// Standard deviations of the noise that are stated to the fit, relative to [`STDS`].
     stated: f64,
