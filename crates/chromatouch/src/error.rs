@@ -11,7 +11,7 @@ pub enum LayoutError {
     /// A setting of the layout is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting<String>),
-    /// A row of markers would reach the point opposite the apex, or extend beyond this point.
+    /// A row of markers would reach or pass the point opposite the apex.
     #[error(
         "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180",
         reach_deg = Number(*reach_deg)
@@ -22,7 +22,7 @@ pub enum LayoutError {
         /// Polar angle of the last marker of the row, degrees.
         reach_deg: f64,
     },
-    /// The rows or the rim of the layout are stated by angles, but the skin is flat.
+    /// The layout places its markers by angles at the sensor's centre, but the skin is flat.
     #[error(
         "needs a skin with a radius, because its markers are placed by angles; for a flat skin, use the layout \
          {{ kind = \"grid\", pitch = .., width = .., height = .. }}"

@@ -45,7 +45,7 @@ pub enum Layout {
         /// Polar angle of the cap's rim, degrees.
         cap_deg: f64,
     },
-    /// Markers in rows along x and columns along y, with the apex in the middle.
+    /// A rectangular grid of markers, with rows along x and columns along y and the apex in the middle.
     Grid {
         /// Distance between neighbouring markers (length).
         pitch: f64,
@@ -82,7 +82,7 @@ impl Layout {
     /// Coordinates (x, y) of the markers on the skin of a sensor with the radius `sensor_radius`; all are lengths. A
     /// marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along the skin (logarithm map at
     /// the apex). The markers are sorted from the apex outward. Exceptions: the markers of a [`Layout::Line`] are
-    /// sorted along +x, and the markers of a [`Layout::Grid`] by y and then by x. The radius of a flat skin is
+    /// sorted along +x, and the markers of a [`Layout::Grid`] by y and then by x. For a flat skin, `sensor_radius` is
     /// infinite.
     ///
     /// # Errors
@@ -210,7 +210,7 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
     Ok((0..=rows as u32).flat_map(row).collect())
 }
 
-/// Distances of `markers` equally spaced markers from the first one, whose distance is 0. The last distance is
+/// Distances of `markers` equally spaced markers from the first marker. They start at 0, and the last distance is
 /// `length`. `reach`, the distance of the farthest marker from the apex, must be less than half the circumference of
 /// the sensor.
 fn equal_steps(
@@ -237,9 +237,9 @@ pub(crate) struct TooClose {
 }
 
 /// Returns a pair of points whose distance is below `reach`; `None` if there is no such pair. If there are several
-/// pairs, it returns the pair with the smallest index `second`. For a fast search, the points are sorted into square
-/// grid cells. The width of a grid cell is `reach`, but at least `narrowest`, so that the index of a grid cell fits
-/// into an integer.
+/// pairs, the function returns the pair with the smallest index `second`. For a fast search, the points are sorted into
+/// square grid cells. The width of a grid cell is `reach`, but at least `narrowest`, so that the index of a grid cell
+/// fits into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,

@@ -60,10 +60,10 @@ pub struct Optics {
     pose: Option<Pose>,
 }
 
-/// The features of a marker in an ideal image, without blur, uneven light, seams or noise.
+/// The features (centroid, hues and size) of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the marker's image, px. Each point of the image has the same weight as in the size `size_px2`.
+    /// Centroid of the marker's image, px. Each point of the image has the weight that `size_px2` describes.
     pub centroid_px: [f64; 2],
     /// HSV hue of the marker's total light, in turns, from 0 (red) to below 1. The total light is the sum over all
     /// points of the marker's image. The hue is 0 if the total light has no colour (red, green and blue are equal).
@@ -102,9 +102,10 @@ impl Optics {
         })
     }
 
-    /// Returns these optics with the camera in the pose `pose`. The image of a disc is approximated by the image of a
-    /// circular cap with the same solid angle. This approximation is correct to first order in the solid angle. The
-    /// seams of the skin and the uneven light of the image are computed as if the camera were at the centre.
+    /// Returns these optics with the camera in the pose `pose`, which may be outside the sensor's centre. The image of
+    /// a disc is approximated by the image of a circular cap with the same solid angle. This approximation is correct
+    /// to first order in the solid angle. The seams of the skin and the uneven light of the image are computed as if
+    /// the camera were at the sensor's centre.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `place` if the camera is too far from the centre of the sensor. The limit is 0.9

@@ -2,8 +2,9 @@
 //!
 //! The skin of a sphere of radius R is cut into n gores, which are flat pieces like those of a paper globe. At the
 //! distance Rφ above the equator, a gore covers |x| ≤ (πR/n) cos φ. Its outline is drawn as a polygon: each side of a
-//! gore has m chords, one for each of m equal steps of latitude. The gores are arranged around their common apex. They
-//! never overlap: a gore spans the angle 2 atan(π/n) at the apex, which is less than its share 2π/n of the full turn.
+//! gore has m chords, one for each of m equal steps of latitude. The gores are arranged around their common apex. The
+//! gores never overlap: a gore spans the angle 2 atan(π/n) at the apex, which is less than its share 2π/n of the full
+//! turn.
 
 mod drawing;
 mod sheet;
@@ -51,7 +52,7 @@ struct FlatPlace {
 
 impl Pattern {
     /// A pattern of `gores` gores per turn. The outline of a gore has `samples` steps from the apex to the equator.
-    /// `radius` is the radius (length) of the layer that will be cut.
+    /// `radius` is the radius (length) of the sphere onto which the cut layer is folded.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`], [`PatternError::TooManyGores`]; [`LayoutError::BadSetting`] if `samples` or
@@ -103,8 +104,8 @@ impl Pattern {
         right.chain(left.map(|[across, from_apex]| [-across, from_apex]))
     }
 
-    /// Half the width of a gore and the distance from the apex, both lengths, for the point of the outline that is
-    /// `step` steps from the apex.
+    /// Point of the outline that is `step` steps from the apex: half the width of the gore there, and the distance from
+    /// the apex, both lengths.
     fn edge(&self, step: u32) -> [f64; 2] {
         let polar = FRAC_PI_2 * f64::from(step) / f64::from(self.samples);
         let half_width = PI / f64::from(self.gores) * libm::sin(polar);
@@ -129,7 +130,8 @@ pub enum PatternError {
     #[error(transparent)]
     #[strum(transparent)]
     Layout(#[from] LayoutError),
-    /// There are too few gores. They would be so wide that folding stretches them to more than twice their length.
+    /// There are too few gores. They would be so wide that folding would stretch the skin to more than twice its length
+    /// in some places.
     #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
     TooFewGores {
         /// Requested number of gores.
@@ -261,8 +263,7 @@ mod tests {
             assert_eq!(outline.len(), 2 * samples as usize + 1);
             let area = area(&outline);
             // The outline of the gore consists of chords. The chords enclose less area than the exact outline, which is
-            // a sine curve. The ratio of the smaller to the larger area is (h/2) cot(h/2), where h is the step of the
-            // angle.
+            // a sine curve. The ratio of the two areas is (h/2) cot(h/2), where h is the step of the polar angle.
             let half_step = 0.25 * PI / f64::from(samples);
             let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);

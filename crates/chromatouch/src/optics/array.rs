@@ -11,8 +11,8 @@ use super::sines::sinc_and_cosine;
 use crate::Discs;
 use crate::layout::{MOST_MARKERS, too_close};
 
-/// Allowed values of all lengths of a sensor. The limits ensure that the product of a few lengths neither overflows nor
-/// underflows.
+/// Allowed values of the lengths that describe a sensor. The limits ensure that the product of a few lengths neither
+/// overflows nor underflows.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// Smallest allowed ratio of a disc's radius to its distance from the sensor's centre.
@@ -32,9 +32,9 @@ pub struct DiscDepths {
 pub struct DiscMotion {
     /// Displacement of the disc toward the sensor's centre (length).
     pub normal: f64,
-    /// Displacement along the skin (length). It is the length of the arc around the sensor's centre along which the
-    /// disc moves. Its components are along the marker's axes, which are the axes of the apex after parallel transport
-    /// along the meridian to the marker.
+    /// Displacement along the skin (length), measured along the arc around the sensor's centre on which the disc moves.
+    /// Its components are along the marker's axes, which are the axes of the apex after parallel transport along the
+    /// meridian to the marker.
     pub tangential: [f64; 2],
     /// Relative increase of the disc's diameter. It is due to the strain of the skin. The model assumes that the disc
     /// stays a circle.
@@ -45,8 +45,9 @@ pub struct DiscMotion {
 }
 
 impl DiscMotion {
-    /// Angles (rad) from the position of a marker at rest to one of its discs after the disc's motion. The result is
-    /// the sum of two angles: `moved`, and the disc's `misalignment`, which grows with the stretch of the skin.
+    /// Angles (rad) at the sensor's centre from the position of a marker at rest to one of its discs after the disc's
+    /// motion. The result is the sum of two angles: `moved`, and the disc's `misalignment`, which grows with the
+    /// stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -109,7 +110,7 @@ pub(super) struct MarkerSight {
 }
 
 impl MarkerArray {
-    /// Markers at `places` on the skin of a sensor. The places are in the chart coordinates of
+    /// Markers at `places` on the skin of a sensor. The places are in the skin coordinates of
     /// [`Layout::places`](crate::Layout::places). All markers have discs with the same diameters at the same depths.
     ///
     /// # Errors
@@ -172,8 +173,8 @@ impl MarkerArray {
         })
     }
 
-    /// Returns the markers with random misalignments, as from manufacture. The misalignments are drawn for trial number
-    /// `trial`. The yellow disc of each marker is displaced along the skin relative to the magenta disc. The
+    /// Returns the markers with random misalignments of their discs, as from manufacture; `seed` and `trial` select the
+    /// random numbers. The yellow disc of each marker is displaced along the skin relative to the magenta disc. The
     /// displacement is uniformly distributed in a circle, whose radius is `most` times the diameter of the yellow
     /// discs. The random misalignments replace earlier misalignments.
     ///
@@ -185,8 +186,8 @@ impl MarkerArray {
         let most_rad = most * 2.0 * self.yellow.half_width;
         let mut stream = Stream::new(seed, trial, Channel::Misalignment);
         for stand in &mut self.stands {
-            // If a circle's radius is the share r of the full radius, it contains the share r² of the area. Therefore a
-            // radius that is the square root of a uniform number gives a uniform density.
+            // The share of a circle's area within the share r of its radius is r². Therefore a radius that is the
+            // square root of a uniform number gives a uniform density.
             let share = 0.5 * (stream.symmetric_uniform() + 1.0);
             let (sine, cosine) = libm::sincos(PI * stream.symmetric_uniform());
             let size = most_rad * share.sqrt();
@@ -221,8 +222,8 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Returns the markers with other depths and diameters of their discs. `deeper` contains the increase of the depths
-    /// of the magenta and the yellow discs (length). `wider` contains the relative increase of their diameters.
+    /// Returns the markers with other depths and diameters of their discs. `deeper` contains the increases of the
+    /// depths of the magenta and the yellow discs (length), and `wider` the relative increases of the two diameters.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`], as in [`MarkerArray::new`].
@@ -249,7 +250,7 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Chart coordinates of the markers on the skin (length).
+    /// Skin coordinates of the markers (length).
     pub fn places(&self) -> &[[f64; 2]] {
         &self.places
     }
@@ -300,7 +301,7 @@ impl MarkerArray {
 
 impl Layer {
     /// A disc of this layer as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad. If the
-    /// motion is impossible, the error is its length.
+    /// motion is impossible, the error is the length of the motion.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
@@ -315,7 +316,8 @@ impl Layer {
         }
         let half_width = self.stretched(motion)?;
         let [x, y] = motion.moved_offset([x, y], offset);
-        // Compute the direction of the moved disc by the exponential map from the marker's place.
+        // Compute the direction of the moved disc by following a great circle from the marker's place (the exponential
+        // map).
         let (sinc, cosine) = sinc_and_cosine(x * x + y * y);
         let along = stand.x_axis * (x * sinc) + stand.y_axis * (y * sinc);
         let distance = 1.0 - inward;
@@ -342,7 +344,7 @@ impl Layer {
 
     /// A disc as viewed from a camera that is not in the sensor's centre. The view is computed from `sight`, the view
     /// from the centre. The disc is approximated by a circular cap with the same solid angle, which is correct to first
-    /// order in the solid angle. If the disc moves behind the camera, the error is its inward motion.
+    /// order in the solid angle. If the disc moves behind the camera, the error is the disc's inward displacement.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;

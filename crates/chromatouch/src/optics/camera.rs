@@ -1,4 +1,4 @@
-//! The camera in the sensor's centre. It points to the apex.
+//! The camera in the sensor's centre, which points to the apex.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,7 +13,7 @@ const LARGEST_FRAME: u32 = 8192;
 /// A camera in the sensor's centre that points to the apex and has a square image.
 ///
 /// Image coordinates are (column, row), px, with (0, 0) in the middle of the first pixel. Columns count to the right,
-/// along the sensor's x axis. Rows count downward, against its y axis.
+/// along the sensor's x axis. Rows count downward, against the sensor's y axis.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -50,7 +50,7 @@ pub(super) struct Ray {
 
 impl Camera {
     /// A camera with a square image of `size_px` pixels a side. The image circle is the largest circle in the square.
-    /// `field_deg` is the polar angle at the rim of this circle, measured from the apex.
+    /// `field_deg` is the polar angle, measured from the apex, of the directions on the rim of this circle.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] if one of these settings is out of its range: `size_px` from 1 to 8192; `field_deg`
@@ -82,7 +82,7 @@ impl Camera {
 
     /// Returns this camera with another centre of the image circle and another focal length `px_per_rad`. The centre is
     /// at the distance `offset_px` (columns to the right, rows down) from the middle of the frame. The radius of the
-    /// circle in pixels does not change, so the polar angle at its rim changes.
+    /// circle in pixels does not change, so the rim is at another polar angle.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] with the name `centre_px` if the shifted centre lies outside of the frame. The same
@@ -126,8 +126,8 @@ impl Camera {
         })
     }
 
-    /// Returns this camera with other odd terms of its fisheye lens. The image circle in pixels and the focal length do
-    /// not change, so the polar angle at the rim changes.
+    /// Returns this camera with other odd terms of its fisheye lens. The radius of the image circle (px) and the focal
+    /// length do not change, so the rim is at another polar angle.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to
@@ -157,8 +157,8 @@ impl Camera {
         self.size_px
     }
 
-    /// Focal length, px: the number of pixels per radian at the image's centre. An equidistant fisheye has this radial
-    /// scale everywhere.
+    /// Focal length, px: the number of pixels per radian at the image's centre. For an equidistant fisheye, the radial
+    /// scale is the same everywhere.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
@@ -224,8 +224,8 @@ impl Camera {
         }
     }
 
-    /// The lens's scale (px per rad) and the derivatives of this scale at the polar angle `polar` (rad).
-    /// `sine_and_cosine` contains the sine and the cosine of this angle.
+    /// The lens's scale (px per rad) and its derivatives at the polar angle `polar` (rad). `sine_and_cosine` contains
+    /// the sine and the cosine of `polar`.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
@@ -239,8 +239,8 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale of the image (pixels per radian). The bound is valid for all directions in the image,
-    /// and for all polar angles from 0 to `polar`, which must be in the field of view.
+    /// Upper bound of the scale of the image (pixels per radian). The bound is valid for steps in any direction from
+    /// image points with polar angles from 0 to `polar`, which must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -258,8 +258,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale of the image (pixels per radian). The bound is valid for all directions in the image,
-    /// in the whole field of view.
+    /// Lower bound of the scale of the image (pixels per radian). The bound is valid for steps in any direction from
+    /// all image points in the field of view.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,
@@ -313,7 +313,7 @@ impl Camera {
         }
     }
 
-    // Functions for lenses with odd terms are not inlined. So the pixel loops of other lenses stay small.
+    // Functions for lenses with odd terms are not inlined, so that the pixel loops of other lenses stay small.
 
     #[inline(never)]
     fn odd_polar_square(&self, terms: OddTerms, square: f64) -> f64 {

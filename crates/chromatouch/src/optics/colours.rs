@@ -1,5 +1,5 @@
-//! Colours of the sensor's parts. From the colours follows how much each region of a marker (one disc, the other disc,
-//! both) contributes to the marker's size and hue.
+//! Colours of the sensor's parts, and the contribution of each region of a marker to the marker's size and hue. A
+//! region is covered by the magenta disc, by the yellow disc, or by both discs.
 
 use palpate_statistics::saturated_hue;
 
@@ -34,21 +34,22 @@ impl Default for Colours {
     }
 }
 
-/// Contribution of one pixel to the size and the hue of a marker. All pixels in one region of the marker make the same
-/// contribution.
+/// Contribution of one pixel to the size and the hue of a marker. All pixels in a region of the marker (one disc, or
+/// the overlap of both discs) have the same contribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
     /// Share of green light plus share of blue light that the pixel absorbs. Both shares are relative to the light of
     /// the white layer.
     pub(super) absorbed: f64,
-    /// Two chroma components of the pixel, computed from its light: red − (green + blue)/2, and √3/2 (green − blue).
+    /// Two chroma components of the pixel, computed from the red, green and blue light: red − (green + blue)/2, and
+    /// √3/2 (green − blue).
     pub(super) chroma: [f64; 2],
     /// Hue of the pixel's colour, turns; `None` for a pale colour, which does not count in the mean hue.
     pub(super) hue_turns: Option<f64>,
 }
 
-/// Contrasts of the three regions of a marker: covered only by the magenta disc, only by the yellow disc, and by both
-/// discs.
+/// Contributions of a pixel in each of the three regions of a marker: covered only by the magenta disc, only by the
+/// yellow disc, or by both discs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrasts {
     pub(super) magenta: Contrast,

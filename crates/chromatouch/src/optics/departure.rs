@@ -26,7 +26,7 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// Number of values of a departure: the sum over all its fields.
+    /// Number of values of a departure: the total number of components of its fields.
     pub const NUMBERS: usize = 21;
 
     /// Builds a departure from its values `n`, which are in the order of the fields.
@@ -59,9 +59,10 @@ impl Camera {
 }
 
 impl Optics {
-    /// Returns the optics of a sensor with the parameters of this sensor plus `departure`. Transmittances may be a
-    /// little outside of the range from 0 to 1, because a fit needs features that are smooth at these limits.
-    /// [`Optics::possible`] restricts a departure to physically possible sensors.
+    /// Returns the optics of a sensor whose parameters are those of this sensor plus the differences `departure`.
+    /// Transmittances may be a little outside of the range from 0 to 1, because a fit needs features of the markers
+    /// that are smooth functions at these limits. [`Optics::possible`] restricts a departure to physically possible
+    /// sensors.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] if no sensor has these
@@ -107,7 +108,8 @@ impl Optics {
         optics.seen_from(self.pose().moved(place, turn_rad))
     }
 
-    /// The departure that is nearest to `departure` and physically possible, that is, with transmittances from 0 to 1.
+    /// The departure that is nearest to `departure` and gives a physically possible sensor, that is, transmittances
+    /// from 0 to 1.
     pub fn possible(&self, departure: Departure) -> Departure {
         let within = |colour: [f64; 3], more: [f64; 3]| {
             std::array::from_fn(|at| (colour[at] + more[at]).clamp(0.0, 1.0) - colour[at])

@@ -14,8 +14,8 @@ pub enum OpticsError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// For these coefficients k3 and k5, the image radius of a ray does not increase with the angle everywhere in the
-    /// field of view. Rays at two angles would then share one image point.
+    /// With these coefficients k3 and k5, the distance from the image's centre does not increase with the angle from
+    /// the axis everywhere in the field of view. Rays at two angles would then share one image point.
     #[error(
         "with k3 = {} and k5 = {} the image radius increases only up to {reach_deg:.4} degrees \
          from the axis, but the field ends at {field_deg:.4} degrees; {}",
@@ -83,7 +83,7 @@ pub enum OpticsError {
         /// angular radius.
         diameter: f64,
     },
-    /// The caller passed another number of displacements than there are markers.
+    /// The number of displacements that the caller passed differs from the number of markers.
     #[error(
         "the number of displacements is {motions}; it must be the number of markers, {markers}"
     )]
@@ -104,7 +104,8 @@ pub enum OpticsError {
         marker: usize,
         /// Colour of the disc with the impossible motion.
         disc: &'static str,
-        /// Length of the impossible motion: of the disc normal to the skin or along the skin, or of the disc's edge.
+        /// Length of the impossible motion: the disc's displacement normal to the skin or along it, or the displacement
+        /// of the disc's edge.
         motion: f64,
         /// The disc's distance (length) from the sensor's centre at rest.
         distance: f64,

@@ -1,4 +1,4 @@
-//! Lenses, and the expansion of a lens to second order about one direction.
+//! Lenses, and the Taylor expansion of a lens's map to second order about one direction.
 
 use std::f64::consts::TAU;
 
@@ -15,8 +15,8 @@ pub enum Lens {
     Pinhole,
 }
 
-/// Expansion of a lens at one polar angle θ, the angle from the lens's axis. The lens maps θ to the distance r(θ) from
-/// the image's centre. All derivatives are with respect to θ.
+/// Taylor expansion of a lens's map at one polar angle θ, the angle from the lens's axis. The lens maps θ to the
+/// distance r(θ) from the image's centre. All derivatives are with respect to θ.
 ///
 /// The scale in the azimuthal direction is g = r / sin θ. The image of a solid angle dΩ has the area J dΩ, where J = r′
 /// g.
@@ -109,8 +109,8 @@ impl Stretch {
 }
 
 impl Local {
-    /// Expansion of a lens at the polar angle `polar` (rad), whose sine and cosine are passed too. `focal` is the focal
-    /// length, px.
+    /// Taylor expansion of a lens's map at the polar angle `polar` (rad). `sine` and `cosine` are the sine and cosine
+    /// of `polar`. `focal` is the focal length, px.
     #[inline]
     pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match lens {
@@ -140,8 +140,9 @@ impl Local {
         }
     }
 
-    /// Expansion of a lens with odd terms. Two polynomials in u = θ² are used: m = r / (f θ) and n = m r′ / f. The
-    /// azimuthal scale is g = f q m. The image area per solid angle is J = f² q n.
+    /// Taylor expansion of the map of a lens with odd terms. Two polynomials in u = θ² are used: m = r / (f θ) and n =
+    /// m r′ / f. With q = θ / sin θ, the azimuthal scale is g = f q m, and the image area per solid angle is J = f² q
+    /// n.
     fn odd(focal: f64, polar: f64, cosine: f64, stretch: &Stretch, terms: OddTerms) -> Self {
         let OddTerms { k3, k5 } = terms;
         let square = polar * polar;
@@ -214,9 +215,9 @@ pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     }
 }
 
-/// The image of a cap through a fisheye, to second order in its angular radius α. Let h = 1 − cos α be the height of
-/// the cap. The mean of a function over the cap is the function's value in the middle plus h/4 times the function's
-/// Laplacian in the middle.
+/// The image of a cap (see [`cap`]) through a fisheye, to second order in the cap's angular radius α. Let h = 1 − cos α
+/// be the height of the cap. The mean of a function over the cap is the function's value in the middle plus h/4 times
+/// the function's Laplacian in the middle.
 #[inline]
 fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     let height = sine * sine / (1.0 + cosine);

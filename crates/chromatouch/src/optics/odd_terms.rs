@@ -4,14 +4,15 @@ use std::f64::consts::PI;
 
 use super::error::{MOST_TERM, OpticsError};
 
-/// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, the image does
-/// not resolve angles.
+/// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, the image hardly
+/// resolves angles.
 const LEAST_SLOPE: f64 = 0.01;
-/// Maximum number of Newton steps in the inversion of the lens's map. A step that leaves the bracket is replaced by a
-/// bisection. Even if all steps are bisections, the result is exact to the last digit of a double.
+/// Maximum number of Newton steps in the inversion of the lens's map r(θ). A step that leaves the interval of the
+/// solution is replaced by a bisection. Even if all steps are bisections, the result is exact to the last digit of a
+/// double.
 const STEPS: usize = 64;
 
-/// Odd terms of a fisheye, in addition to the equidistant term. The law of the lens is r = f (θ + k3 θ³ + k5 θ⁵). Here
+/// Odd terms of a fisheye lens, in addition to the equidistant term: the lens maps θ to r = f (θ + k3 θ³ + k5 θ⁵). Here
 /// θ is the angle from the axis, r the distance from the image's centre and f the focal length. Both coefficients are 0
 /// for an equidistant lens. k3 is -1/24 for an equisolid, 1/12 for a stereographic and -1/6 for an orthographic lens
 /// (Kannala and Brandt, *A generic camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
@@ -79,9 +80,9 @@ impl OddTerms {
     /// Largest angle up to which the slope of the lens's map is at least [`LEAST_SLOPE`] everywhere. The result is at
     /// most half a turn.
     pub(super) fn reach(self) -> f64 {
-        // A lens is invertible up to the angle θ at which the slope d(r/f)/dθ of its image radius reaches
-        // `LEAST_SLOPE`. With u = θ², the slope minus `LEAST_SLOPE` is the polynomial a u² + b u + c. The smallest
-        // positive root of this polynomial is computed without cancellation.
+        // A lens's map r(θ) is invertible up to the angle θ at which its slope d(r/f)/dθ decreases to `LEAST_SLOPE`.
+        // With u = θ², the slope minus `LEAST_SLOPE` is the polynomial a u² + b u + c. The smallest positive root of
+        // this polynomial is computed without cancellation.
         let (a, b, c) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - LEAST_SLOPE);
         let square = b * b - 4.0 * a * c;
         if square < 0.0 {
@@ -104,14 +105,15 @@ impl OddTerms {
         }
     }
 
-    /// Upper bound of the slope of the lens's map r / f, and of the map divided by the angle, between the axis and the
-    /// angle `rim`.
+    /// Upper bound of the slope d(r/f)/dθ of the lens's map, and of the ratio (r/f)/θ, between the axis and the angle
+    /// `rim`.
     pub(super) fn most_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         1.0 + square * (3.0 * self.k3.max(0.0) + square * (5.0 * self.k5.max(0.0)))
     }
 
-    /// Smallest k3 with which the lens's map increases up to the angle `rim`, for the k5 of this lens.
+    /// Smallest coefficient k3 with which the lens's map increases up to the angle `rim`, for the coefficient k5 of
+    /// this lens.
     fn least_k3(self, rim: f64) -> f64 {
         let (square, constant) = (rim * rim, 1.0 - LEAST_SLOPE);
         let k5 = 5.0 * self.k5;
@@ -198,8 +200,9 @@ mod tests {
 
     #[test]
     fn lenses_fold_where_their_slope_ends() {
-        // The reach of a lens is the angle θ at which its slope has decreased to 0.01. With u = θ², the slope of the
-        // first lens is 1 − 0.6 u, which is 0.01 at u = 1.65. The slope of the second lens is 1 − u + 0.24 u².
+        // The reach of a lens is the angle θ at which the slope d(r/f)/dθ of its map has decreased to 0.01. With u =
+        // θ², the slope of the first lens is 1 − 0.6 u, which is 0.01 at u = 1.65. The slope of the second lens is 1 −
+        // u + 0.24 u².
         let terms = OddTerms { k3: -0.2, k5: 0.0 };
         assert!((terms.reach() - 1.65_f64.sqrt()).abs() < 1e-15);
         let terms = OddTerms {

@@ -1,8 +1,8 @@
 //! Overlap of two discs as viewed from the camera.
 //!
 //! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. To second
-//! order in p, an area on the sphere is the area in the plane times 1 − p²/2. Here p is the distance from the centre of
-//! the projection. The overlap of two circles consists of one segment of each circle. The moments of a segment are
+//! order in p, an area on the sphere is the area in the plane times 1 − p²/2, where p is the distance from the centre
+//! of the projection. The overlap of two circles consists of one segment of each circle. The moments of a segment are
 //! computed by exact formulas.
 
 use nalgebra::Vector3;
@@ -30,7 +30,7 @@ pub(super) struct Part {
     pub(super) angles: [HalfAngle; 2],
 }
 
-/// Moments, about a point, of an area that is symmetric about the first axis.
+/// Moments, about a point on the axis of symmetry, of an area that is symmetric about this axis.
 #[derive(Clone, Copy)]
 struct Moments {
     area: f64,
@@ -79,8 +79,8 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap; they make the
-/// computation faster.
+/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap, from which the new
+/// half-angles are computed faster.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -130,7 +130,7 @@ fn part(
     let scale = 1.0 / (1.0 - share * rest * square).sqrt();
     let direction = between * scale;
     let along = step - direction * direction.dot(step);
-    // `direction` divides the angle between the middles of the discs in the ratio of `share` to `rest`. `sine` is the
+    // `direction` divides the line between the middles of the discs in the ratio of `share` to `rest`. `sine` is the
     // sine of the angle between the middles.
     let sine = chord * (1.0 - 0.25 * square).max(0.0).sqrt();
     let circle = |disc: &Sight, side: f64, away: f64| {
@@ -225,8 +225,9 @@ impl Moments {
 }
 
 impl Part {
-    /// Image of the area through a lens that is expanded at the area's reference direction. The axis of symmetry of the
-    /// area has the components `outward` (away from the lens's axis) and `around` (in the azimuthal direction).
+    /// Image of the area with these moments. `local` is the expansion of the lens at the direction about which the
+    /// moments are computed. The axis of symmetry of the area has the components `outward` (away from the lens's axis)
+    /// and `around` (in the azimuthal direction).
     #[inline]
     pub(super) fn seen(&self, local: &Local, [outward, around]: [f64; 2]) -> Region {
         let Moments {

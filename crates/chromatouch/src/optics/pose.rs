@@ -25,7 +25,7 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// A camera pose with the position `place` relative to the sensor's centre (length) and the rotation vector
+    /// Pose of a camera at the position `place` relative to the sensor's centre (length), with the rotation vector
     /// `turn_rad` (rad). The components of both vectors are along the apex's x and y axes and toward the apex.
     pub fn new(place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let turn = Vector3::from(turn_rad);

@@ -12,10 +12,10 @@ use super::sines::small_angle;
 use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
 
 impl Optics {
-    /// Features of each marker in the image, in the order of the markers. A frame with very small pixels and without
-    /// blur, uneven light, seams and noise has the same features. The features are `None` for a missing marker (its
-    /// motion is `None`), for a marker that is not completely in the image circle, and for a marker that absorbs no
-    /// light.
+    /// Features (centroid, hues and size) of each marker in the image, in the order of the markers. They equal the
+    /// features in a frame with very small pixels and without blur, uneven light, seams and noise. The features are
+    /// `None` for a missing marker (its motion is `None`), for a marker that is not completely in the image circle, and
+    /// for a marker that absorbs no light.
     ///
     /// The image of each disc has the accuracy of [`Camera::disc_area`]. The overlap of two discs is computed to second
     /// order in their angular radius α. The error of the size is of the order of α⁴ relative to the size. The error of
@@ -94,8 +94,8 @@ impl Aim {
         }
     }
 
-    /// Components of a tangent vector: the first points away from the camera's axis, the second in the azimuthal
-    /// direction.
+    /// Components of a vector that is tangent to the sphere of directions at this direction: away from the camera's
+    /// axis, and in the azimuthal direction.
     #[inline]
     fn components(&self, tangent: &Vector3<f64>) -> [f64; 2] {
         let [x, y] = self.azimuth;
@@ -121,8 +121,8 @@ impl Aim {
     }
 }
 
-/// A region of the image: its area, px², and its first moment about the image's centre, px³. The moment's x axis points
-/// to the right, its y axis down.
+/// A region of the image: its area, px², and its first moment about the image's centre, px³. The components of the
+/// moment are along the columns (to the right) and along the rows (down).
 #[derive(Clone, Copy, Default)]
 struct Image {
     area: f64,
@@ -171,8 +171,8 @@ impl MarkerProjection {
         })
     }
 
-    /// This projection after a small change of one of the two discs. `disc` is 0 for the magenta disc and 1 for the
-    /// yellow disc.
+    /// The projection of the marker `sight`, which differs from the marker of this projection by a small change of one
+    /// disc. `disc` is 0 for the magenta disc and 1 for the yellow disc.
     #[inline]
     pub(super) fn beside(&self, camera: &Camera, sight: &MarkerSight, disc: usize) -> Self {
         let changed = [&sight.magenta, &sight.yellow][disc];

@@ -16,10 +16,10 @@ use marker_raster::MarkerRaster;
 use row::{Row, Rows};
 
 impl Optics {
-    /// Renders an anti-aliased frame of the markers, with 8 bits per channel and linear in light. A marker whose motion
-    /// is `None` is missing. Pixel noise is drawn from the random stream `pixels`, row by row. Each pixel whose centre
-    /// lies in the image circle takes three random numbers. If `pixels` is `None` or the standard deviation of the
-    /// noise is 0, there is no noise.
+    /// Renders an anti-aliased frame of the markers, with 8 bits per channel and levels that are linear in the light. A
+    /// marker whose motion is `None` is missing. Pixel noise is drawn from the random stream `pixels`, row by row.
+    /// Three random numbers are drawn for each pixel whose centre lies in the image circle. If `pixels` is `None` or
+    /// the standard deviation of the noise is 0, there is no noise.
     ///
     /// ```
     /// use palpate_chromatouch::{

@@ -9,17 +9,19 @@ use super::{DiscMotion, MarkerMotion, Pose};
 
 /// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the disc's inward motion.
 pub(super) const INWARD: usize = 0;
-/// Index of the first of two columns of [`SightSlopes::by`]: derivatives with respect to the disc's motion along the
-/// two axes of the skin.
+/// Index of the first of two columns of [`SightSlopes::by`] with the derivatives with respect to the disc's motion
+/// along the two axes of the skin.
 pub(super) const X: usize = 1;
 /// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the disc's depth.
 pub(super) const DEEPER: usize = 3;
 /// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the logarithm of the disc's
 /// diameter.
 pub(super) const WIDER: usize = 4;
-/// Index of the first of three columns of [`SightSlopes::by`]: the derivatives with respect to the camera's position.
+/// Index of the first of three columns of [`SightSlopes::by`] with the derivatives with respect to the camera's
+/// position.
 pub(super) const PLACE: usize = 5;
-/// Index of the first of three columns of [`SightSlopes::by`]: derivatives with respect to the camera's rotation.
+/// Index of the first of three columns of [`SightSlopes::by`] with the derivatives with respect to the camera's
+/// rotation.
 pub(super) const TURN: usize = 8;
 pub(super) const COLUMNS: usize = 11;
 
@@ -146,12 +148,12 @@ impl Layer {
 }
 
 impl Stand {
-    /// Unit vector whose direction is at the angles `x` and `y` (rad) from the marker's direction, along the marker's
-    /// two axes. The second result contains the derivatives of this vector with respect to the two angles.
+    /// Unit vector at the angles `x` and `y` (rad) from the marker's direction, along the marker's two axes. The second
+    /// result contains the derivatives of this vector with respect to the two angles.
     fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let square = x * x + y * y;
         let (sinc, cosine) = sinc_and_cosine(square);
-        // `bend` is the derivative of sin θ / θ, divided by θ. Here θ² = x² + y².
+        // `bend` is the derivative of sin θ / θ with respect to θ, divided by θ, where θ² = x² + y².
         let bend = if square < 1e-4 {
             -1.0 / 3.0 + square / 30.0
         } else {

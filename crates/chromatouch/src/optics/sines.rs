@@ -20,8 +20,8 @@ const fn series(odd: usize) -> [f64; TERMS] {
     coefficients
 }
 
-/// sin θ / θ and cos θ for an angle θ up to half a turn, computed from θ². Both are even functions of θ, so no square
-/// root is needed. The power series are evaluated at θ/2. The first omitted term of each series is below 1e-12.
+/// sin θ / θ and cos θ for an angle θ up to half a turn, computed from θ². Both results are even functions of θ, so no
+/// square root is needed. The power series are evaluated at θ/2. The first omitted term of each series is below 1e-12.
 #[inline]
 pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
     let half_squared = 0.25 * angle_squared;

@@ -12,7 +12,8 @@ use super::projection::MarkerProjection;
 use super::sight_slopes::{COLUMNS, DEEPER, INWARD, PLACE, TURN, WIDER, X};
 use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
-/// Finite-difference step for the two components of a disc's direction (rad) and of the logarithm of its angular size.
+/// Finite-difference step of the two components of a disc's direction (rad) and of the logarithm of the disc's angular
+/// radius.
 const STEP: f64 = 1e-7;
 const SHARE: f64 = 1e-6;
 const ODD: f64 = 1e-6;
@@ -22,14 +23,14 @@ const COLOURS: usize = 13;
 /// Index of the lens's term k3 (the first odd term) among the values of a [`Departure`].
 const ODD_TERMS: usize = 19;
 
-/// The features of a marker, and their derivatives. The rows of the derivatives are: column and row of the centroid
-/// (px), hue (turns), and the natural logarithm of the size.
+/// The features of a marker, and their derivatives. Each matrix of derivatives has four rows, one per feature: column
+/// and row of the centroid (px), hue (turns), and natural logarithm of the size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerSlopes {
     /// The features of the marker's image.
     pub seen: SeenMarker,
-    /// Derivatives of the four features with respect to the values of the [`Departure`], one column per value. If the
-    /// caller has not requested a value, its column is 0.
+    /// Derivatives of the four features with respect to the values of the [`Departure`], one column per value. The
+    /// columns of values that the caller did not request are 0.
     pub by_departure: SMatrix<f64, 4, { Departure::NUMBERS }>,
     /// Derivatives of the four features with respect to the two components of the marker's misalignment, per rad (see
     /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments)).
@@ -43,15 +44,15 @@ struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
-    /// For each requested transmittance: its index among the values of a departure, and the contrasts after one
-    /// finite-difference step of this transmittance.
+    /// For each requested transmittance: its index among the values of a departure, and the contributions of the
+    /// marker's regions to size and hue after one finite-difference step of this transmittance.
     colours: Vec<(usize, Contrasts)>,
     requested: &'a [usize],
 }
 
 impl Optics {
-    /// Features of the markers of a sensor with the departure `departure`, as in [`Optics::project`]. The result also
-    /// contains their derivatives with respect to the requested values of the departure. The result is `None` for
+    /// Features of the markers, as in [`Optics::project`], of a sensor with the departure `departure`, and the
+    /// derivatives of these features with respect to the requested values of the departure. The result is `None` for
     /// markers that are not visible.
     ///
     /// The error of the derivatives is about 5e-5 of the largest derivative. The error is larger where the edges of two
@@ -162,7 +163,7 @@ impl Shared<'_> {
     /// Writes the requested derivatives of the marker's features into `slopes`. These are the derivatives with respect
     /// to the depths and diameters of the discs, and to the camera's position, rotation, centre and scale. `by`
     /// contains one matrix per disc. The matrix is the part of the derivatives that is due to the direction and the
-    /// angular size of this disc.
+    /// angular radius of this disc.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();
@@ -177,9 +178,9 @@ impl Shared<'_> {
                 4 => Vector4::x(),
                 5 => Vector4::y(),
                 6 => {
-                    // All lengths in the image are proportional to the number of pixels per radian. So, with respect to
-                    // the relative scale s, the derivative of a length is the length divided by s, and the derivative
-                    // of the logarithm of an area is 2/s.
+                    // All lengths in the image are proportional to the number of pixels per radian, which is the
+                    // nominal number times s. So the derivative of a length with respect to s is the length divided by
+                    // s, and the derivative of the logarithm of an area is 2/s.
                     let [x, y] = [0, 1].map(|axis| seen[axis] - centre[axis]);
                     Vector4::new(x, y, 0.0, 2.0) / (1.0 + self.departure.px_per_rad)
                 }

@@ -17,8 +17,8 @@ const YELLOW: &str = "YELLOW";
 /// Drawing layers with their colour numbers in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
-/// Smallest and largest allowed radius of the sphere of a drawing, mm. The limits follow from the number of decimals in
-/// the files: coordinates are written in steps of 1e-6 mm.
+/// Smallest and largest allowed radius of the sphere of a drawing, mm. The limits follow from the resolution of the
+/// files: coordinates are written in steps of 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {
@@ -179,7 +179,7 @@ impl DxfWriter {
         for (code, value) in [(2, "CONTINUOUS"), (70, "0"), (3, "Solid line")] {
             self.pair(code, value);
         }
-        // These values define a line type: alignment "A", no dashes, pattern length 0.
+        // These group codes and values define a line type: alignment "A", no dashes, pattern length 0.
         for (code, value) in [(72, "65"), (73, "0"), (40, "0.0"), (0, "ENDTAB")] {
             self.pair(code, value);
         }
@@ -222,7 +222,7 @@ impl DxfWriter {
 
     fn closed_line(&mut self, outline: &[[f64; 2]]) {
         self.entity("POLYLINE", CUT);
-        // These values define a closed line at the elevation 0, whose vertices follow.
+        // These group codes and values define a closed polyline at the elevation 0, whose vertices follow.
         self.pair(66, "1");
         self.place(10, [0.0, 0.0]);
         self.pair(30, "0.0");

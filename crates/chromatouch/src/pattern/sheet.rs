@@ -6,8 +6,8 @@ use super::{FlatPlace, Pattern, PatternError};
 use crate::layout::too_close;
 use crate::{Layout, LayoutError};
 
-/// Diameters of a marker's two discs (length). The discs are drawn as circles on the sheet. When the sheet is folded
-/// onto the sphere, they are sheared.
+/// Diameters of a marker's two discs (length). The discs are drawn as circles on the sheet, and are sheared when the
+/// sheet is folded onto the sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
     /// Diameter of the inner disc, which is nearer to the camera.
@@ -89,16 +89,16 @@ impl Pattern {
         marks.into_iter().map(place).collect()
     }
 
-    /// Half the width of a gore as drawn, with chords instead of curved edges. `share` is the share (less than 1) of
-    /// the distance from the apex to the equator.
+    /// Half the width of a gore as drawn, with chords instead of curved edges, at the distance from the apex that is
+    /// `share` (less than 1) of the distance to the equator.
     fn chord_half_width(&self, share: f64) -> f64 {
         let steps = share * f64::from(self.samples);
         let [inner, outer] = [0, 1].map(|more| self.edge(steps.floor() as u32 + more)[0]);
         inner + (outer - inner) * steps.fract()
     }
 
-    /// Checks that the discs are inside the drawn outline of their gore, which is convex. A disc at the apex may cross
-    /// the seams.
+    /// Checks that each disc is inside the drawn outline of its gore, which is convex. A disc at the apex may cross the
+    /// seams.
     fn within_edges(&self, places: &[FlatPlace], diameter: f64) -> Result<(), PatternError> {
         let chords: Vec<[[f64; 2]; 2]> = (0..self.samples)
             .map(|step| [self.edge(step), self.edge(step + 1)])
@@ -146,7 +146,7 @@ fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), Patt
 
 impl CuttingSheet {
     /// Closed outlines of the gores, as points in counter-clockwise order. The coordinates (x, y) of a point are
-    /// lengths. The apex is at their origin, and the skin is viewed from outside.
+    /// lengths. The apex is at the origin, and the skin is viewed from outside.
     pub(super) fn cuts(&self) -> &[Vec<[f64; 2]>] {
         &self.cuts
     }

@@ -2,7 +2,8 @@
 //!
 //! The sphere has the radius R, and the skin has n gores. A gore covers |x| ≤ (πR/n) cos φ at the height y = Rφ above
 //! the equator. Folding maps the point (x, y) to the latitude φ = y/R and to the longitude λ = x/(R cos φ) from the
-//! gore's middle meridian, so heights and widths keep their lengths. With R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
+//! gore's middle meridian, so heights and widths of the gore do not change. With R cos φ dλ = dx + λ sin φ dy and R dφ
+//! = dy,
 //!
 //! ```text
 //! ds² = (R cos φ dλ)² + (R dφ)² = (dx + s dy)² + dy²,    s = λ sin φ:
@@ -15,8 +16,9 @@
 //! ```
 //!
 //! The strain is σ − 1. It is largest where the seams meet the apex (|λ| = π/n and φ = π/2). It vanishes on the middle
-//! meridian and on the equator. The element of a gore's area is R² cos φ dλ dφ. Over this area, sin φ and nλ/π are
-//! independent and uniformly distributed. Therefore the mean square of the strain is an integral over a square.
+//! meridian and on the equator. The element of a gore's area is R² cos φ dλ dφ. For points that are spread uniformly
+//! over this area, sin φ and nλ/π are independent and uniformly distributed. Therefore the mean square of the strain is
+//! an integral over a square.
 //!
 //! In this construction, the parallels and the middle meridian do not change their lengths. A skin that can slide on
 //! the sphere would relax to a state with lower elastic energy.
@@ -69,8 +71,8 @@ impl FoldStrain {
         })
     }
 
-    /// Strain at a place of the gore. The angles (rad) `longitude` and `latitude` are measured from the middle meridian
-    /// and from the equator. The other principal stretch is 1/(1 + strain).
+    /// Strain (largest principal stretch minus 1) at a place of the gore. The angles (rad) `longitude` and `latitude`
+    /// are measured from the middle meridian and from the equator. The other principal stretch is 1/(1 + strain).
     ///
     /// # Errors
     /// [`LayoutError::BadSetting`] for a place outside the gore.

@@ -123,8 +123,8 @@ proptest! {
         prop_assert!(camera.disc_area(width, polar).is_none_or(|area| area.is_finite()));
     }
 
-    /// All markers remain visible if their discs move by up to a hundredth of the skin's radius. The sensor has four
-    /// markers that are a third of a radian apart.
+    /// All markers remain visible if each component of their discs' motions is at most a hundredth of the skin's
+    /// radius. The sensor has four markers that are a third of a radian apart.
     #[test]
     fn markers_that_move_little_are_all_seen(
         lens in lens(),

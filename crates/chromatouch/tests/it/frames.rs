@@ -1,4 +1,5 @@
-//! Rendered frames, and the features of markers that are measured in them.
+//! Tests rendered frames, and compares the features of markers that are measured in these frames with the projected
+//! features.
 
 use image::RgbImage;
 use palpate_chromatouch::{
@@ -36,8 +37,8 @@ fn at_rest(optics: &Optics) -> Vec<Option<MarkerMotion>> {
     vec![Some(MarkerMotion::default()); optics.array().places().len()]
 }
 
-/// Features of the marker in a square of the frame, computed from the levels of the square's pixels by the definitions
-/// of the features. The background is white.
+/// Features of the marker in a square of the frame. They are computed from the levels of the square's pixels, as the
+/// documentation of [`SeenMarker`] defines them. The background is white.
 fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     let ground = 240.0;
     let range = |middle: f64| (middle - half_side) as u32..=(middle + half_side) as u32;
@@ -68,12 +69,12 @@ fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
     ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)
 }
 
-/// Largest differences between the projected and the rendered features: in the centroid (px), in the hue (turns), and
-/// in the size (relative).
+/// Largest differences, over several markers, between the projected features and the features measured in rendered
+/// frames: centroid (px), hue (turns), and size (relative).
 fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64; 3] {
     let polar = [0.0_f64, 0.02, 20.0, 40.0, 60.0, 60.0];
     let azimuth = [0.0_f64, 0.0, 100.0, 200.0, 300.0, 45.0];
-    // The first two markers would overlap in one frame, so they are rendered in two frames.
+    // The first two markers would overlap in one frame, so they are rendered in two separate frames.
     let places: Vec<[f64; 2]> = std::iter::zip(polar, azimuth)
         .map(|(polar, azimuth)| {
             let (sine, cosine) = libm::sincos(azimuth.to_radians());
@@ -132,8 +133,8 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
-    // The tolerance is largest for a pinhole lens, because its projection has the largest error in the overlap of the
-    // discs: up to 2e-4 focal lengths at 60°.
+    // The tolerance is largest for a pinhole lens, because the projected centroid has the largest error there: up to
+    // 2e-4 focal lengths at 60°, from the overlap of the discs.
     let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
     for (lens, bound_px) in [
         (Lens::Fisheye, 0.01),
@@ -149,7 +150,7 @@ fn frames_show_what_is_projected_the_better_the_larger() {
                 "{large:?}"
             );
             // Check that errors decrease with the size of the frame. The errors of hue and size are compared directly,
-            // the error of the centroid relative to the size of the frame. The centroid of the pinhole lens is not
+            // and the error of the centroid relative to the size of the frame. The centroid of the pinhole lens is not
             // compared, because its error comes mostly from the overlap of the discs and does not depend on the size of
             // the frame.
             assert!(
@@ -166,7 +167,7 @@ fn frames_show_what_is_projected_the_better_the_larger() {
 
 #[test]
 fn discs_much_smaller_than_a_pixel_take_their_share() {
-    // There are many markers, so that their positions relative to the pixels differ.
+    // There are many markers, so that the positions of markers relative to the pixel grid differ.
     let layout = Layout::Lattice {
         pitch: 0.4,
         cap_deg: 35.0,
@@ -246,8 +247,8 @@ fn the_image_circle_is_cut_out_of_what_surrounds_it() {
         let sum: f64 = frame.pixels().map(|pixel| f64::from(pixel.0[1])).sum();
         let area = std::f64::consts::PI * f64::from(size_px).powi(2) / 4.0;
         let error = (sum / 240.0 - area) / f64::from(size_px);
-        // If the frame has few pixels, the counted area of the circle has a large error. For example, a frame of one
-        // pixel counts completely, because the centre of the pixel is in the circle.
+        // If the frame has few pixels, the number of pixels inside the circle is a bad estimate of the circle's area.
+        // For example, a frame of one pixel counts completely, because the centre of the pixel is in the circle.
         assert!(
             error.abs() < if size_px < 3 { 0.3 } else { 0.05 },
             "{size_px}: {error}"
@@ -299,8 +300,8 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
             let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
-            // This column is on the other side of the apex, where there is no seam along −x. Instead, it crosses the
-            // seams at ±120° at an angle.
+            // This column is on the other side of the apex, where there is no seam along −x. Instead, the column
+            // crosses the two seams at ±120° obliquely.
             let column = (500.0 - 0.5 * focal * polar).round() as u32;
             let found = taken(&mut (0..1001).filter_map(|row| {
                 let inside = libm::hypot(f64::from(row) - 500.0, f64::from(column) - 500.0) < 499.0;

@@ -1,4 +1,4 @@
-//! Layouts of markers: the published one, lattices, lines and radii.
+//! Tests layouts of markers: the layout of the 2020 paper, lattices, lines and radii.
 
 use std::f64::consts::{PI, TAU};
 

@@ -8,8 +8,8 @@ use palpate_chromatouch::{
 use crate::optics::{PURE, along, depths, inward, moved, optics};
 
 /// Columns: diameters of the yellow and the magenta disc, distance between their centres, mean hue of the marker,
-/// circular mean of its hue, and hue of its summed light. The values were computed from the areas of overlapping
-/// circles.
+/// circular mean of the marker's hue, and hue of its summed light. The values were computed from the areas of
+/// overlapping circles.
 const GOLDEN: &str = include_str!("mean-hue.csv");
 
 #[test]
@@ -60,7 +60,8 @@ fn pale_regions_do_not_count() {
     assert_eq!(seen.mean_hue_turns, seen.hue_turns);
 }
 
-/// A misalignment grows with the strain of the skin. This holds for both orders of the two discs in depth.
+/// A misalignment grows with the strain of the skin. The test uses both orders of the discs: magenta deeper, and yellow
+/// deeper.
 #[test]
 fn a_misalignment_strains_with_the_skin() {
     let place = [[0.0, 0.0]];

@@ -42,7 +42,7 @@ fn angles_are_seen_where_the_polynomial_has_them() {
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
         let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
-        // The rim of the image shows the edge of the field, for all odd terms.
+        // The edge of the field of view is on the rim of the image, for all odd terms.
         assert_relative_eq!(
             camera.px_per_rad() * map(FIELD.to_radians()),
             320.0,
@@ -67,7 +67,7 @@ fn angles_are_seen_where_the_polynomial_has_them() {
 #[test]
 fn an_equisolid_lens_shows_all_directions_alike() {
     // The odd terms of this lens are the series of 2 sin(θ/2), without the terms from the seventh power on. At 0.5 rad,
-    // the seventh power changes the image area per solid angle by less than 1e-6.
+    // the omitted terms change the image area per solid angle by less than 1e-6.
     let camera = camera(TERMS[0]);
     let square = camera.px_per_rad().powi(2);
     for polar in [0.0, 0.03, 0.1, 0.3, 0.5] {
@@ -86,12 +86,13 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             ..Departure::default()
         });
         let Ok(departed) = departed else {
-            // Only the last lens may be impossible, because its image radius would stop growing inside of the rim.
+            // Only the last lens of `TERMS` may be impossible, because the distance from its image's centre would stop
+            // growing with the angle inside of the rim.
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
         // The odd terms differ from their nominal values, but the image circle and the pixels per radian stay the same.
-        // Therefore the rim shows another angle than before.
+        // Therefore the rim of the image circle is at another angle from the axis than before.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
         let (sine, cosine) = libm::sincos(0.9_f64);
@@ -133,7 +134,7 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
     let refused = made(-0.5, 0.0, 65.0).unwrap_err();
     assert_eq!(refused.setting(), Some("k3"));
     let said = refused.to_string();
-    // The derivative 1 − 1.5 θ² of the image radius with respect to the angle θ decreases to 0.01 at 46.55°. For a
+    // The derivative 1 − 1.5 θ² of the image radius r/f with respect to the angle θ decreases to 0.01 at 46.55°. For a
     // field of 65°, the smallest possible k3 is −0.99 / (3 θ²).
     for word in ["k3 = -0.5", "up to 46.54", "ends at 65", "at least -0.2564"] {
         assert!(said.contains(word), "{word}: {said}");
@@ -147,6 +148,6 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
         optics(Camera::new(lens, 640, field).unwrap()).departed(&departure)
     };
     assert!(departed(Lens::Pinhole, 65.0, 0.1).is_err());
-    // With k3 = −0.2, the image radius stops growing before the rim is reached.
+    // With k3 = −0.2, the distance from the image's centre stops growing with the angle before the rim is reached.
     assert!(departed(Lens::Fisheye, 120.0, -0.2).is_err());
 }

@@ -1,4 +1,4 @@
-//! Markers in the image, computed without pixels.
+//! Tests the features of markers in the image that are computed without pixels.
 
 use std::f64::consts::PI;
 
@@ -61,15 +61,15 @@ fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
     optics.project(&[motion]).unwrap()[0].unwrap()
 }
 
-/// Chart coordinates of the point at the polar angle `polar_deg` and the azimuth `azimuth_deg`, on a skin of radius 20.
+/// Skin coordinates of the point at the polar angle `polar_deg` and the azimuth `azimuth_deg`, on a skin of radius 20.
 pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
     let (sine, cosine) = libm::sincos(azimuth_deg.to_radians());
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)
 }
 
-/// Image area, divided by the squared focal length, of a cap that does not contain the axis: ∫ θ 2Δφ dθ. The circle
-/// with the polar angle θ crosses the edge of the cap at the azimuths ±Δφ. The integral is computed by the midpoint
-/// rule in t, with θ = θ₀ − α cos t.
+/// Image area, divided by the squared focal length, of a cap of directions that does not contain the axis: ∫ θ 2Δφ dθ.
+/// The circle of directions with the polar angle θ crosses the edge of the cap at the azimuths ±Δφ. The integral is
+/// computed by the midpoint rule in t, with θ = θ₀ − α cos t.
 fn fisheye_area(radius: f64, polar: f64) -> f64 {
     let steps = 20_000;
     let step = PI / f64::from(steps);
@@ -113,7 +113,8 @@ fn a_disc_has_the_image_area_that_integration_gives() {
 
 #[test]
 fn series_at_the_axis_and_closed_forms_off_it_meet() {
-    // At 0.05 rad, the code switches from a series to an exact formula. The area must not jump there.
+    // At a polar angle of 0.05 rad, the code switches from a series to an exact formula. The area must not jump at this
+    // angle.
     let camera = Camera::new(Lens::Fisheye, 640, 80.0).unwrap();
     let area = |polar| camera.disc_area(0.05, polar).unwrap();
     let step = 1e-6;
@@ -139,7 +140,7 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
         assert_relative_eq!(marker.centroid_px[0], 319.5, epsilon = 1e-9);
         assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
         // Where the discs overlap, in the middle of the marker, the colour is red; the ring around the middle is
-        // magenta. Both contribute red light, but only the ring contributes blue light.
+        // magenta. The middle and the ring contribute red light, but only the ring contributes blue light.
         let ring = area(17.0) - area(19.0);
         let turns = 1.0 - ring / area(17.0) / 6.0;
         assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);
@@ -177,8 +178,8 @@ fn a_marker_moved_inward_grows_with_its_nearness() {
 
 #[test]
 fn markers_move_along_the_carried_axes() {
-    // The axes x and y of a marker are transported along the skin from the apex. At the azimuth 90°, y points away from
-    // the apex, and x points around the apex. Arc lengths are measured on the sphere of the discs.
+    // The axes x and y of a marker are transported along the skin from the apex. For a marker at the azimuth 90°, y
+    // points away from the apex, and x points around the apex. Arc lengths are measured on the sphere of the discs.
     let optics = optics(&[at(30.0, 90.0)], depths(2.0, 2.0), Lens::Fisheye, PURE);
     let focal = optics.camera().px_per_rad();
     let rest = seen(&optics, Some(MarkerMotion::default())).centroid_px;
@@ -245,8 +246,8 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
         .collect();
     let count = shifts.len() as f64;
     assert!(count > 3000.0);
-    // The shifts are uniformly distributed in a circle whose radius is half of the disc diameter of 0.2. Therefore all
-    // shifts are at most 0.1, and a quarter of the shifts is below 0.05.
+    // The shifts between the two discs of a marker are uniformly distributed in a circle whose radius is half of the
+    // disc diameter of 0.2. Therefore all shifts are at most 0.1, and a quarter of them is below 0.05.
     let within = |radius: f64| {
         shifts
             .iter()
@@ -319,7 +320,7 @@ fn discs_that_the_skin_widens_are_seen_as_wider_discs() {
     let wider = seen(&wider.unwrap(), moved(inward(0.3), inward(0.3)));
     assert_relative_eq!(strained.size_px2, wider.size_px2, max_relative = 1e-13);
     assert_relative_eq!(strained.hue_turns, wider.hue_turns, epsilon = 1e-13);
-    // A camera that is not in the centre must also image the strained discs in the same way as wider discs.
+    // A camera that is not in the sensor's centre must also image the strained discs in the same way as wider discs.
     let beside = |optics: Optics| {
         optics
             .seen_from(Pose::new([1.0, 0.0, 2.0], [0.0; 3]))

@@ -1,4 +1,4 @@
-//! Impossible marker arrays, colours and motions return errors with the expected names.
+//! Tests that impossible marker arrays, colours and motions return errors with the expected names.
 
 use palpate_chromatouch::{
     Blemishes, Colours, DiscMotion, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
@@ -81,8 +81,8 @@ fn discs_that_cover_each_other_are_found_among_many() {
         distance < 0.05 && (diameter - 0.1).abs() < 1e-15,
         "{distance} {diameter}"
     );
-    // Both markers are nearly half a turn from the apex, in opposite directions. In the chart they are far apart, but
-    // on the sphere they are close to each other.
+    // Both markers are nearly half a turn from the apex, in opposite directions. Their skin coordinates are far apart,
+    // but on the sphere the markers are close to each other.
     let opposite = [at(179.9, 0.0), at(179.9, 180.0)];
     assert_eq!(array(&opposite, 0.2).unwrap_err().name(), "discs-overlap");
     assert!(array(&opposite, 0.05).is_ok());

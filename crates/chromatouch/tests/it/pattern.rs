@@ -1,4 +1,4 @@
-//! Cutting sheets and the files of their drawings.
+//! Tests cutting sheets and the SVG and DXF files of their drawings.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -37,7 +37,7 @@ fn length([[x, y], [u, v]]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(u - x, v - y)
 }
 
-/// A drawing that was read from a file, in millimetres; y points up.
+/// A drawing that was read from a file. Coordinates are in millimetres, and y points up.
 #[derive(Default)]
 struct Drawing {
     outlines: Vec<Vec<[f64; 2]>>,
@@ -298,8 +298,8 @@ fn sheets_that_do_not_fit_are_named() {
         (rows(4, &[1; 4], 25.0), alike(2.0), "beyond-the-equator"),
         (rows(4, &[1], 89.0), alike(2.0), "disc-across-edge"),
         (rows(4, &[], 10.0), alike(63.0), "disc-across-edge"),
-        // The layout has two gores, but the pattern has four. So the middle of a gore of the layout, where the marker
-        // lies, is a seam of the pattern.
+        // The layout has two gores, but the pattern has four. So the middle of each gore of the layout, where its
+        // marker lies, is a seam of the pattern.
         (rows(2, &[1], 30.0), alike(0.1), "disc-across-edge"),
         (rows(0, &[1], 30.0), alike(0.1), "bad-setting"),
         (rows(4, &[1, 1], 90.0), alike(0.1), "around-the-sphere"),

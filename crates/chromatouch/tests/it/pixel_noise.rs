@@ -1,4 +1,4 @@
-//! Noise of pixels: its distribution, and the independence of different pixels.
+//! Tests the noise of pixels: the distribution of the noise, and its independence in different pixels and frames.
 
 use image::RgbImage;
 use palpate_chromatouch::{Blemishes, Camera, Colours, Lens, MarkerArray, Optics};
@@ -6,7 +6,7 @@ use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
-/// A frame without markers that is uniformly lit. `levels` are its levels of red, green and blue.
+/// A uniformly lit frame without markers. `levels` are the levels of red, green and blue before noise.
 fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]) -> RgbImage {
     let array = MarkerArray::new(20.0, &[], DISCS, depths(3.0, 1.0)).unwrap();
     let camera = Camera::new(Lens::Fisheye, size_px, 70.0).unwrap();
@@ -109,8 +109,8 @@ fn pixels_outside_the_circle_have_no_noise() {
     assert!(f64::from(changed) > 0.999 * 71_000.0, "{changed}");
 }
 
-/// Pixel errors in a square inside of the image circle, divided by the standard deviation. Each row of the result
-/// contains three numbers per pixel.
+/// Errors of the pixel levels in a square inside of the image circle, divided by the standard deviation of noise and
+/// rounding. Each row of the result contains three errors per pixel.
 fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     let size = frame.width();
     let square = size * 3 / 20..size * 17 / 20;
@@ -126,9 +126,9 @@ fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     square.clone().map(row).collect()
 }
 
-/// Two scores for the correlation between the errors of two frames. Each error of the frame `one` is compared with the
+/// Two scores for the correlation between the errors of two frames. Each error of the frame `one` is multiplied by the
 /// error of the frame `other` that is `down` rows lower and `on` entries further along the row. The first score uses
-/// the errors. The second score uses their squares, because errors can be dependent without being correlated. If the
+/// the errors, and the second score their squares, because errors can be dependent without being correlated. If the
 /// errors are independent, both scores have a standard normal distribution.
 fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64; 2] {
     let (mut count, mut product, mut squares) = (0.0_f64, 0.0, 0.0);
@@ -148,8 +148,8 @@ fn errors_of_pixels_are_independent() {
     let noise = |key| errors(&frame(401, [128.0; 3], 8.0, key));
     let own = noise([1, 0]);
     let mut scores = Vec::new();
-    // First compare values of the same row: channels of the same pixel, of its neighbours and of more distant pixels.
-    // Then compare rows with the rows below.
+    // First compare errors in the same row: channels of the same pixel, of its neighbours and of more distant pixels.
+    // Then compare each row with the rows below.
     scores.extend((1..=64).map(|on| common(&own, &own, 0, on)));
     scores.extend(
         (1..=3)

@@ -12,7 +12,8 @@ use crate::optics::depths;
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 2.0;
 
-/// Optics of markers at `places`. All discs have the diameter `diameter` and the same depth, and no disc is misaligned.
+/// Optics of markers at `places`. All discs have the diameter `diameter` and the same depth, and the two discs of each
+/// marker are aligned.
 fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
     let discs = Discs {
         magenta: diameter,
@@ -50,8 +51,8 @@ fn a_camera_in_the_centre_is_the_default() {
     assert_eq!(central.departed(&Departure::default()).unwrap(), central);
 }
 
-/// Small markers appear in the direction of the rays from the camera. Their size follows from their distance and
-/// inclination.
+/// Small markers appear in the direction of the rays from the camera to the markers. The size of a marker's image
+/// follows from the marker's distance and inclination.
 #[test]
 fn markers_are_seen_along_the_rays_from_the_camera() {
     let at = [1.5, -0.5, 4.0];
@@ -95,8 +96,8 @@ fn a_turned_camera_sees_markers_turned() {
         [Pose::default(), pose].map(|pose| seen(&optics(&PLACES, 2.0).seen_from(pose).unwrap()));
     let (sine, cosine) = libm::sincos(turn);
     for (before, after) in central.iter().zip(&turned) {
-        // If the camera turns, the image turns in the opposite direction. Because rows are counted downward, this is a
-        // positive turn in pixel coordinates.
+        // If the camera turns about its axis, the image turns in the opposite direction. Because rows are counted
+        // downward, the image turns by a positive angle in pixel coordinates.
         let [x, y] = before.centroid_px.map(|place| place - 349.5);
         let [found_x, found_y] = after.centroid_px.map(|place| place - 349.5);
         assert!((found_x - (x * cosine - y * sine)).abs() < 1e-9);
@@ -114,8 +115,8 @@ fn a_turned_camera_sees_markers_turned() {
 fn discs_that_depart_are_discs_made_so() {
     let known = optics(&PLACES, 2.0);
     let departed = |departure: Departure| seen(&known.departed(&departure).unwrap());
-    // If the depths and diameters of a sensor differ from their nominal values, its images equal those of an array that
-    // was made with these depths and diameters.
+    // If the discs' depths and diameters differ from their nominal values, the images equal those of an array that was
+    // made with the changed depths and diameters.
     let remade = departed(Departure {
         depths: [0.1; 2],
         diameters: [0.02; 2],

@@ -102,8 +102,8 @@ impl Scene {
         pairs.map(slope).collect()
     }
 
-    /// Compares computed derivatives with central differences, for all markers that are visible on both sides of the
-    /// step.
+    /// Compares computed derivatives of the features with central differences, for all markers that are visible after a
+    /// step in either direction.
     fn compare(
         &mut self,
         what: &str,
@@ -204,8 +204,8 @@ fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
     Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
 }
 
-/// A motion in which both discs of a marker move alike. `normal` and `x` are displacements in units of the skin's
-/// radius.
+/// A motion of a marker in which both discs have the same displacement. `normal` and `x` are displacements in units of
+/// the skin's radius.
 fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     let disc = DiscMotion {
         normal: normal * radius,
@@ -219,8 +219,8 @@ fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
 }
 
 /// The image area of a small disc is proportional to (width / d)², where d is the disc's distance from the camera. If
-/// the skin displaces the disc by s, the disc's image shifts by the angle s / d₀, where d₀ is the distance at rest. If
-/// the camera is displaced by s, the image shifts by the angle s / d.
+/// the skin displaces the disc sideways by s, the disc's image shifts by the angle s / d₀, where d₀ is the distance at
+/// rest. If the camera is displaced sideways by s, the image shifts by the angle s / d.
 #[test]
 fn slopes_on_skins_of_any_size_have_closed_forms() {
     let all: Vec<usize> = (0..Departure::NUMBERS).collect();

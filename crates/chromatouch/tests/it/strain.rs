@@ -1,4 +1,4 @@
-//! Strain of a skin that is folded from gores.
+//! Tests the strain of a skin that is folded from gores.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

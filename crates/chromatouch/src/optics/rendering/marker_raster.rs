@@ -6,10 +6,11 @@ use super::super::Camera;
 use super::super::array::{MarkerSight, Sight};
 use super::super::camera::Ray;
 
-/// Half the diagonal of a pixel, px. An edge that crosses a pixel is at most this far from the pixel's centre.
+/// Half the diagonal of a pixel, px. The edge of a disc that crosses a pixel is at most this far from the pixel's
+/// centre.
 const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Number of neighbouring pixels in a row that are computed at the same time.
+/// Number of neighbouring pixels in a row that are computed together, so that the compiler can use vector instructions.
 const RUN: usize = 8;
 
 pub(super) struct MarkerRaster {
@@ -57,9 +58,10 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
         return None;
     }
     let size = f64::from(camera.size_px());
-    // `reach` is an upper bound of the distance from the rectangle's centre to the edge of the disc. The centre is the
-    // middle of the disc or, if this middle is outside of the field, the nearest point of the rim. If the disc crosses
-    // the rim, the bound must be larger, because the shortest path on the sphere may leave the field.
+    // `reach` is an upper bound of the angle from the rectangle's centre to the edge of the disc. The rectangle's
+    // centre is the middle of the disc or, if this middle is outside of the field of view, the nearest point of the
+    // rim. If the disc crosses the rim, the bound must be larger, because the shortest path on the sphere may leave the
+    // field of view.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
@@ -112,8 +114,8 @@ impl DiscRaster {
 
     /// Share of a pixel that the disc covers. The pixel is (x, y) px from the centre of the image. `inside` is the
     /// position of the pixel relative to the disc's edge, as computed by [`Self::inside`]. The share minus 1/2 is an
-    /// odd function of `inside`. The solid angle depends linearly on v·n, so the shares of all pixels add up to the
-    /// area of the disc.
+    /// odd function of `inside`. The solid angle of a cap depends linearly on v·n at its edge, so the shares of all
+    /// pixels add up to the area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -170,9 +172,9 @@ impl MarkerRaster {
         })
     }
 
-    /// Calls `paint` for each pixel of a row that the discs cover at least partly. `paint` receives the column and the
-    /// covered shares. Only pixels in the given range of columns are visited. The row is `y` px above the centre of the
-    /// image, which is in the column `middle`.
+    /// Calls `paint` for each pixel of a row that the discs of the marker cover at least partly. `paint` receives the
+    /// column and the covered shares of the pixel. Only pixels in the given range of columns are visited. The row is
+    /// `y` px above the centre of the image, which is in the column `middle`.
     pub(super) fn cover(
         &self,
         camera: &Camera,
@@ -229,9 +231,9 @@ fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2
 }
 
 /// Share of a pixel that lies on the inner side of a straight edge. `inside` is the distance (px) of the pixel's centre
-/// from the edge, positive on the inner side. The vector (x, y) is the normal of the edge along columns and rows. It
-/// may have any length. A pixel collects the light of its whole area. This minimises the effect of the pixel grid on
-/// sums of light and on first moments.
+/// from the edge, positive on the inner side. The vector (x, y) of any length is the normal of the edge along columns
+/// and rows. A pixel collects the light of its whole area, which minimises the effect of the pixel grid on sums of
+/// light and on first moments.
 #[inline]
 fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     let (x, y) = (x.abs(), y.abs());
@@ -242,7 +244,7 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
     // The pixel is a unit square. A chord is a line through the pixel that is parallel to the edge of the disc. Chords
     // have the constant length 1 / `long` between the two corners of the pixel that are nearest to its middle (in the
-    // direction of the normal). Towards the other two corners, their length decreases to 0.
+    // direction of the normal). Towards the other two corners, the length of the chords decreases to 0.
     let depth = inside.abs();
     let beyond = 0.5 * (long + short) - depth;
     let more = if beyond <= 0.0 {
@@ -255,7 +257,7 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     if inside < 0.0 { 1.0 - more } else { more }
 }
 
-/// Length of a vector whose squared length neither overflows nor underflows.
+/// Length of a vector. The squared length must neither overflow nor underflow.
 #[inline]
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
@@ -289,8 +291,8 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
 mod tests {
     use super::*;
 
-    /// Share of a pixel that lies on the inner side of a straight edge. For the estimate, the test counts the points of
-    /// a grid that are on this side.
+    /// Share of a pixel that lies on the inner side of a straight edge. It is estimated by counting the points of a
+    /// grid that are on this side.
     fn counted(inside: f64, turn: f64) -> f64 {
         const SIDE: u32 = 400;
         let (sine, cosine) = libm::sincos(turn);

@@ -1,4 +1,4 @@
-//! One row of a frame, whose levels are proportional to the light.
+//! One row of pixels of a frame. The levels of the pixels are proportional to the light.
 
 use std::ops::Range;
 
@@ -49,8 +49,8 @@ impl Row {
         }
     }
 
-    /// Blurs this row along its direction into `blurred`. The first of the `weights` is for the pixel itself, the
-    /// others are for its neighbours on both sides.
+    /// Blurs this row along its direction into `blurred`. The first of the `weights` is for the pixel itself, the other
+    /// weights are for its neighbours on both sides, in the order of distance.
     pub(super) fn blur_into(&self, weights: &[f32], blurred: &mut Self) {
         blurred.set(self, weights[0]);
         let last = self.levels.len() / 3 - 1;
@@ -106,7 +106,8 @@ pub(super) struct Rows<'a> {
     ground: [f32; 3],
     outside: [f32; 3],
     /// Shares of red, green and blue light that a completely covered pixel absorbs: if the magenta disc covers it, and
-    /// if the yellow disc covers it. The third entry is a correction for places where both discs overlap.
+    /// if the yellow disc covers it. The third entry is the product of both shares, a correction for places where the
+    /// discs overlap.
     absorbed: [[f64; 3]; 3],
     light_at_rim: f64,
     seams: Option<SeamLines>,
@@ -133,7 +134,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Half the length (px) of the chord that a row cuts from a circle around the centre of the image. It is negative
+    /// Half the length (px) of the part of a row that lies in a circle around the centre of the image. It is negative
     /// if the circle does not reach the row.
     fn half_chord(&self, radius: f64, number: usize) -> f64 {
         let y = self.camera.centre_px()[1] - number as f64;
@@ -144,7 +145,7 @@ impl<'a> Rows<'a> {
         square.sqrt()
     }
 
-    /// Columns of the pixels in a row that are at most `half` (px) from the middle of the row.
+    /// Columns of the pixels in a row that are at most `half` (px) from the column of the image's centre.
     fn columns(&self, half: f64) -> Range<usize> {
         if half < 0.0 {
             return 0..0;
@@ -219,8 +220,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Paints the part of a row that is outside of the image circle. Pixels on the rim contain light from both sides of
-    /// the rim.
+    /// Paints the part of a row that is outside of the image circle. Pixels on the rim of the circle contain light from
+    /// both sides of the rim.
     fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
         let rim = self.camera.rim_px();
         let [middle, middle_row] = self.camera.centre_px();
