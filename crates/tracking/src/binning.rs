@@ -34,8 +34,8 @@ impl BinnedFrame {
                 }
             }
             match bin {
-                // Call a separate function for each bin size, because the loop over the pixels of a bin is faster if
-                // the size is a compile-time constant.
+                // Call a separate function for each size of a bin, because the loop over the pixels of a bin is faster
+                // if the size is a compile-time constant.
                 1 => add_row::<1>(&self.columns, &mut self.sums),
                 2 => add_row::<2>(&self.columns, &mut self.sums),
                 3 => add_row::<3>(&self.columns, &mut self.sums),

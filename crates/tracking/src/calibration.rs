@@ -43,12 +43,12 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Creates a calibration for normal displacements, for tangential displacements, or for both. `markers` is the
-    /// number of markers that the sensor shows at rest; `None` if the number is not known.
+    /// Creates a calibration for normal displacements, for tangential displacements, or for both kinds. `markers` is
+    /// the number of markers that the sensor shows at rest; `None` if the number is not known.
     ///
     /// # Errors
-    /// [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`] for a number that
-    /// is not finite, or for a slope of 0.
+    /// [`CalibrationError::TooFewPoints`] if both `normal` and `lateral` are `None`; [`CalibrationError::OutOfRange`]
+    /// for a number that is not finite, or for a slope of 0.
     pub fn new(
         normal: Option<NormalCalibration>,
         lateral: Option<LateralCalibration>,
@@ -109,9 +109,9 @@ impl Calibration {
     }
 
     /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
-    /// is the shift (px) of the marker's image along the axes at the marker's place. This shift is the focal length (px
-    /// per radian) multiplied by the angle of the shift. The result is `None` if there is no calibration for tangential
-    /// displacements, or if a number is not finite.
+    /// is the shift (px) of the marker's image along the axes at the marker's place. This shift is the angle by which
+    /// the image moves, multiplied by the focal length (px per radian). The result is `None` if there is no calibration
+    /// for tangential displacements, or if a number is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)
     }
@@ -121,10 +121,11 @@ impl Calibration {
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CalibrationError {
-    /// There are fewer points than a fit of a line needs, or the calibration has no parts.
+    /// There are fewer points than a fit of a line needs, or the calibration has neither a normal nor a tangential
+    /// part.
     #[error("{count} {what}; a calibration needs at least {needed}")]
     TooFewPoints {
-        /// Text that states what was counted: points, or parts of the calibration.
+        /// Text that states what was counted: calibration points, or parts (normal and tangential) of the calibration.
         what: &'static str,
         /// Number of points or parts that were counted.
         count: usize,
@@ -139,9 +140,9 @@ pub enum CalibrationError {
     OneDisplacement {
         /// Kind of displacement: normal or tangential.
         what: &'static str,
-        /// Displacement that all points have (length).
+        /// Displacement that all calibration points have (length).
         displacement: f64,
-        /// Number of points of the fit.
+        /// Number of calibration points.
         count: usize,
     },
     /// A number of a calibration point is not finite or too large.

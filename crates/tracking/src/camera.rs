@@ -64,7 +64,7 @@ impl Equidistant {
     }
 
     /// This camera with odd terms in its lens: r = f (θ + k3 θ³ + k5 θ⁵), where r is the distance from the image's
-    /// centre. Image points are not valid places beyond the angle at which r stops increasing.
+    /// centre. Image points beyond the angle at which r stops increasing belong to no valid place.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless `k3` and `k5` lie between -100 and 100.
@@ -121,9 +121,9 @@ impl Equidistant {
         }
     }
 
-    /// Change of a tracked marker, corrected for the distortion of the image. The shift in px is the focal length (px
-    /// per radian) multiplied by the angle of the displacement. The growth is half the change of the logarithm of the
-    /// marker's solid angle.
+    /// Change of a tracked marker, corrected for the distortion of the image. The shift (px) is the angle by which the
+    /// marker moved, multiplied by the focal length (px per radian). The growth is half the change of the logarithm of
+    /// the marker's solid angle.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;
@@ -144,16 +144,16 @@ impl Equidistant {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Factor by which the camera enlarges a small area at the angle `angle` from its axis in the image. The factor is
-    /// 1 on the axis.
+    /// Image area of a small solid angle at the angle `angle` from the camera's axis, relative to its image area on the
+    /// axis.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
         stretching(angle) * (even * slope)
     }
 }
 
-/// Factor θ/sin θ by which an equidistant image enlarges an area at the angle θ from the camera's axis. Beyond a right
-/// angle, the factor stays constant.
+/// Image area of a small solid angle at the angle θ from the axis of an equidistant camera, relative to its image area
+/// on the axis: θ/sin θ. Beyond a right angle, the factor stays constant.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(FRAC_PI_2);
     if angle < 1e-8 {
@@ -200,8 +200,8 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
 /// Smallest allowed slope dr/dθ of a lens (image distance r over angle θ), relative to its slope on the axis. If the
 /// slope is smaller, angles cannot be determined from distances.
 const MIN_SLOPE: f64 = 0.01;
-/// Maximum number of Newton steps of [`OddTerms::angle`]. A step that would leave the bracket is replaced by a
-/// bisection.
+/// Maximum number of Newton steps of [`OddTerms::angle`]. A step that would leave the interval of the solution is
+/// replaced by a bisection.
 const MAX_STEPS: usize = 64;
 
 /// The odd terms of a fisheye lens, r = f (θ + k3 θ³ + k5 θ⁵), where k3 and k5 may have any finite size.
@@ -226,7 +226,7 @@ impl OddTerms {
         }
     }
 
-    /// Largest angle θ up to which the relative slope of the lens is at least [`MIN_SLOPE`]. With u = θ², the angle is
+    /// Largest angle θ up to which the slope d(r/f)/dθ of the lens is at least [`MIN_SLOPE`]. With u = θ², the angle is
     /// computed from the smallest positive root of 5 k5 u² + 3 k3 u + 1 − `MIN_SLOPE`.
     fn first_root(self) -> f64 {
         let (square, linear, constant) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - MIN_SLOPE);
@@ -299,7 +299,7 @@ mod tests {
         assert_relative_eq!(along[0], 0.01, epsilon = 1e-12);
         assert_relative_eq!(along[1], 0.0, epsilon = 1e-12);
         // A place at 1 rad from the apex lies on a circle of radius sin 1, but its image lies on a circle of radius 1.
-        // So a pixel across the image's radius corresponds to a smaller angle than a pixel along it.
+        // So a pixel in the azimuthal direction corresponds to a smaller angle than a pixel in the radial direction.
         let across = camera.shift(rest, [rest[0], rest[1] - 1e-3]);
         assert_relative_eq!(
             across[1],
@@ -333,8 +333,9 @@ mod tests {
         assert_eq!(camera().with_odd_terms([0.0; 2]).expect("none"), camera());
         assert!(camera().with_odd_terms([f64::NAN, 0.0]).is_err());
         assert!(camera().with_odd_terms([0.0, 1e9]).is_err());
-        // The relative slope 1 − 3 θ² of this lens decreases to 0.01 at the angle θ = 0.574 rad. There, the distance
-        // from the middle of the image is 0.385 focal lengths. Points farther from the middle are not valid places.
+        // The slope d(r/f)/dθ = 1 − 3 θ² of this lens decreases to 0.01 at the angle θ = 0.574 rad. At this angle, the
+        // distance from the middle of the image is 0.385 focal lengths. Points farther from the middle are not valid
+        // places.
         let folded = camera()
             .with_odd_terms([-1.0, 0.0])
             .expect("terms in range");
@@ -359,7 +360,8 @@ mod tests {
     #[test]
     fn a_marker_that_only_moves_outward_does_not_grow() {
         let camera = camera();
-        // `marker` is the image of a marker at an angle from the axis. Its solid angle does not depend on this angle.
+        // `marker` returns the image of a marker at the given angle from the axis. The marker's solid angle is the same
+        // at all these angles.
         let marker = |angle: f64| Marker {
             centroid_px: [319.5 + 230.0 * angle, 319.5],
             hue_turns: 0.9,

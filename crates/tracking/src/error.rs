@@ -19,9 +19,9 @@ pub enum TrackingError {
     /// The frame, or its part inside the image circle, is too small for a marker.
     #[error("the frame has {width} by {height} px; at least {least} by {least} are needed")]
     TooSmall {
-        /// Number of columns of the frame or of its part.
+        /// Number of columns of the frame or of its part inside the image circle.
         width: u32,
-        /// Number of rows of the frame or of its part.
+        /// Number of rows of the frame or of its part inside the image circle.
         height: u32,
         /// Smallest allowed number of columns and of rows of a frame.
         least: u32,

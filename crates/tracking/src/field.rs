@@ -9,7 +9,8 @@ use crate::camera::great_circle;
 /// A place on the skin, with the displacement of the skin at this place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displaced {
-    /// Coordinates (rad) of the place at rest: its logarithm map from the apex.
+    /// Coordinates (rad) of the place at rest: the direction from the apex, with the angle from the apex as length
+    /// (logarithm map).
     pub place: [f64; 2],
     /// Displacement along the skin (length). Its components are along the axes of the apex, parallel-transported along
     /// the meridian to the place.
@@ -185,8 +186,8 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In a very thin triangle, the circumcircle overflows, and the natural-neighbour weights are not between 0
-            // and 1. Then use the barycentric weights of the triangle.
+            // In a very thin triangle, the radius of the circumcircle overflows, and the natural-neighbour weights are
+            // not between 0 and 1. In this case, use the barycentric weights of the triangle.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
         }
@@ -244,10 +245,10 @@ impl Field {
         }
     }
 
-    /// Mean displacement of the skin away from the centre of the contact. The centre of the contact is taken as the
-    /// marker with the largest normal displacement. The mean is over all other markers, and their inward displacements
-    /// are the weights. A positive result means that the skin slips on the object, or that the object pushes the skin
-    /// aside. The result is `None` if no other marker was displaced inward.
+    /// Mean displacement of the skin away from the centre of the contact. The marker with the largest normal
+    /// displacement counts as the centre of the contact. The mean is over all other markers, and their inward
+    /// displacements are the weights. A positive result means that the skin slips on the object, or that the object
+    /// pushes the skin aside. The result is `None` if no other marker was displaced inward.
     pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
         let (centre, largest) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
@@ -272,8 +273,8 @@ impl Field {
     }
 }
 
-/// A place on the skin as a point of the triangulation. Very small coordinates are replaced by 0, because the
-/// triangulation rejects them.
+/// A place on the skin as a point of the triangulation. Coordinates below 1e-30 are replaced by 0, because the
+/// triangulation rejects very small numbers.
 fn site(place: [f64; 2]) -> Point2<f64> {
     let [x, y] = place.map(|one| if one.abs() < 1e-30 { 0.0 } else { one });
     Point2::new(x, y)

@@ -15,7 +15,8 @@ use crate::{Ground, Marker, Mask, TrackingError};
 /// The markers that were found in a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The image circle. If neither the caller nor the frame determines it, it is a circle around the whole frame.
+    /// The image circle, stated by the caller or found in the frame. If neither is possible, it is a circle around the
+    /// whole frame.
     pub mask: Mask,
     /// Whether the background of the markers is bright or dark.
     pub ground: Ground,
@@ -25,7 +26,7 @@ pub struct Found {
     /// computed from the noise of the frame's pixels.
     pub errors: Vec<MarkerErrors>,
     /// Markers that are cut off by the edge of the image circle or of the frame, sorted by their distance from the
-    /// middle of the image circle. Only their visible part is measured.
+    /// middle of the image circle. Only the visible part of these markers is measured.
     pub cut: Vec<Marker>,
 }
 
@@ -39,8 +40,8 @@ impl Found {
 
 const MIN_SIDE: u32 = 16;
 const MAX_SIDE: u32 = 32_768;
-/// Number of bins along the diameter of the image circle. Even the smallest accepted markers are found with bins of
-/// this size.
+/// Number of bins (squares of pixels) along the diameter of the image circle. Even the smallest accepted markers are
+/// found with bins of this size.
 const BINS_PER_DIAMETER: f64 = 256.0;
 const MAX_SHAPES: usize = 16_384;
 
@@ -71,10 +72,10 @@ pub struct Finder {
 
 impl Finder {
     /// Creates a finder for frames with the image circle `circle` and the background `ground`. If an argument is
-    /// `None`, it is estimated from each frame. The image circle is fitted to the rim of the sensor. Outside of the
-    /// rim, the frame has the colour of its corners. If the rim is not approximately a circle, the whole frame is used.
-    /// The background is found from the green and blue values of the frame. It is bright if the darkest values are
-    /// farther from the median than the brightest values.
+    /// `None`, it is estimated from each frame. The image circle is fitted to the rim of the sensor's image. The part
+    /// of the frame outside of the rim must have the colour of the frame's corners. If the rim is not approximately a
+    /// circle, the whole frame is used. The background is found from the green and blue values of the frame. The
+    /// background is bright if the darkest values are farther from the median than the brightest values.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,
@@ -132,7 +133,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side (in bins) of the square with which the top-hat transform is computed.
+    /// Half the side (in bins) of the square that is the structuring element of the top-hat transform.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;
@@ -199,7 +200,8 @@ impl Finder {
     }
 }
 
-/// Side (px) of the bins in which markers are searched. `circle_px` is the diameter of the image circle.
+/// Side (px) of the bins (squares of pixels) in which markers are searched. `circle_px` is the diameter of the image
+/// circle.
 fn bin(circle_px: f64) -> usize {
     ((circle_px / BINS_PER_DIAMETER) as usize)
         .clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))

@@ -1,5 +1,5 @@
-//! The background of a frame at lower resolution. The module finds the bins that show the sensor, computes the top-hat
-//! transform of the frame, and finds the bins that show the background between the markers.
+//! Finds, in a frame at lower resolution (in bins of pixels), the bins that show the sensor, and the bins that show the
+//! background between the markers. It also computes the top-hat transform of the frame.
 
 use crate::Mask;
 use crate::binning::BinnedFrame;
@@ -9,8 +9,8 @@ use crate::selection::Selection;
 
 /// Width of the outer band of the image circle that may contain the rim, relative to the radius of the circle.
 const RIM_BAND: f64 = 0.08;
-/// Smallest accepted contrast of the markers of a frame. The unit is the standard deviation of the background in the
-/// top-hat transform.
+/// Smallest accepted contrast of the markers of a frame, in standard deviations of the background in the top-hat
+/// transform.
 const MIN_CONTRAST_STDS: f64 = 4.0;
 /// Smallest accepted contrast of the markers of a frame, in levels (0 to 255).
 const MIN_CONTRAST: f64 = 10.0;
@@ -43,8 +43,8 @@ pub(crate) struct GroundMask {
 }
 
 impl GroundMask {
-    /// Marks the bins that show the sensor: the bins inside the rim or, if no rim was found, the bins inside the
-    /// circle.
+    /// Marks the bins that show the sensor: the bins inside the rim or, if no rim was found, the bins inside the image
+    /// circle `mask`.
     pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
         let circle = mask.coarse(self.frame.bin);
         let band = RIM_BAND * circle.radius_px;
@@ -64,7 +64,7 @@ impl GroundMask {
     pub(crate) fn estimate_ground(&self) -> Ground {
         let (mut dark, mut bright) = ([0; 256], [0; 256]);
         let share = share_of(self.frame.pixels());
-        // Use only every third bin, because a third of the bins is enough for the estimate.
+        // Use only every third bin, because a third of the bins is enough to estimate the quantiles of the brightness.
         let squares = self.frame.sums.iter().zip(&self.inside).step_by(3);
         for (colour, _) in squares.filter(|(_, inside)| **inside) {
             let [red, green, blue] = colour.map(&share);
@@ -96,8 +96,8 @@ impl GroundMask {
         }
     }
 
-    /// Computes the top-hat transform. The structuring element is a square of `2 half + 1` bins a side. On a bright
-    /// background, the result of a bin is divided by the brightness of the background.
+    /// Computes the top-hat transform of the grey image. The structuring element is a square of `2 half + 1` bins a
+    /// side. On a bright background, the result in each bin is divided by the brightness of the background.
     pub(crate) fn set_top_hat(&mut self, ground: Ground, mask: &Mask, half: usize) {
         self.set_plane(ground);
         let size = [self.frame.width, self.frame.height];
@@ -180,9 +180,9 @@ fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// A table of factors for each brightness of the background (0 to 255). The factor (in units of 1/65,536) converts a
-/// brightness difference to a share of the background's light (in units of 1/255). The factor is 0 if the background is
-/// too dark.
+/// A table with one factor for each brightness of the background (0 to 255). The factor (in units of 1/65,536) converts
+/// a brightness difference to a share of the background's light (in units of 1/255). The factor is 0 if the background
+/// is too dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < MIN_GROUND_BRIGHTNESS {
@@ -202,9 +202,9 @@ pub(crate) struct Classes {
 }
 
 impl Classes {
-    /// Divides the pixels of a histogram into two classes such that the variance between the classes is largest (Otsu,
-    /// 1979). The limit between the classes is then moved to the middle between their means. The result is `None` if
-    /// all values are equal.
+    /// Divides the grey values of a histogram into two classes such that the variance between the classes is largest
+    /// (Otsu, 1979). The limit between the classes is then moved to the middle between the means of the classes. The
+    /// result is `None` if all values are equal.
     pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
         let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
         let sum: f64 = weighted(histogram);
@@ -250,7 +250,7 @@ fn weighted(histogram: &[u32]) -> f64 {
         .sum()
 }
 
-/// Grey value below which the share `share` of the pixels counted in a histogram lies.
+/// Quantile of a histogram of grey values: the share `share` of the counted pixels is at or below the result.
 pub(crate) fn quantile(histogram: &[u32; 256], share: f64) -> u8 {
     let count: u64 = histogram.iter().map(|&count| u64::from(count)).sum();
     let wanted = share * count as f64;

@@ -17,11 +17,11 @@ const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
 /// The rim must be visible along at least this share of the circle. Parts of the circle outside of the frame do not
 /// count.
 const MIN_VISIBLE: f64 = 0.8;
-/// Length of the arcs into which the image circle is divided, in bins. The rim is visible along an arc if a point of
-/// the rim lies on it.
+/// Length of the arcs into which the image circle is divided, in bins of pixels. The rim is visible along an arc if a
+/// point of the rim lies on this arc.
 const STEP: f64 = 4.0;
-/// Largest accepted distance of a rim point from the circle: the sum of a constant (in bins) and a share of the
-/// circle's radius.
+/// Largest accepted distance of a rim point from the circle: the first number (in bins) plus the second number times
+/// the circle's radius.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
 /// Number of circles through three points of the rim that are tried.
 const TRIES: usize = 64;
@@ -91,7 +91,7 @@ impl Mask {
     }
 
     /// The circle on which the rim lies; `None` unless the rim is visible along most of this circle. A ring of markers
-    /// has gaps, so it is not accepted.
+    /// has gaps, so a ring is not accepted as a rim.
     pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
@@ -130,8 +130,8 @@ impl Circle {
             return None;
         }
         let near = |circle: &Self| points.iter().filter(|point| circle.holds(point)).count();
-        // Each attempt uses three points that are far apart in the list of points. Their choice is not random, so that
-        // every run gives the same result.
+        // Each attempt uses three points that are far apart in the list of points. The points are not chosen at random,
+        // so that every run gives the same result.
         let (_, best) = (0..TRIES)
             .filter_map(|attempt| {
                 let at = |share: f64| points[((share * count as f64) as usize) % count];
@@ -155,8 +155,8 @@ impl Circle {
             < MAX_DISTANCE[0] + MAX_DISTANCE[1] * self.radius
     }
 
-    /// Share of the circle along which there are points. Parts of the circle outside of a frame with the size `size` do
-    /// not count.
+    /// Share of the circle along which the rim is visible, that is, along which there are points of the rim. Parts of
+    /// the circle outside of a frame with the size `size` do not count.
     fn visible_share(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
         use std::f64::consts::TAU;
         let steps = (TAU * self.radius / STEP).ceil().max(8.0);
@@ -184,7 +184,7 @@ impl Circle {
     }
 
     /// Fits a circle with the centre (a, b) to points (x, y), by least squares of `x² + y² - 2 a x - 2 b y - c`
-    /// (algebraic circle fit). The circle passes exactly through three points.
+    /// (algebraic circle fit). If there are only three points, the circle passes exactly through them.
     fn fit(points: &[[f64; 2]]) -> Option<Self> {
         let count = points.len() as f64;
         let middle = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
@@ -212,16 +212,15 @@ impl Circle {
     }
 }
 
-/// The rim of the sensor in a frame. For each row and each column of bins, it contains the first and the last bin whose
-/// colour differs from the colour of the frame's corners.
+/// The rim of the sensor in a frame: for each row and each column of bins, the first and the last bin whose colour
+/// differs from the colour of the frame's corners.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rim {
     rows: Vec<Option<[usize; 2]>>,
     columns: Vec<Option<[usize; 2]>>,
 }
 
-/// Colours of two corners of the frame count as the same colour if they differ by less than this number of levels (0 to
-/// 255).
+/// The colours of two corners of the frame count as equal if they differ by less than this number of levels (0 to 255).
 const MAX_CORNER_DIFFERENCE: f64 = 16.0;
 /// A bin can count as part of the sensor only if its colour differs from the colour of the frame's corners by more than
 /// this number of levels (0 to 255).
@@ -260,7 +259,7 @@ impl Rim {
         beyond(&self.rows[y], x) || beyond(&self.columns[x], y)
     }
 
-    /// Points of the rim, in bins. Where the border of the frame cuts off the sensor, there are no points.
+    /// Points of the rim, in bins. There are no points where the border of the frame cuts off the sensor.
     pub(crate) fn points(&self) -> Vec<[f64; 2]> {
         let across = self.rows.iter().enumerate().filter_map(|(y, ends)| {
             let [left, right] = ends.as_ref()?;
@@ -288,8 +287,8 @@ impl Rim {
     }
 }
 
-/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. The
-/// difference is computed from the colour differences within the corners. Colour and difference are sums over the
+/// The colour of the frame's corners, and the smallest colour difference with which a bin counts as another colour.
+/// This difference is computed from the colour differences within the corners. Colour and difference are sums over the
 /// pixels of a bin. `None` unless at least three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);

@@ -1,5 +1,5 @@
-//! Finds colour markers in camera frames and converts their changes to displacements. The crate does not depend on how
-//! the frames are made.
+//! Finds colour markers in camera frames, and converts the changes of the markers between two frames to displacements.
+//! The frames may be simulated or recorded.
 
 mod binning;
 mod calibration;

@@ -26,11 +26,12 @@ const POWERS: [(i32, i32); 15] = [
 ];
 /// Side (in bins) of the square patches of the frame over which the background is averaged before the fit.
 const PATCH: usize = 8;
-/// Weight of the regularisation, relative to the weight of the patches. The regularisation keeps the polynomial small
-/// in areas where no background is visible.
+/// Weight of the regularisation in the fit of the polynomial, relative to the weight of the patches. The regularisation
+/// keeps the polynomial small in areas where no background is visible.
 const REGULARISATION: f64 = 1e-7;
-/// Largest accepted deviation of a patch from the fitted light, in standard deviations of the deviations of all
-/// patches. The standard deviation is estimated as 1.5 times the median. Patches with a larger deviation are not used.
+/// Largest accepted deviation of a patch's mean colour from the fitted light, in standard deviations. The standard
+/// deviation is estimated as 1.5 times the median deviation of all patches. Patches with a larger deviation are not
+/// used.
 const MAX_DEVIATION: f64 = 3.0;
 
 type Terms = SVector<f64, 15>;
@@ -56,7 +57,7 @@ pub(crate) struct Local {
 
 impl Local {
     /// The brightness of the background along a row, as a polynomial in x: its constant, linear and quadratic
-    /// coefficient. The row is `dy` rows below the expansion's place.
+    /// coefficient. The row is `dy` rows below the place at which the light is expanded.
     pub(crate) fn row(&self, dy: f64) -> [f32; 3] {
         [
             (self.value + dy * (self.slope[1] + dy * self.bend[2])) as f32,
@@ -73,7 +74,7 @@ struct Patch {
 }
 
 impl Lighting {
-    /// Fits the light to the bins for which `ground` is true, that is, which show the background.
+    /// Fits the light of the background to the bins that show the background, for which `ground` is true.
     pub(crate) fn fit(binned: &BinnedFrame, ground: &[bool], mask: &Mask) -> Self {
         let mut lighting = Self {
             centre: mask.centre_px,
@@ -222,8 +223,7 @@ impl Lighting {
     }
 
     /// Deviation of a patch's mean colour from the fitted light, multiplied by the square root of the share of the
-    /// patch that shows the background. If less background is visible in a patch, its deviation counts less, because
-    /// its mean has more noise.
+    /// patch that shows the background. The factor takes into account that a mean over fewer bins has more noise.
     fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))

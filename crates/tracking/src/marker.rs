@@ -2,8 +2,8 @@
 
 use strum::IntoStaticStr;
 
-/// A marker in a frame. The middle of the first pixel has the coordinates (0, 0). x counts columns to the right, and y
-/// counts rows downward.
+/// A marker in a frame. Positions are (x, y) in px from the middle of the frame's first pixel; x counts columns to the
+/// right, and y counts rows downward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
     /// Centroid of the marker, px. Each pixel is weighted by its contrast to the background.
@@ -69,7 +69,8 @@ pub struct Change {
 }
 
 impl Track {
-    /// The change of a marker between both frames. `None` unless its status is `Tracked` and all numbers are finite.
+    /// The change of a marker between the frame at rest and the pressed frame. `None` unless the status is `Tracked`
+    /// and all numbers are finite.
     ///
     /// ```
     /// use palpate_tracking::{Marker, Status, Track};

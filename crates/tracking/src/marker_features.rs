@@ -1,5 +1,5 @@
-//! Centroid, hue and size of a marker, and their standard errors. All are computed from sums over the window of pixels
-//! around the marker.
+//! Centroid, hue and size of a marker, and their standard errors. These values are computed from sums over the window
+//! of pixels around the marker.
 
 use crate::measure::{PixelErrors, Sums};
 use crate::{Ground, Marker};
@@ -8,20 +8,20 @@ use palpate_statistics::hue_turns;
 /// Range of hues of markers on a bright background, in turns: from magenta over red to yellow.
 const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
 /// Smallest accepted chroma of markers on a bright background, relative to the absorbed green and blue light. Shapes
-/// with a lower ratio may be grey dust. This ratio is 1 for pure magenta and pure yellow, and 1/2 where magenta and
-/// yellow overlap.
+/// with a lower relative chroma may be grey dust. The relative chroma is 1 for pure magenta and pure yellow, and 1/2
+/// where magenta and yellow overlap.
 const MIN_CHROMA: f64 = 0.2;
 /// Error of the light of a pixel on a marker's edge: the relative standard deviation of this light, multiplied by the
-/// marker's radius in px. The error has two causes: the edge crosses the pixel grid differently at every place, and the
+/// marker's radius (px). The error has two causes: the edge crosses the pixel grid differently at every place, and the
 /// light of a pixel is assigned to the middle of the pixel. The value was measured on discs with radii of 8 to 26 px,
 /// with pixels that integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// Edge pixels have errors that are equal in all colours, and errors that differ between colours. This is the share of
-/// the equal errors in the variance of all errors.
+/// Pixels on a marker's edge have errors that are equal in all colours, and errors that are independent between
+/// colours. This is the share of the equal errors in the total variance.
 const COMMON_SHARE: f64 = 0.5;
 
-/// The marker whose pixels have the sums `sums`. `None` if the hue is outside the range of markers, or if a number is
-/// out of range.
+/// The marker whose pixels have the sums `sums`. `None` if the hue is not the hue of a marker, or if a number is out of
+/// range.
 pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
@@ -111,7 +111,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         }
     });
     let [cx, cy] = [0, 1].map(|axis| marker.centroid_px[axis] - sums.middle[axis]);
-    // Sums over the pixels of the window: of the offsets from the centroid, and of the products of these offsets.
+    // `first` contains the sums of the pixels' offsets from the centroid over the window, and `second` the sums of the
+    // products of these offsets.
     let first = [x - count * cx, y - count * cy];
     let second = [
         xx - 2.0 * cx * x + count * cx * cx,
@@ -125,7 +126,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     let mut covariance = [[0.0; 4]; 4];
     for colour in 0..3 {
         // `place`, `turn` and `size` are the derivatives of centroid, hue and size with respect to a pixel's share of
-        // this colour. `place` is per px of the pixel's offset.
+        // light in this colour. `place` is per px of the pixel's offset from the centroid.
         let place = weights[colour] / light;
         let turn = hue_slope(sums.hue_light, ground, colour);
         let size = match ground {
@@ -154,7 +155,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         add(2, 2, turn * turn * one);
         add(2, 3, turn * size * one);
         add(3, 3, size * size * one);
-        // `all` contains the effects of an error that is the same in all pixels of the window.
+        // `all` contains the changes of centroid, hue and size due to an error that is the same in all pixels of the
+        // window.
         let all = [numbers[0], numbers[1], turn * count, size * count];
         for row in 0..4 {
             for column in row..4 {
@@ -177,8 +179,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     MarkerErrors { covariance }
 }
 
-/// Share of light that a pixel of a marker absorbs or adds, on average. `light` is the sum over the pixels of the
-/// marker, and `radius_px` its radius.
+/// Mean share of light that a pixel of a marker absorbs or adds. `light` is the sum over the marker's pixels, and
+/// `radius_px` the radius of the marker.
 fn share(light: f64, radius_px: f64) -> f64 {
     (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
 }

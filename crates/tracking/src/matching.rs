@@ -1,10 +1,11 @@
 //! Matches the markers of a frame at rest with the markers of a pressed frame.
 //!
 //! The method is based on the fact that neighbouring markers move similarly. In the first step, a marker at rest and a
-//! pressed marker are matched under two conditions. Each must be the nearest marker to the other, and their distance
-//! must be less than half the distance between neighbouring markers. The second step removes matches whose displacement
-//! differs from the displacements of the neighbours. Then it searches each marker at the place that is predicted from
-//! the displacements of its matched neighbours. The second step is repeated until nothing changes.
+//! pressed marker are matched under two conditions. Each marker must be the nearest to the other in the other frame,
+//! and the distance between them must be less than half the distance between neighbouring markers. The second step
+//! removes matches whose displacement differs from the displacements of the neighbours. It then searches each marker
+//! again at the place that is predicted from the displacements of the marker's matched neighbours. The second step is
+//! repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
@@ -29,10 +30,10 @@ const REACH: f64 = 1.5;
 /// rest, in the order of these markers, followed by one track for each new marker, in the order of the pressed markers.
 ///
 /// A marker is matched if it moves by less than about a third of the distance between neighbouring markers. It may move
-/// farther if all markers around it move in the same way. If two markers merged, both of their tracks contain the
-/// merged marker. If a marker was split, its track contains one marker with the common centroid and the total size of
-/// the pieces. Markers with numbers that are not finite are not matched. The computing time is proportional to the
-/// number of markers at rest multiplied by the number of pressed markers.
+/// farther if all markers around it move in the same way. If two markers merged, the tracks of both contain the merged
+/// marker. If a marker was split, its track contains one marker with the common centroid and the total size of the
+/// pieces. Markers with numbers that are not finite are not matched. The computing time is proportional to the number
+/// of markers at rest multiplied by the number of pressed markers.
 ///
 /// ```
 /// use palpate_tracking::{Marker, Status, match_markers};
@@ -83,7 +84,7 @@ impl<'a> Matching<'a> {
                 next.fold(f64::INFINITY, f64::min)
             })
             .collect();
-        // A marker without near neighbours would have a very large spacing. Limit the spacing to a typical value for
+        // A marker without near neighbours would have a very large `spacing`. Limit the spacing to a typical value for
         // markers of this size.
         for (spacing, marker) in spacing.iter_mut().zip(rest) {
             *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
@@ -102,8 +103,9 @@ impl<'a> Matching<'a> {
         self.pair(&places, FIRST_GATE);
     }
 
-    /// Matches each marker at rest with a pressed marker near its expected place in `places`. Their distance is at most
-    /// `gate` times the distance from the marker at rest to its nearest neighbour.
+    /// Matches each marker at rest with the nearest pressed marker to its expected place in `places`. The distance
+    /// between this place and the pressed marker is at most `gate` times the distance from the marker at rest to its
+    /// nearest neighbour.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
@@ -221,8 +223,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker that may be the two merged markers `parts`. Of the pressed markers that are not
-    /// marked in `used`, it is the one nearest to the midpoint between the expected places of both markers.
+    /// Index of the pressed marker into which the two markers `parts` may have merged. It is the unused pressed marker
+    /// that is nearest to the midpoint between the expected places of the two markers.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())
@@ -271,8 +273,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Whether the marker `whole` may consist of two parts: whether its size is about the sum of the parts' sizes, and
-    /// its centroid about their common centroid.
+    /// Whether the marker `whole` may consist of the two parts `parts`: its size must be about the sum of the parts'
+    /// sizes, and its centroid about the parts' common centroid.
     fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
         let size = parts[0].1 + parts[1].1;
         let centre = [0, 1]

@@ -10,14 +10,15 @@ use crate::shapes::{Shape, Window};
 
 /// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
-/// A marker extends beyond its shape to the distance at which the mean signal of several markers falls below this share
-/// of the full signal.
+/// Markers extend beyond the connected shapes in which they were found. They end where the signal, averaged over
+/// several markers, falls below this share of the full signal.
 const END_SIGNAL: f64 = 0.004;
-/// Largest distance (px) of a saturated pixel from a shape at which the pixel still counts as part of the marker.
+/// Largest distance (px) of a pixel with a saturated colour from a marker's shape at which the pixel still counts for
+/// the marker's mean hue.
 const HUE_REACH_PX: i32 = 2;
 /// Number of markers from which [`Scene::reach`] is measured.
 const SAMPLE_SIZE: usize = 12;
-/// Smallest brightness of the background that is used as a divisor, in levels (0 to 255).
+/// Lower limit of the background's brightness in divisions, in levels (0 to 255).
 const MIN_BRIGHTNESS: f32 = 8.0;
 /// Largest accepted relative difference between a background pixel and the fitted light. Pixels with a larger
 /// difference are not used.
@@ -28,7 +29,7 @@ const MAX_DIFFERENCE: f64 = 0.15;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) count: f64,
-    /// Sum of the offsets of the pixels from the origin `middle`, px.
+    /// Sum of the offsets (px) of the window's pixels from the origin `middle`.
     pub(crate) place: [f64; 2],
     /// Sum over the pixels of the light of each colour. On a bright background, this light is the absorbed share of the
     /// background's light. On a dark background, it is the added light as a share of full scale.
@@ -39,7 +40,8 @@ pub(crate) struct Sums {
     /// Sums of red, green and blue over the pixels that determine the hue. On a bright background, these are all pixels
     /// of the window. On a dark background, they are the pixels of the shape, because the other pixels only add noise.
     pub(crate) hue_light: [f64; 3],
-    /// Mean hue of the window's saturated pixels, turns; `None` if no pixel is saturated.
+    /// Mean hue of the pixels with saturated colours in and around the shape, turns; `None` if there are no such
+    /// pixels.
     pub(crate) mean_hue: Option<f64>,
     pub(crate) middle: [f64; 2],
     pub(crate) errors: PixelErrors,
@@ -88,13 +90,13 @@ enum Contested {
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the error of `share` that remains after [`shrink`].
+    /// Variance of the error of `share` after [`shrink`] has reduced this error.
     left: [f64; 3],
 }
 
 impl Scene<'_> {
-    /// Sums over the window of each shape, corrected for the difference between the fitted light and the actual
-    /// background around the shape.
+    /// Sums over the window of pixels of each shape, corrected for the difference between the fitted light and the
+    /// actual background around the shape.
     pub(crate) fn measure(&self, shapes: &[Shape]) -> Vec<Sums> {
         let mut patches: Vec<Patch> = shapes.iter().map(|shape| self.patch(shape)).collect();
         let reach = self.reach(&mut patches);
@@ -161,8 +163,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance (px) by which markers extend beyond their shapes: the distance at which the mean signal of several
-    /// markers falls below [`END_SIGNAL`].
+    /// Distance (px) by which markers extend beyond the shapes in which they were found: the distance at which the
+    /// signal, averaged over several markers, falls below [`END_SIGNAL`].
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
@@ -311,8 +313,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Mean hue of the saturated pixels in and around a shape, in turns. The mean is arithmetic, not cyclic. The result
-    /// is `None` if there are no such pixels.
+    /// Mean hue of the pixels with saturated colours in and around a shape, in turns. The mean is arithmetic, not
+    /// cyclic. The result is `None` if there are no such pixels.
     fn mean_hue(&self, patch: &Patch) -> Option<f64> {
         let width = self.frame.width() as usize;
         let window = patch.hull.grown(HUE_REACH_PX, self.rows);
@@ -352,7 +354,7 @@ impl Scene<'_> {
     }
 
     /// Difference between the fitted light and the background in the ring around a window. The difference is computed
-    /// twice. The second computation leaves out pixels that differ too much from the first result.
+    /// twice; the second time without pixels that differ too much from the first result.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
@@ -437,8 +439,8 @@ impl Scene<'_> {
 }
 
 impl Patch {
-    /// Whether the pixel `[x, y]` is nearer to this marker than to the marker `other`. Each distance is divided by the
-    /// radius of its marker.
+    /// Whether the pixel `[x, y]` is nearer to this marker than to the marker `other`. The distance from each marker's
+    /// middle is divided by the marker's radius.
     fn is_nearer(&self, other: &Self, [x, y]: [i32; 2]) -> bool {
         let [mine, theirs] = [self, other].map(|patch| {
             let [dx, dy] = [
@@ -451,8 +453,8 @@ impl Patch {
     }
 }
 
-/// Multiplies each of the differences `offsets` by the ratio of its true variance to its total variance (empirical
-/// Bayes shrinkage). The reason is that the fitted light of an evenly lit frame is much more accurate than the mean of
+/// Multiplies the differences `offsets` by the ratio of their true variance to their total variance, which includes
+/// noise (empirical Bayes shrinkage). In an evenly lit frame, the fitted light is much more accurate than the mean of
 /// the few pixels around a marker.
 fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {

@@ -1,8 +1,8 @@
 //! Morphological opening of a grey image by a square. The top-hat transform is computed from this opening.
 //!
-//! The minimum over `n` neighbours can be computed from two minima over `n/2` neighbours. Therefore the window is
-//! doubled until two overlapping windows cover `n` pixels. Along columns and along rows, the image is compared with a
-//! shifted copy of itself. No transposition is needed, and all operations use whole vectors.
+//! The minimum over `n` neighbours is computed from two minima over `n/2` neighbours: the window is doubled until two
+//! overlapping windows cover `n` pixels. For windows along rows and along columns, the image is compared with a shifted
+//! copy of itself, so that the image is not transposed, and all operations use whole vectors.
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Opening {
@@ -60,9 +60,9 @@ impl Opening {
     }
 }
 
-/// Replaces every element of `line` by the minimum or maximum of itself and of the next `window - 1` elements which
-/// follow at distances of `stride`. Then removes the last `stride (window - 1)` elements, which have too few elements
-/// after them.
+/// Replaces every element of `line` by the minimum or maximum of itself and of the next `window - 1` elements at
+/// multiples of the distance `stride`. Then removes the last `stride (window - 1)` elements, which have too few
+/// elements after them.
 fn slide<E: Extreme>(line: &mut Vec<u8>, spare: &mut Vec<u8>, stride: usize, window: usize) {
     let mut have = 1;
     while have < window {
@@ -107,8 +107,7 @@ mod tests {
     use super::*;
 
     /// The opening by its definition. The value of a square is the smallest brightness inside the square. The opening
-    /// at a place is the largest value among the squares that contain the place and whose middle is marked in
-    /// `middles`.
+    /// at a place is the largest value of the squares that contain the place and whose middles are marked in `middles`.
     fn by_definition(
         plane: &[u8],
         width: usize,

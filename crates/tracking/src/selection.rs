@@ -16,15 +16,16 @@ const MIN_AREA: usize = 9;
 const AREAS: [f64; 2] = [0.3, 3.0];
 /// Smallest visible area of a cut-off marker, relative to the area of a typical marker.
 const MIN_CUT_AREA: f64 = 0.1;
-/// Area above which a shape may be several markers, relative to the area of a typical marker. Such a shape is split if
-/// possible.
+/// Area above which a shape may be several markers, relative to the area of a typical marker. A larger shape is split
+/// if possible.
 const SPLIT_AREA: f64 = 1.6;
 /// Largest accepted ratio of a marker's length to its width.
 const MAX_ELONGATION: f64 = 3.0;
-/// Smallest accepted ratio of a marker's area to the area of the ellipse with the same second moments.
+/// Smallest accepted ratio of a marker's area to the area of the ellipse with the same second moments. The ratio is 1
+/// for a disc.
 const MIN_FILL: f64 = 0.7;
 /// Smallest grey value of a marker's pixels, relative to the 90 % quantile of the grey values in the marker's shape.
-/// Pixels with smaller values may be shade.
+/// Pixels with smaller values may belong to shade around the marker.
 const STEEP: f64 = 0.6;
 
 impl Selection {

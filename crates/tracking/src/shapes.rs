@@ -90,7 +90,8 @@ pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Opti
     join(&runs, most)
 }
 
-/// Number of bytes that are tested at the same time. If no byte is above the limit, all these bytes are skipped.
+/// Number of pixels (bytes) that are tested at the same time. If none of these pixels is above the limit, all of them
+/// are skipped.
 const STRETCH: usize = 32;
 
 fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
@@ -131,8 +132,8 @@ pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
     for (at, run) in runs.iter().enumerate() {
-        // `above` points to the first run of the row above that may touch this run. It only increases: a run that ends
-        // left of this run also ends left of all later runs in this row.
+        // `above` is the index of the first run of the row above that may touch this run. The index only increases,
+        // because a run that ends left of this run also ends left of all later runs in this row.
         while above < at
             && (runs[above].row + 1 < run.row
                 || runs[above].row + 1 == run.row && runs[above].last + 1 < run.first)
@@ -183,8 +184,8 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The window of a shape that was found in bins of `bin` pixels a side. If a row of the shape has gaps, the window
-    /// includes them.
+    /// The window of pixels that covers a shape, which was found in bins of `bin` pixels a side. If a row of the shape
+    /// has gaps, the window includes the gaps.
     pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
         let (top, bottom) = (shape.first_row(), shape.last_row());
         let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];
@@ -202,8 +203,8 @@ impl Window {
         }
     }
 
-    /// This window, enlarged by `reach` px in all directions. It includes only pixels between the first and the last
-    /// column in `rows`.
+    /// This window, enlarged by `reach` px in all directions. The result includes only pixels between the first and the
+    /// last column that `rows` contains for each row.
     pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
         let top = (self.top - reach).max(0);
         let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);
@@ -237,7 +238,8 @@ impl Window {
             let y = f64::from(row) - middle[1];
             let count = f64::from(last - first + 1);
             let mean = 0.5 * f64::from(first + last) - middle[0];
-            // The mean square of consecutive integers is the square of their mean plus their variance.
+            // The mean square of consecutive integers is the square of their mean plus their variance, (n² − 1)/12 for
+            // n integers.
             let squares = count * (mean * mean + (count * count - 1.0) / 12.0);
             let terms = [1.0, mean, y, squares / count, mean * y, y * y];
             for (sum, term) in sums.iter_mut().zip(terms) {

@@ -11,15 +11,15 @@ use super::normal::range;
 pub struct LateralPoint {
     /// Displacement of the marker along the skin (length). The components are along the axes at the marker's place.
     pub tangential: [f64; 2],
-    /// Shift (px) of the marker's image along the same axes. It is the angle of the shift, multiplied by the focal
-    /// length (px per radian).
+    /// Shift (px) of the marker's image along the same axes: the angle by which the image moves, multiplied by the
+    /// focal length (px per radian).
     pub shift_px: [f64; 2],
     /// Inward displacement of the marker (length), if it was measured.
     pub normal: Option<f64>,
 }
 
 /// Calibration of tangential displacements. The ratio of the centroid's shift to the tangential displacement is p₀ + p₁
-/// u. Here u is the normal displacement, and p₀ and p₁ are fitted.
+/// u, where u is the normal displacement, and p₀ and p₁ are fitted.
 ///
 /// ```
 /// use palpate_tracking::{LateralCalibration, LateralPoint};
@@ -46,20 +46,23 @@ pub struct LateralCalibration {
     pub per_indentation: Option<f64>,
     /// Standard error of the coefficient p₁, px per length squared.
     pub per_indentation_std: Option<f64>,
-    /// Root mean square of the fit's residuals (px), divided by the slope (px per length). The result is a length.
+    /// Root mean square of the residuals of the centroid's shift (px), each divided by the ratio p₀ + p₁ u (px per
+    /// length). The result is a length.
     pub residual_rms: f64,
-    /// Standard deviation of the fit's residuals (px), divided by the slope (px per length). The result is a length. It
-    /// is corrected for the degrees of freedom; `None` if there are no degrees of freedom.
+    /// Standard deviation of the residuals of the centroid's shift (px), each divided by the ratio p₀ + p₁ u (px per
+    /// length). The result is a length, corrected for the degrees of freedom; `None` if there are no degrees of
+    /// freedom.
     pub residual_std: Option<f64>,
-    /// The fitted line without an intercept, under the assumption that the ratio does not depend on the normal
-    /// displacement.
+    /// Line without an intercept that is fitted to the shift as a function of the tangential displacement, under the
+    /// assumption that their ratio does not depend on the normal displacement.
     pub line: Line,
-    /// The fitted line with an intercept, for comparison with `line`; `None` if the points do not determine it.
+    /// Line with an intercept that is fitted to the same points, for comparison with `line`; `None` if the points do
+    /// not determine it.
     pub with_intercept: Option<Line>,
     /// Smallest and largest tangential displacement of the points of the fit (length).
     pub range: [f64; 2],
-    /// Smallest and largest normal displacement of the points of the fit (length). A normal displacement outside of
-    /// this range is replaced by the nearer limit.
+    /// Smallest and largest normal displacement of the points of the fit (length). In the computation of the ratio, a
+    /// normal displacement outside of this range is replaced by the nearer limit.
     pub normal_range: [f64; 2],
 }
 
@@ -169,8 +172,8 @@ impl LateralCalibration {
     }
 }
 
-/// Length of the point's known displacement, and the component (px) of the image's shift in the direction of this
-/// displacement.
+/// Length of a calibration point's known displacement, and the component (px) of the image's shift in the direction of
+/// this displacement.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
     let length = libm::hypot(x, y);

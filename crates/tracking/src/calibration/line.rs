@@ -1,4 +1,4 @@
-//! A straight line that is fitted to points with known displacements.
+//! A straight line that is fitted to a signal (hue, size or shift of markers) at known displacements.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,8 +23,8 @@ pub struct Line {
     pub r_squared: f64,
     /// Root mean square of the signal's residuals, divided by the slope. The result is a length.
     pub residual_rms: f64,
-    /// Standard deviation of the signal's residuals, divided by the slope. The result is a length. It is corrected for
-    /// the degrees of freedom; `None` if there are no degrees of freedom.
+    /// Standard deviation of the signal's residuals, divided by the slope. The result is a length. The standard
+    /// deviation is corrected for the degrees of freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
     /// Number of points to which the line was fitted.
     #[serde(rename = "points")]
@@ -61,8 +61,8 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // If the slope, in units of the largest signal per largest displacement, is below 1e-12, the line explains no more
-    // of the variance than the mean does.
+    // If the slope, in units of the largest signal per largest displacement, is below 1e-12, it is only a rounding
+    // error: the line fits no better than a constant.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }

@@ -15,16 +15,16 @@ use crate::Change;
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum NormalFrom {
-    /// Mean hue. It depends on the overlap of the marker's two discs, and therefore on how differently the two discs
-    /// move.
+    /// Mean hue. It depends on the overlap of the marker's two discs, and therefore on the difference between the
+    /// displacements of the two discs.
     #[default]
     Hue,
     /// Size. If a disc at the distance ρ from the camera moves inward by u, its image is enlarged by the factor ρ/(ρ −
     /// u). The logarithm of this factor is the growth. The nearness is defined as 1 − 1/e^growth. It equals u/ρ, so it
     /// is proportional to the displacement.
     Size,
-    /// Hue and nearness, with the weights that fit the known displacements best. The hue and the nearness depend on
-    /// displacements at different depths, so the result depends on the shape of the contact.
+    /// Mean hue and nearness (see `Size`), with the weights that fit the known displacements best. Hue and nearness
+    /// depend on displacements at different depths, so the best weights depend on the shape of the contact.
     Both,
 }
 
@@ -63,7 +63,8 @@ pub struct NormalPoint {
 }
 
 /// Calibration of the normal displacement. The displacement is the signal divided by the slope of the line, multiplied
-/// by the marker's gain. The signal is the weighted sum of the change of hue and the nearness.
+/// by the marker's gain (see [`MarkerGain`]). The signal is the weighted sum of the change of hue and the nearness (see
+/// [`NormalFrom::Size`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalCalibration {
     /// Feature from which normal displacements are computed.
@@ -71,9 +72,11 @@ pub struct NormalCalibration {
     /// Weights of the hue (per turn) and of the nearness in the signal. If only the hue is used, the weights are 1 and
     /// 0, and the signal is in turns. If both features are used, the signal is in the unit of length.
     pub weights: [f64; 2],
-    /// The fitted line through the origin. Displacements are computed from this line.
+    /// Line through the origin that is fitted to the signal as a function of the displacement. Displacements are
+    /// computed from this line.
     pub line: Line,
-    /// The fitted line with an intercept, for comparison; `None` if the points do not determine it.
+    /// Line with an intercept that is fitted to the same points, for comparison with `line`; `None` if the points do
+    /// not determine it.
     pub with_intercept: Option<Line>,
     /// Smallest and largest displacement of the fitted points (length).
     pub range: [f64; 2],
@@ -83,7 +86,7 @@ pub struct NormalCalibration {
     pub uses_gains: bool,
 }
 
-/// The slope that is fitted to the points of one marker.
+/// The slope of the signal that is fitted to the calibration points of one marker.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MarkerGain {
@@ -97,8 +100,8 @@ pub struct MarkerGain {
 
 impl NormalCalibration {
     /// Fits one slope to all points. In addition, a slope is fitted for each marker with at least three different
-    /// displacements. It is stored if it is at least twice its standard error. The slopes of single markers are only
-    /// used after a call of [`NormalCalibration::per_marker`].
+    /// displacements, and stored if it is at least twice its standard error. The slopes of single markers are only used
+    /// after a call of [`NormalCalibration::per_marker`].
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
@@ -178,7 +181,7 @@ fn nearness(growth: f64) -> f64 {
 
 fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
     let [per_turn, per_nearness] = weights;
-    // A feature whose weight is zero is skipped, because its value may be NaN, and 0 · NaN is NaN.
+    // A feature whose weight is 0 is skipped, because the feature's value may be NaN, and 0 · NaN is NaN.
     let part = |weight: f64, number: f64| if weight == 0.0 { 0.0 } else { weight * number };
     part(per_turn, hue_turns) + part(per_nearness, nearness)
 }
@@ -189,9 +192,9 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights of hue change and [`nearness`] whose weighted sum fits the known displacements best. If hue change and
-/// nearness are always proportional to each other, the weights are not unique, and those with the smallest norm are
-/// returned. If neither number changes, both weights are 0.
+/// The weights of hue change and [`nearness`] for which the weighted sum of the two fits the known displacements best.
+/// If hue change and nearness are always proportional to each other, the weights are not unique, and the weights with
+/// the smallest norm are returned. If neither hue nor nearness changes, both weights are 0.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers

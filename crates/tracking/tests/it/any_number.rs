@@ -1,5 +1,5 @@
-//! Property tests. Markers that are apart define a displacement field. For arbitrary numbers and pixels, each result is
-//! finite or an expected error.
+//! Property tests. Markers at different places define a displacement field. For arbitrary numbers and pixels, each
+//! result is finite or an expected error.
 
 use image::RgbImage;
 use palpate_tracking::{

@@ -1,4 +1,4 @@
-//! Calibrations from the published tables, and points for which a calibration is impossible.
+//! Tests calibrations from data of the 2020 paper, and points for which a calibration is impossible.
 
 use approx::assert_abs_diff_eq;
 use palpate_tracking::{
@@ -97,7 +97,7 @@ fn shift_points() -> Vec<LateralPoint> {
         .collect()
 }
 
-/// Compares three numbers of a fitted line (slope, R², rms of the residual) with the expected numbers, both rounded to
+/// Compares three numbers of a fitted line (slope, R², rms residual) with the expected numbers, which are rounded to
 /// multiples of `units`.
 #[track_caller]
 fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
@@ -107,9 +107,8 @@ fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     }
 }
 
-/// The expected values were read off the published figure independently: a slope of 0.0258 turns/mm, R² of 0.85, and a
-/// residual of 0.15 mm. These values belong to the line with an intercept. The residual is the rms residual divided by
-/// the slope.
+/// The expected values for the line with an intercept were read off Fig. 6b independently: a slope of 0.0258 turns/mm,
+/// R² of 0.85, and a residual of 0.15 mm. The residual is the rms residual divided by the slope.
 #[test]
 fn the_published_hue() {
     let fitted = NormalCalibration::fit(&hue_points(|_| true), NormalFrom::Hue).unwrap();
@@ -141,8 +140,8 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// The expected slope of the line, 7.0 px/mm, was read off the published figure independently. The expected R² of 0.99
-/// is stated in the paper.
+/// The expected slope of the line, 7.0 px/mm, was read off Fig. 6c independently. The expected R² of 0.99 is stated in
+/// the paper.
 #[test]
 fn the_published_shift() {
     let fitted = LateralCalibration::fit(&shift_points()).unwrap();

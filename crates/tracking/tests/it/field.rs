@@ -1,4 +1,4 @@
-//! Fields of displacements: interpolation between markers that are difficult to triangulate, and filters.
+//! Tests displacement fields: interpolation between markers that are difficult to triangulate, and smoothing filters.
 
 use std::f64::consts::TAU;
 
@@ -17,8 +17,8 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Positions around the point (x, y). Their distances from it range from less than the rounding error to clearly larger
-/// values.
+/// Positions around the point (x, y). Their distances from (x, y) range from less than the rounding error to clearly
+/// larger values.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {
@@ -61,8 +61,8 @@ fn rings_and_nets() {
             [radius * cosine, radius * sine]
         })
     };
-    // The triangulation of markers on a circle is not unique: rounding decides which markers form triangles. The field
-    // must nevertheless consist of means of the displacements.
+    // The triangulation of markers on a circle is not unique: rounding decides which markers form triangles.
+    // Interpolated displacements must nevertheless be means of the markers' displacements.
     assert_means(&field(ring(12, 0.3).chain([[0.0, 0.0]])));
     assert_means(&field(ring(7, 0.2).chain(ring(14, 0.4))));
     let net = |step: f64| (0..16).map(move |k| [f64::from(k % 4) * step, f64::from(k / 4) * step]);
@@ -152,8 +152,8 @@ fn a_filter_takes_noise_and_leaves_a_constant() {
         assert_relative_eq!(marker.normal, 0.3, epsilon = 1e-15);
         assert_relative_eq!(marker.tangential[1], -0.2, epsilon = 1e-15);
     }
-    // Only the marker in the middle is displaced, and the filter spreads its displacement. The weights are 1 for
-    // the marker itself, e^-1/2 for its four neighbours, e^-1 for the next four, and so on.
+    // Only the marker in the middle is displaced, and the filter spreads its displacement. The weights are 1 for the
+    // marker itself, e^-1/2 for the four nearest neighbours, e^-1 for the next four, and so on.
     let mut spike = still;
     spike.iter_mut().for_each(|marker| marker.normal = 0.0);
     spike[12].normal = 1.0;

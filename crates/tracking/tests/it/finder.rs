@@ -1,4 +1,4 @@
-//! Search for markers in frames with known markers.
+//! Tests the search for markers in frames whose true markers are known.
 
 use image::{Rgb, RgbImage};
 use palpate_tracking::{Finder, Ground, Marker, Mask, TrackingError};
@@ -16,7 +16,7 @@ fn away(marker: &Marker, place: [f64; 2]) -> f64 {
     )
 }
 
-/// Root mean square errors of the found markers in the centroid (px), of the hue (turns) and of the size (relative).
+/// Root mean square errors of the found markers: in the centroid (px), in the hue (turns) and in the size (relative).
 /// Each true marker must be found exactly once, and no other marker may be found.
 fn errors(found: &[Marker], truth: &[Truth], reach: f64) -> [f64; 3] {
     assert_eq!(found.len(), truth.len());
@@ -97,7 +97,7 @@ fn misaligned_discs_on_a_bright_ground() {
 fn a_photograph() {
     // The list of the true markers was made by eye from enlargements of the photograph with a grid. `clear` markers are
     // away from the rim, `touching` markers reach or nearly reach the rim, and `cut` markers are partly beyond it. The
-    // position is the centre of both discs together, accurate to about 2 px.
+    // position of a marker is the centre of both discs together, accurate to about 2 px.
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/camera-frame-265px");
     let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();
     let list = std::fs::read_to_string(format!("{data}-markers.csv")).unwrap();
@@ -174,8 +174,8 @@ fn grey_dust_and_blue_stains_are_no_markers() {
     errors(&find(&frame).markers, &truth, 8.0);
 }
 
-/// Name of the error with which the search fails. If it does not fail and all numbers of the markers are valid, the
-/// result is `found`.
+/// Name of the error with which the search for markers fails. If the search does not fail and all numbers of the
+/// markers are valid, the result is `found`.
 fn name(frame: &RgbImage, mut finder: Finder) -> &'static str {
     match finder.find(frame) {
         Ok(found) => {
@@ -205,8 +205,8 @@ fn frames_without_markers_have_names() {
         assert_eq!(name(&flat(width, height, 7), auto()), "too-small");
     }
     assert_eq!(name(&flat(40_000, 16, 7), auto()), "too-large");
-    // The first frame is a grid of discs that touch each other. The second is one disc that fills the frame except for
-    // the corners.
+    // The first frame shows a grid of discs that touch each other. The second frame shows one disc that fills the frame
+    // except for the corners.
     let discs = |pitch: f64, share: f64| {
         let is_in = move |x: u32, y: u32| {
             let off = [x, y].map(|at| {

@@ -1,4 +1,4 @@
-//! Tests of the public interface.
+//! Tests of the crate's public interface.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

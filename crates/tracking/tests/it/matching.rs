@@ -1,4 +1,5 @@
-//! Matching of markers between two frames. In these tests, the field `pixels` stores the number of the true marker.
+//! Tests the matching of markers between two frames. In these tests, the field `pixels` of a marker stores the number
+//! of the true marker.
 
 use palpate_tracking::{Marker, Status, Track, match_markers};
 
@@ -103,7 +104,7 @@ fn a_tenth_removed_leads_to_no_wrong_match() {
                 .collect()
         };
         let (mut a, mut b) = (thinned(&rest), thinned(&moved));
-        // Reverse the order of the markers: the order must not change the result.
+        // Change the order of the markers in both frames, because the order must not change the result.
         a.reverse();
         b.sort_by_key(|marker| marker.pixels * 37 % 90);
         let tracks = match_markers(&a, &b);
