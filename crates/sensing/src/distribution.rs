@@ -12,7 +12,8 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// Draws a random error with this distribution. The size of the error (its bound or standard deviation) is 1.
+    /// Draws a random error with this distribution. The bound (uniform) or the standard deviation (Gaussian) of the
+    /// error is 1.
     #[inline(always)]
     pub fn draw(self, stream: &mut Stream) -> f64 {
         match self {
@@ -29,7 +30,8 @@ impl Distribution {
     }
 }
 
-/// An independent Gaussian error, added to a measured number such as a displacement or a gain.
+/// A Gaussian error that is added to a measured number such as a displacement or a gain. The errors of different
+/// readings are independent.
 ///
 /// ```
 /// use palpate_sensing::{Channel, GaussianError, Stream};
@@ -48,7 +50,7 @@ pub struct GaussianError {
 }
 
 impl GaussianError {
-    /// An error with this standard deviation, in the unit of the measured number.
+    /// An error with the standard deviation `std`, in the unit of the measured number, and with mean 0.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the standard deviation is from 0 to 10¹⁵⁰.
@@ -78,7 +80,7 @@ impl GaussianError {
         self.std
     }
 
-    /// The error of the mean of `readings` readings. If `readings` is 0, it counts as 1.
+    /// The error of the mean of `readings` readings. The number 0 counts as 1.
     #[must_use]
     pub fn averaged(&self, readings: u32) -> Self {
         Self {
@@ -87,8 +89,8 @@ impl GaussianError {
         }
     }
 
-    /// Whether the error is random. If it is not, no random numbers are drawn, and the error of every reading is the
-    /// bias.
+    /// Whether the error is random. If the standard deviation is 0, no random numbers are drawn, and the error of every
+    /// reading is the bias.
     pub fn is_random(&self) -> bool {
         self.std > 0.0
     }

@@ -14,9 +14,9 @@ pub type InvalidSensor = BadSetting<String>;
     Number(cap_rad.to_degrees())
 )]
 pub struct BeyondPads {
-    /// Angle between the contact and the middle of the cap with the pads.
+    /// Angle (rad) between the contact and the middle of the cap that the pads cover.
     pub angle_rad: f64,
-    /// Angle between the middle and the edge of the cap with the pads.
+    /// Angle (rad) between the middle and the edge of the cap that the pads cover.
     pub cap_rad: f64,
 }
 

@@ -1,10 +1,10 @@
-//! Noise and resolution of sensors that measure rotations and points.
+//! Noise and resolution of sensors that measure rotations, contact points and surface normals.
 //!
-//! Random numbers are keyed: a [`Stream`] is a function of seed, trial and [`Channel`]. Therefore every trial can be
-//! repeated alone, and a new channel does not change the numbers of the existing channels.
+//! The random numbers of a [`Stream`] depend only on seed, trial and [`Channel`]. Therefore every trial can be repeated
+//! alone, and a new channel does not change the numbers of the existing channels.
 //!
 //! Displacements on the fingertip are great-circle displacements (logarithm map) from the first contact, in the tangent
-//! basis there; see [`displacement_between`].
+//! basis at this contact; see [`displacement_between`].
 
 mod distribution;
 mod error;

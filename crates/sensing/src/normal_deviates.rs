@@ -1,10 +1,10 @@
 //! Normal random numbers in groups, by the transform of Box and Muller (*A Note on the Generation of Random Normal
 //! Deviates*, 1958).
 //!
-//! A pair of normal numbers is r cos θ and r sin θ. Here −r²/2 is the logarithm of a uniform number, and θ is a uniform
-//! angle. Logarithm, sine and cosine are computed with additions, multiplications, divisions and roots only, so the
-//! results are the same for any vector width. The library `rand_distr` draws one number at a time. It needs nearly
-//! twice the time, and even more on processors with wide vectors.
+//! A pair of normal numbers is r cos θ and r sin θ, where −r²/2 is the logarithm of a uniformly distributed number and
+//! θ a uniformly distributed angle. Logarithm, sine and cosine are computed with additions, multiplications, divisions
+//! and roots only, so the results are the same for any vector width. The library `rand_distr` draws one number at a
+//! time. It takes nearly twice as long, and even longer on processors with wide vectors.
 
 use std::f32::consts::{FRAC_PI_2, LN_2, SQRT_2};
 
@@ -44,7 +44,7 @@ fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     sum
 }
 
-/// Length √(−2 ln u) of a pair of normal numbers, for the uniform number u = (k + ½) / 2³¹.
+/// Radius r = √(−2 ln u) of a pair of normal numbers, for the uniform number u = (k + ½) / 2³¹.
 #[inline(always)]
 fn radius(k: u32) -> f32 {
     // Convert k as a signed integer, because processors convert signed integers with one instruction.
@@ -56,7 +56,8 @@ fn radius(k: u32) -> f32 {
     ((31 - power) as f32 * (2.0 * LN_2) - 4.0 * x * series(ARTANH, x * x)).sqrt()
 }
 
-/// Independent normal numbers from random words. First come the numbers r cos θ of all pairs, then the numbers r sin θ.
+/// Independent normal numbers from random words: first the numbers r cos θ of all pairs, then the numbers r sin θ. Each
+/// word gives one pair.
 #[inline(always)]
 pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
     // Store the two halves of each word in separate arrays, so that compilers can use vector instructions.
@@ -68,7 +69,8 @@ pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
     let mut normals = [0.0; 2 * PAIRS];
     let (cosines, sines) = normals.split_at_mut(PAIRS);
     for pair in 0..PAIRS {
-        // The angle is between −90° and 90°. The radius has a random sign, which supplies the other half of the circle.
+        // The angle is between −90° and 90°. The radius has a random sign, so that the pairs also cover the other half
+        // of the circle.
         let angle = angles[pair] as i32 as f32 * (FRAC_PI_2 / 2_147_483_648.0);
         let square = angle * angle;
         let length = radius(lengths[pair] >> 1).to_bits();
@@ -96,8 +98,8 @@ mod tests {
     }
 
     /// Largest error of the normal numbers from `words`, relative to the error that single precision allows. The
-    /// allowed error is larger for a pair with a small radius, because single precision stores its uniform number u
-    /// near 1 with only 24 bits.
+    /// allowed error is larger for a pair with a small radius, because its uniform number u is near 1, where single
+    /// precision has a resolution of only 24 bits.
     fn largest_error(words: [u64; PAIRS]) -> f64 {
         let normals = normals(words);
         let errors = words.iter().enumerate().flat_map(|(pair, &word)| {
@@ -120,8 +122,8 @@ mod tests {
         for _ in 0..100_000 {
             let words: [u64; PAIRS] = std::array::from_fn(|_| next());
             assert!(largest_error(words) < 1.0, "{words:x?}");
-            // A pair of normal numbers has a large radius if its first uniform number is small. Shift the words, so
-            // that small first numbers are more frequent.
+            // A pair of normal numbers has a large radius if the uniform number u is small. Shift the words, so that
+            // small numbers u are more frequent.
             let far = |pair: usize| words[pair] >> (pair * 4) | words[pair] & 0xFFFF_FFFF;
             let far = std::array::from_fn(far);
             assert!(largest_error(far) < 1.0, "{far:x?}");

@@ -9,17 +9,18 @@ use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
 
-/// Smallest allowed pitch, relative to the fingertip's radius. Doubles do not resolve positions on smaller pads.
+/// Smallest allowed pitch, relative to the fingertip's radius. Double-precision numbers do not resolve positions on
+/// smaller pads.
 const FINEST: f64 = 1e-15;
 
 /// The pattern in which pads tile the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadLayout {
     /// A square grid in arc lengths on the fingertip, as in the 1996 paper. On the sphere, the pads become narrower
-    /// with the distance from the middle.
+    /// with the distance from the middle of the array.
     Square,
-    /// Hexagons in arc lengths on the fingertip, with a row of neighbouring pads along x. On the sphere, they are
-    /// distorted in the same way as the square grid.
+    /// Hexagons in arc lengths on the fingertip, with a row of neighbouring pads along x. On the sphere, the hexagons
+    /// are distorted in the same way as the square grid.
     Hexagonal,
     /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per pitch².
     Uniform,
@@ -135,13 +136,14 @@ impl Pads {
         self.pitch
     }
 
-    /// Position error that these pads cause where a shift starts or ends, divided by the position error of square pads
-    /// of the same pitch. The first number is the ratio of the standard deviations per axis. The second is the ratio of
-    /// the largest errors along an axis.
+    /// Position error that these pads cause at the start and at the end of a shift, divided by the position error of
+    /// square pads with the same pitch. The first number is the ratio of the standard deviations per axis, the second
+    /// the ratio of the largest errors along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
             // The variance per axis is 5/72 pitch² for a hexagonal pad and 1/12 pitch² for a square one. The corners of
-            // a hexagon are 1/√3 pitches from its middle; the edges of a square are half a pitch from it.
+            // a hexagon are 1/√3 pitches from the middle of the hexagon; the edges of a square are half a pitch from
+            // the middle of the square.
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
             Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
         }
@@ -160,8 +162,8 @@ impl Pads {
         }
     }
 
-    /// Places the array of pads under a first contact. Random numbers are drawn only if the position of the first
-    /// contact on the pads is random.
+    /// Chooses the position of the array of pads relative to a first contact. Random numbers are drawn only if this
+    /// position is random.
     pub fn place(&self, stream: &mut Stream) -> PadPlacement {
         PadPlacement(match (&self.tiling, self.offset) {
             (Tiling::Square, PadOffset::Centred) => Placement::Square(Vector2::zeros()),
@@ -171,7 +173,7 @@ impl Pads {
             }
             (Tiling::Hexagonal, PadOffset::Centred) => Placement::Hexagonal(Vector2::zeros()),
             (Tiling::Hexagonal, PadOffset::Random | PadOffset::RandomPerTrial) => {
-                // The pattern repeats in a rectangle of one pitch by √3 pitches, which contains two pads.
+                // The hexagonal pattern repeats in a rectangle of one pitch by √3 pitches, which contains two pads.
                 let mut half = || 0.5 * stream.symmetric_uniform();
                 Placement::Hexagonal(Vector2::new(half(), 3.0_f64.sqrt() * half()))
             }
@@ -184,8 +186,7 @@ impl Pads {
             }
             (Tiling::Uniform(lattice), PadOffset::Random | PadOffset::RandomPerTrial) => {
                 // The first contact is drawn uniformly from a disc with a radius of four pitches. The lattice is not
-                // periodic, but the disc covers several pads. Therefore every position within a pad is about equally
-                // likely.
+                // periodic, but the disc covers many pads, so every position within a pad is about equally likely.
                 let reach = (4.0 * self.pitch / self.radius).min(0.5);
                 let (distance, azimuth, turn) = (
                     reach * (0.5 + 0.5 * stream.symmetric_uniform()).sqrt(),
@@ -211,10 +212,9 @@ impl Pads {
     /// the first contact.
     ///
     /// On a square grid, the largest error is half a pitch along each axis if the first contact is centred, and
-    /// otherwise one pitch. On hexagons, it is 0.58 pitches for each end of the displacement that is not centred. On a
-    /// uniform lattice, it is 1.05 pitches for each such end. For a contact at the angle θ, this last bound is
-    /// multiplied by
-    /// θ/sin θ.
+    /// otherwise one pitch. On hexagons, the largest error is 0.58 pitches for each end of the displacement that is not
+    /// at the centre of a pad. On a uniform lattice, it is 1.05 pitches for each such end. For a contact at the angle θ
+    /// from the first contact, the bound of the uniform lattice is multiplied by θ/sin θ.
     ///
     /// # Errors
     /// [`BeyondPads`] if the contact is outside of the cap.
@@ -249,8 +249,8 @@ impl Pads {
         }
     }
 
-    /// Place of the first contact on square or hexagonal pads. It is the displacement (length) from the pads' origin,
-    /// which is the centre of the pad at the first contact. `None` for a uniform lattice.
+    /// Place of the first contact on square or hexagonal pads. The place is the displacement (length) from the pads'
+    /// origin, which is the centre of the pad at the first contact. The result is `None` for a uniform lattice.
     pub fn first_place(&self, placement: &PadPlacement) -> Option<Vector2<f64>> {
         match &placement.0 {
             Placement::Square(offset) => Some(offset * self.pitch),
@@ -259,8 +259,8 @@ impl Pads {
         }
     }
 
-    /// Centre of the active pad if the contact is at `place`. Both places are displacements (length) from the pads'
-    /// origin, by the exponential map at the origin. In this map, the edges of the pads are straight.
+    /// Centre of the active pad if the contact is at `place`. Centre and contact are stated as great-circle
+    /// displacements (length) from the pads' origin. In these coordinates, the edges of the pads are straight.
     ///
     /// # Errors
     /// [`BeyondPads`] if the contact is outside of the cap.
@@ -305,8 +305,8 @@ impl Placement {
     }
 }
 
-/// Centre (in pitches) of the hexagon that contains a position. The centres form two rectangular grids with a spacing
-/// of 1 by √3.
+/// Centre (in pitches) of the hexagon that contains a position. The centres of all hexagons form two rectangular grids
+/// with a spacing of 1 by √3.
 fn nearest_hexagon(place: &Vector2<f64>) -> Vector2<f64> {
     let period = Vector2::new(1.0, 3.0_f64.sqrt());
     let nearest = |corner: Vector2<f64>| {

@@ -22,8 +22,8 @@ pub struct PositionError {
 }
 
 impl PositionError {
-    /// An error of this `size` (length) along each of the `axes`. The size is the standard deviation of a Gaussian, or
-    /// the bound of a uniform distribution.
+    /// An error of the size `size` (length) along each of the axes `axes`. The size is the standard deviation of a
+    /// Gaussian, or the bound of a uniform distribution.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the size is from 0 to 10¹⁵⁰.
@@ -51,7 +51,8 @@ impl PositionError {
         self.axes
     }
 
-    /// Whether the error is random. If it is not, readings are exact and draw no random numbers.
+    /// Whether the error is random, that is, its size is not 0. Without an error, readings are exact, and no random
+    /// numbers are drawn.
     pub fn is_random(&self) -> bool {
         self.size > 0.0
     }

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// Joint encoders, which round the end of a roll to the nearest step. The start of the roll is measured exactly. The
-/// start lies between two encoder steps, at a random position that is different for every roll.
+/// Joint encoders, which round the rotation at the end of a roll to the nearest encoder step. The start of the roll is
+/// known exactly, and lies between two encoder steps at a random position that is different for every roll.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -39,7 +39,7 @@ impl Encoder {
         rotation.map(|angle| {
             let start = 0.5 * stream.symmetric_uniform();
             let reported = ((angle / self.step_rad + start).round() - start) * self.step_rad;
-            // If the number of steps overflows, the reading is exact, because the steps are extremely small.
+            // If the number of steps overflows, the reading is exact, because the steps are then extremely small.
             if reported.is_finite() {
                 reported
             } else {
@@ -91,8 +91,8 @@ impl AngularVelocityError {
         self.distribution.std(self.fraction)
     }
 
-    /// Draws the errors of `(ω_x, ω_y)` for an angular speed |ω| in rad/s. The errors are finite for speeds up to
-    /// 1e150.
+    /// Draws the errors of the components `(ω_x, ω_y)` of the angular velocity for the angular speed `rate_rad_per_s`.
+    /// The errors are finite for speeds up to 1e150 rad/s.
     #[inline]
     pub fn draw(&self, stream: &mut Stream, rate_rad_per_s: f64) -> Vector2<f64> {
         let size = self.fraction * rate_rad_per_s;

@@ -49,7 +49,8 @@ pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f
 }
 
 /// The direction that is reached from the unit vector `direction` along a great circle by `displacement` (rad). The
-/// tangent basis is arbitrary, so use this function only for displacements in random directions.
+/// directions of the tangent basis at `direction` are arbitrary, so use this function only for displacements in random
+/// directions.
 pub(crate) fn moved_along(direction: &Vector3<f64>, displacement: &Vector2<f64>) -> Vector3<f64> {
     let x = direction.cross(&Vector3::y()).try_normalize(1e-6);
     let x = x.unwrap_or_else(|| direction.cross(&Vector3::x()).normalize());

@@ -12,8 +12,8 @@ use crate::normal_deviates::{PAIRS, normals};
 ///
 /// The generator is SplitMix64 (Steele, Lea and Flood, 2014), whose start is a hash of seed, trial and channel. Word k
 /// is `mix(key + k STEP)`, so words can be computed in parallel. All streams are parts of one cycle of 2^64 words.
-/// Streams of one seed and channel start at different words. Among n streams of w words, some two overlap with a
-/// probability of about `n² w / 2^64`: 1e-4 for ten million trials of 16 words.
+/// Streams of one seed and channel start at different words. The probability that any two of n streams with w words
+/// each overlap is about `n² w / 2^64`: 1e-4 for ten million trials of 16 words.
 ///
 /// ```
 /// use palpate_sensing::{Channel, Stream};
@@ -60,7 +60,8 @@ impl Stream {
     /// A uniform number in [−1, 1), in steps of 2^−51.
     #[inline(always)]
     pub fn symmetric_uniform(&mut self) -> f64 {
-        // The random bits form a double in [2, 4). Subtracting the middle of this range gives a number in [−1, 1).
+        // The random bits form a double-precision number in [2, 4). Subtracting the middle of this range gives a number
+        // in [−1, 1).
         f64::from_bits(self.next_word() >> 12 | 2_f64.to_bits()) - 3.0
     }
 
@@ -73,8 +74,8 @@ impl Stream {
         for place in 0..count {
             let share = 0.5 * (self.symmetric_uniform() + 1.0);
             let left = of - place;
-            // The minimum is needed because `share` times `left` may be rounded up to `left`, although `share` is below
-            // 1.
+            // The result is limited to `left - 1`, because `share` times `left` may be rounded up to `left`, although
+            // `share` is below 1.
             let offset = ((share * left as f64) as usize).min(left - 1);
             items.swap(place, place + offset);
         }
@@ -89,8 +90,8 @@ impl Stream {
     }
 
     /// Independent normal numbers in single precision, with mean 0, standard deviation 1 and absolute values up to
-    /// 6.67. The numbers are computed with vector instructions, several times as fast as single draws. One random word
-    /// results in two numbers.
+    /// 6.67. The numbers are computed with vector instructions, several times as fast as with
+    /// [`Self::standard_normal`]. Each random word gives two numbers.
     #[inline(always)]
     pub fn standard_normals(&mut self) -> [f32; Self::NORMALS] {
         palpate_statistics::work::drew(PAIRS as u64);
@@ -106,9 +107,9 @@ impl Stream {
 }
 
 /// The [`Stream`]s of `N` trials, drawn together with vector instructions. Each stream has exactly the same numbers as
-/// the single [`Stream`] of its trial.
+/// the [`Stream`] of the same trial.
 ///
-/// The functions are always inlined, so that they are compiled for the vector width of their caller.
+/// The functions of this type are always inlined, so that they are compiled for the vector width of their caller.
 #[derive(Clone, Debug)]
 pub struct Streams<const N: usize> {
     states: [u64; N],
@@ -125,13 +126,13 @@ impl<const N: usize> Streams<N> {
         Self { states }
     }
 
-    /// The next [`Stream::symmetric_uniform`] of the stream with index `place`, which must be below `N`.
+    /// Draws the next [`Stream::symmetric_uniform`] from the stream with the index `place`, which must be below `N`.
     #[inline(always)]
     pub fn symmetric_uniform(&mut self, place: usize) -> f64 {
         self.draw(place, Stream::symmetric_uniform)
     }
 
-    /// The next [`Stream::standard_normal`] of the stream with index `place`, which must be below `N`.
+    /// Draws the next [`Stream::standard_normal`] from the stream with the index `place`, which must be below `N`.
     #[inline(always)]
     pub fn standard_normal(&mut self, place: usize) -> f64 {
         self.draw(place, Stream::standard_normal)

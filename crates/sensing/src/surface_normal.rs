@@ -22,13 +22,14 @@ impl NormalError {
         Ok(Self { std_rad })
     }
 
-    /// Whether the error is random. If it is not, readings are exact and draw no random numbers.
+    /// Whether the error is random, that is, its standard deviation is not 0. Without an error, readings are exact, and
+    /// no random numbers are drawn.
     pub fn is_random(&self) -> bool {
         self.std_rad > 0.0
     }
 
-    /// The measured unit normal for a true unit `normal`. The two tilts are a displacement along a great circle
-    /// (exponential map), so tilts of any size are valid. Draws two random numbers.
+    /// The measured unit normal for the true unit normal `normal`. The two tilt angles are the components of a
+    /// displacement along a great circle (exponential map), so tilts of any size are valid. Draws two random numbers.
     #[inline]
     pub fn read(&self, stream: &mut Stream, normal: &Vector3<f64>) -> Vector3<f64> {
         if !self.is_random() {

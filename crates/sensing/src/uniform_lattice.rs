@@ -1,9 +1,9 @@
 //! A near-uniform lattice of pads on the sphere. The nearest pad is found in constant time.
 //!
 //! In the spherical Fibonacci lattice, pad `i` of `n` lies at `z = 1 − (2i + 1)/n` and azimuth `2π i (Φ − 1)`, where Φ
-//! is the golden ratio. Around any place, the lattice resembles a plane lattice. Its two basis vectors lead from pad
-//! `i` to the pads `i + F_k` and `i + F_{k+1}`. Here F_k and F_{k+1} are successive Fibonacci numbers that depend on
-//! the latitude. The nearest pads of a direction follow from the inverse of this basis (Keinert, Innmann, Sänger and
+//! is the golden ratio. Around any place, the lattice resembles a plane lattice, whose two basis vectors lead from pad
+//! `i` to the pads `i + F_k` and `i + F_{k+1}`. F_k and F_{k+1} are successive Fibonacci numbers that depend on the
+//! latitude. The pads nearest to a direction follow from the inverse of this basis (Keinert, Innmann, Sänger and
 //! Stamminger, *Spherical Fibonacci Mapping*, 2015). Azimuths are 64-bit fractions of a turn, so that they are accurate
 //! even for 10¹³ pads.
 
@@ -36,7 +36,7 @@ const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 const MOST_PADS: f64 = 1e15;
 
 impl UniformLattice {
-    /// A lattice with one pad per pitch². `pitch_rad` is the angular pitch.
+    /// A lattice on the unit sphere with one pad per area of pitch². `pitch_rad` is the pitch as an angle.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the number of pads that follows from this pitch is from 2 to 10¹⁵.
@@ -72,8 +72,9 @@ impl UniformLattice {
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;
-        // `depth` is the pad index at the height z; it may be a fraction. It is proportional to 1 − z. In the upper
-        // half, 1 − z is computed from the sine of the polar angle, which loses fewer digits.
+        // `depth` is the index, not rounded, of a pad at the height z of the direction. It increases linearly with 1 −
+        // z. In the upper half of the sphere, 1 − z is computed from the sine of the polar angle, which loses fewer
+        // digits.
         let depth = if direction.z > 0.0 {
             sine_squared / (1.0 + direction.z)
         } else {
@@ -113,8 +114,8 @@ impl UniformLattice {
                 }
             }
         }
-        // Near the poles, the lattice does not resemble a plane lattice. There are only a few pads near a pole, so all
-        // of them are compared with the direction.
+        // Near the poles, the lattice does not resemble a plane lattice. Only a few pads are near a pole, so all of
+        // these pads are compared with the direction.
         const POLAR: u64 = 12;
         if depth < POLAR as f64 {
             (0..(2 * POLAR).min(self.pads)).for_each(|index| best.consider(index, self));

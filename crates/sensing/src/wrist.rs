@@ -29,8 +29,8 @@ impl Wrist {
         Ok(Self { std, radius })
     }
 
-    /// Standard deviation (length) of an inferred displacement along each tangent. It contains the independent errors
-    /// of the first and the last contact point.
+    /// Standard deviation (length), along each tangent direction, of the displacement between two inferred contact
+    /// points. The errors of the first and the last contact point are independent.
     pub fn shift_std(&self) -> f64 {
         std::f64::consts::SQRT_2 * self.std
     }
@@ -45,8 +45,8 @@ impl Wrist {
     }
 
     /// The displacement (length) that the sensor infers for a true `displacement` (length, finite) from the first
-    /// contact. Even for large errors, the result is at most half a turn of the fingertip. Without noise, its error is
-    /// at most 1e-15 of the radius.
+    /// contact. Even for large errors, the result is at most half a turn of the fingertip. Without noise, the error of
+    /// the result is at most 1e-15 of the radius.
     pub fn read(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
         let error = self.std / self.radius;
         let mut infer = |contact: Vector3<f64>| {

@@ -1,10 +1,11 @@
-//! The error which reports that the value of a setting is out of its range.
+//! The error for a setting whose value is out of its range.
 
 use thiserror::Error;
 
 use crate::Number;
 
-/// Error: the value of a setting is out of its range. `Words` is the type of the text that states the allowed values.
+/// Error: the value of a setting is out of its range. `Words` is the type of the text `expected`, which states the
+/// allowed values.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{setting} is {value}; it must be {expected}", value = Number(*value))]
 pub struct BadSetting<Words = &'static str> {

@@ -26,12 +26,12 @@ pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
     };
     let turns = sixths / 6.0;
     let turns = if turns < 0.0 { turns + 1.0 } else { turns };
-    // If `turns` was a tiny negative number, adding 1 gives exactly 1. This is the hue 0.
+    // If the hue before the addition of 1 was a tiny negative number, the sum is exactly 1, which is the hue 0.
     if turns < 1.0 { turns } else { 0.0 }
 }
 
-/// Hue of a colour, in turns, if its HSV saturation is above 1/4; `None` for a paler colour. A mean hue uses only
-/// colours for which the result is not `None`.
+/// Hue of a colour, in turns, if the colour's HSV saturation is above 1/4; `None` for a paler colour. A mean hue uses
+/// only colours for which the result is not `None`.
 ///
 /// ```
 /// use palpate_statistics::saturated_hue;

@@ -1,4 +1,4 @@
-//! Misfit: the ways in which readings can contradict the model that was fitted to them.
+//! Misfits: contradictions between readings and the model that was fitted to these readings.
 
 use crate::chi_squared_tail;
 
@@ -8,7 +8,7 @@ use crate::chi_squared_tail;
 pub enum Misfit {
     /// The residuals are larger than the noise can explain.
     PoorFit {
-        /// p-value of the fit's goodness of fit.
+        /// P-value of the goodness of fit.
         p_value: f64,
     },
     /// One reading contradicts the other readings.
@@ -18,7 +18,7 @@ pub enum Misfit {
         /// P-value of the largest contradiction among all readings.
         p_value: f64,
     },
-    /// A quantity that the user states contradicts its estimate from the readings.
+    /// The stated value of a quantity contradicts the estimate of this quantity from the readings.
     Stated {
         /// The stated quantity.
         quantity: StatedQuantity,
@@ -29,7 +29,7 @@ pub enum Misfit {
         /// P-value of the difference between the stated value and the estimate.
         p_value: f64,
     },
-    /// The displacements of a press vary with the distance from the contact differently than the fitted model predicts.
+    /// The displacements of a press do not vary with the distance from the contact as the fitted model predicts.
     OtherBody {
         /// P-value for a dependence of the displacements on the distance from the contact that the fitted model does
         /// not explain.
@@ -57,7 +57,7 @@ pub enum StatedQuantity {
 }
 
 impl StatedQuantity {
-    /// Code of the warning which reports that this quantity contradicts its estimate.
+    /// Code of the warning for a stated value of this quantity that contradicts the estimate from the readings.
     pub const fn code(self) -> &'static str {
         match self {
             Self::Noise => "stated-noise",
@@ -77,7 +77,7 @@ impl Misfit {
 
     /// Returns [`Misfit::Outlier`] for the reading with the smallest p-value, or `None` if this p-value is not
     /// significant. Before the test for significance, the smallest p-value is multiplied by the number of p-values
-    /// (Bonferroni). `p_values` are pairs of a reading's number and its p-value.
+    /// (Bonferroni). `p_values` are pairs of the number of a reading and the p-value of this reading.
     ///
     /// ```
     /// use palpate_statistics::Misfit;
@@ -122,8 +122,8 @@ impl Misfit {
     }
 }
 
-/// Significance level of each test that checks an estimate. It is the probability of a false alarm if the model is
-/// correct.
+/// Significance level of each test for a contradiction between readings and model: the probability of a false alarm if
+/// the model is correct.
 pub const SIGNIFICANCE_LEVEL: f64 = 0.005;
 
 /// Chi-squared of a fit, and the p-value for the hypothesis that the stated noise explains the residuals.
@@ -151,7 +151,7 @@ impl GoodnessOfFit {
     }
 
     /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. A poor fit may mean that the stated noise is too small.
-    /// Compared with this noise, every pattern in the residuals would seem significant. In this case, compare patterns
+    /// Compared with the stated noise, every pattern in the residuals would then seem significant, so compare patterns
     /// with the scatter of the residuals instead.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL

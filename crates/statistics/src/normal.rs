@@ -1,6 +1,6 @@
 //! The normal distribution.
 
-/// Largest value, in standard deviations of the normal distribution, that [`score_of_tail`] returns. A statement with
+/// Largest score, in standard deviations of the normal distribution, that [`score_of_tail`] returns. A statement with
 /// such a score is practically certain.
 pub const CERTAIN: f64 = 40.0;
 
@@ -20,9 +20,9 @@ pub fn normal_tail(score: f64) -> f64 {
     0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The number (score) that a standard normal variable exceeds with this probability. The absolute error of the score is
-/// at most 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, the score is
-/// −[`CERTAIN`].
+/// The number (score) that a standard normal variable exceeds with the probability `probability`. The absolute error of
+/// the score is at most 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, the
+/// score is −[`CERTAIN`].
 ///
 /// ```
 /// assert!((palpate_statistics::score_of_tail(0.025) - 1.959964).abs() < 1e-6);

@@ -1,31 +1,31 @@
 //! Rao's score test. A pattern is a possible systematic part of the residuals of a fit. The test computes how much
-//! chi-squared would decrease if patterns were fitted in addition to the parameters of the model.
+//! chi-squared would decrease if the amplitudes of patterns were fitted in addition to the parameters of the model.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::{chi_squared_tail, ratio_tail};
 
-/// A pattern is tested only if at least this share of it remains after the parameters of the model are fitted to it. If
-/// the share is smaller, the remainder may be caused by the model's nonlinearity. For patterns that contain noise, use
-/// a larger limit.
+/// A pattern is tested only if changes of the model's parameters leave more than this share of the pattern unexplained.
+/// A smaller remainder may be caused by the model's nonlinearity. For patterns that contain noise, use a larger limit.
 pub const LEFT: f64 = 0.02;
 
-/// Decrease of a fit's chi-squared, to first order, if patterns are fitted in addition to the parameters of the model.
+/// Decrease of a fit's chi-squared, to first order, if the amplitudes of patterns in the residuals are fitted in
+/// addition to the parameters of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
     /// Decrease of the fit's chi-squared.
     pub fall: f64,
-    /// Number of independent patterns that remain after the parameters of the model are fitted to them.
+    /// Number of independent patterns that changes of the model's parameters cannot explain.
     pub freedom: usize,
 }
 
 impl Explained {
-    /// The decrease of a fit's chi-squared if these patterns are fitted, too. Patterns and residuals are divided by the
-    /// standard deviations of the readings. The remainder of a pattern is the part that the fitted parameters do not
-    /// explain. `squares` are the squared norms of the patterns, `left` the inner products of all pairs of remainders,
-    /// and `by_residuals` the inner products of the remainders with the residuals. Combinations of patterns are skipped
-    /// if their remaining share is smaller than `least` (usually [`LEFT`]). If a number is not finite, all patterns are
-    /// skipped.
+    /// The decrease of a fit's chi-squared if the amplitudes of patterns are fitted too. Patterns and residuals are
+    /// divided by the standard deviations of the readings. The remainder of a pattern is the part that the fitted
+    /// parameters do not explain. `squares` are the squared norms of the patterns, `left` the inner products of all
+    /// pairs of remainders, and `by_residuals` the inner products of the remainders with the residuals. Combinations of
+    /// patterns are skipped if their remaining share is smaller than `least` (usually [`LEFT`]). If a number is not
+    /// finite, all patterns are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -76,9 +76,9 @@ impl Explained {
     }
 }
 
-/// The number of the alternative (to the model) with the smallest p-value, and this p-value multiplied by the number of
-/// alternatives (Bonferroni). `chances` are pairs of an alternative's number and its p-value. An alternative is, for
-/// example, that the probe with this number is an outlier. Without alternatives, the result is (0, 1).
+/// The number of the hypothesis with the smallest p-value, and this p-value multiplied by the number of hypotheses
+/// (Bonferroni). `chances` are pairs of a hypothesis's number and its p-value. A hypothesis is, for example, that the
+/// roll with this number is an outlier. Without hypotheses, the result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());

@@ -23,8 +23,8 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     let is_odd = freedom % 2 == 1;
     let first = if is_odd { libm::erfc(half.sqrt()) } else { 0.0 };
     let log = libm::log(half);
-    // Compute the terms from logarithms, because the powers and exponentials may overflow although their products do
-    // not.
+    // Compute the terms of the sum from logarithms, because the powers and exponentials may overflow although their
+    // products do not.
     let term = |count: usize| {
         let power = count as f64 + if is_odd { 0.5 } else { 0.0 };
         libm::exp(power * log - half - libm::lgamma(power + 1.0))
@@ -55,7 +55,7 @@ fn many_squares_tail(half: f64, a: f64) -> f64 {
 /// Tail probability of the F distribution. It is the probability that the ratio of two chi-squared variables, each
 /// divided by its degrees of freedom, is larger than the ratio `above / below`. The result is 1 if a number of degrees
 /// of freedom is 0. The error is at most 1e-10 for up to 10,000 degrees of freedom. For more degrees of freedom, the
-/// error is at most 1e-14 times their number. More than 1e9 degrees of freedom are treated as 1e9.
+/// error is at most 1e-14 times the number of degrees of freedom. More than 1e9 degrees of freedom are treated as 1e9.
 ///
 /// ```
 /// // 5 % of ratios with 2 and 12 degrees of freedom are above 3.8853.
@@ -75,10 +75,11 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     if !ratio.is_finite() {
         return 0.0;
     }
-    // `share` is the chi-squared `above`, divided by the sum of the two chi-squared values. It has a beta distribution.
+    // `share` is the chi-squared variable `above` divided by the sum of both chi-squared variables. It has a beta
+    // distribution.
     let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
     let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
-    // The probability can be computed in two equivalent forms. Use the form whose continued fraction converges fast.
+    // The probability can be computed by two equivalent continued fractions. Use the one that converges fast.
     if rest < (a + 1.0) / (a + b + 2.0) {
         incomplete_beta([rest, share], a, b)
     } else {
@@ -87,8 +88,8 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     .clamp(0.0, 1.0)
 }
 
-/// Larger numbers of degrees of freedom are replaced by this number, because the powers of the ratio would lose too
-/// many digits.
+/// Larger numbers of degrees of freedom are replaced by this number, because the powers xᵃ (1 − x)ᵇ of the beta
+/// distribution would lose too many digits.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
 /// Half-width of the interval that contains the true value with the probability `probability`, in standard errors
@@ -177,8 +178,8 @@ fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     front * value
 }
 
-/// If the argument of the gamma function is above this number, its logarithm is computed with Stirling's series. The
-/// series avoids the cancellation of large logarithms.
+/// For arguments above this number, the logarithm of the gamma function is computed with Stirling's series, which
+/// avoids the cancellation of large logarithms.
 const LARGE: f64 = 20.0;
 
 fn log_beta(a: f64, b: f64) -> f64 {

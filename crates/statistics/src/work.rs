@@ -1,10 +1,10 @@
-//! Counters of the computational work of a scene. Tests use the counters to check, for example, that a scene without
-//! noise draws no random numbers.
+//! Counters of the computational work of a simulation. Tests use the counters to check, for example, that a scene
+//! without noise draws no random numbers.
 //!
 //! Work is counted separately for each thread, and only with the feature `count`. Without this feature, every function
-//! here is empty.
+//! of this module is empty.
 
-/// Amount of work that was done on one thread, for each kind of work.
+/// Amount of computational work that was done on one thread, for each kind of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Number of random 64-bit words that were drawn from the random number generators.
@@ -43,7 +43,8 @@ mod counting {
         });
     }
 
-    /// Runs `work`. Returns the counts of the work that it does on this thread, and its result.
+    /// Runs the function `work`. Returns the counts of the computational work that `work` does on this thread, and the
+    /// result of `work`.
     pub fn counted<T>(work: impl FnOnce() -> T) -> (Tally, T) {
         let before = TALLY.replace(Tally::default());
         let given = work();

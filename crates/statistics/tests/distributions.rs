@@ -1,11 +1,12 @@
-//! Tails of the chi-squared, F, t and normal distributions, compared with published tables and closed forms.
+//! Compares tail probabilities of the chi-squared, F, t and normal distributions with published tables and closed
+//! forms.
 
 use palpate_statistics::{
     CERTAIN, HALF_WIDTHS, NORMAL_95, chi_squared_tail, normal_tail, ratio_tail, score_of_tail,
     student_half_width,
 };
 
-/// Largest number of degrees of freedom with which `ratio_tail` computes.
+/// Largest number of degrees of freedom that `ratio_tail` uses; larger numbers are replaced by this number.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
 /// Percentage points of chi-squared from published tables (Abramowitz and Stegun, table 26.8): degrees of freedom,
@@ -77,7 +78,7 @@ fn half_widths_are_those_of_tables() {
         assert_eq!(student_half_width(probability, 3), 0.0);
     }
     // The half-width of a narrow interval follows from the density at 0. For Student's t with 3 degrees of freedom,
-    // it is 2/(π√3).
+    // this density is 2/(π√3).
     let narrow = student_half_width(1e-9, 3);
     let due = 0.5e-9 * 0.5 * std::f64::consts::PI * 3_f64.sqrt();
     assert!((narrow - due).abs() < 1e-6 * due, "{narrow:e} {due:e}");
@@ -159,8 +160,8 @@ fn far_tails_and_many_degrees_keep_their_digits() {
         let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
         is_near(found, due, bound, "ratio");
     }
-    // Closed-form quantiles of Student's t: for one degree of freedom (`of_one`, with a tangent) and for two
-    // (`of_two`, with a square root).
+    // Half-widths from closed-form quantiles of Student's t: for one degree of freedom (`of_one`, computed with a
+    // tangent) and for two degrees (`of_two`, computed with a square root).
     for (probability, of_one, of_two) in [
         (
             1e-300,

@@ -18,11 +18,11 @@ pub struct Truth {
     pub centroid_px: [f64; 2],
     /// True hue of the marker, turns.
     pub hue_turns: f64,
-    /// True size of the marker in a bright frame, px²; 0 in a dark frame.
+    /// True size of the marker in a frame with a bright background, px²; 0 if the background is dark.
     pub size_px2: f64,
 }
 
-/// A generator of random numbers (SplitMix64; Steele, Lea and Flood 2014). The number in it is the seed.
+/// A generator of random numbers (SplitMix64; Steele, Lea and Flood 2014). The field is the seed.
 #[derive(Clone, Debug)]
 pub struct Random(pub u64);
 
@@ -52,7 +52,7 @@ pub fn hue(light: [f64; 3]) -> f64 {
     let least = light.into_iter().fold(f64::INFINITY, f64::min);
     let [red, green, blue] = light.map(|one| one - least);
     let sixths = if blue == 0.0 {
-        // Blue is the weakest of the three colours, so the hue lies between red and green, on the side of yellow.
+        // Blue is the weakest of the three colours, so the hue lies between red and green, through yellow.
         if red >= green {
             green / red
         } else {
@@ -112,8 +112,8 @@ fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> Rg
 }
 
 /// A frame of 77 discs of random hues on a dark background with uneven illumination. The noise has a standard deviation
-/// of 3 of the 255 grey levels. The discs are within a circle around the middle of the frame. Outside this circle,
-/// whose radius is 0.48 × `size`, the frame contains random clutter.
+/// of 3 of the 255 grey levels. The discs are within a circle of radius 0.48 × `size` around the middle of the frame.
+/// Outside this circle, the frame contains random clutter.
 pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     let mut random = Random(seed);
     let n = size as f64;
@@ -159,7 +159,7 @@ pub struct Bright {
     pub size: usize,
     /// Diameter of a disc, px.
     pub disc_px: f64,
-    /// Distance between the centres of a marker's two discs, in disc diameters.
+    /// Distance between the centres of a marker's magenta and yellow discs, in disc diameters.
     pub apart: f64,
     /// Standard deviation of the blur, px.
     pub blur_px: f64,
@@ -258,8 +258,8 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     pass(&across, size, |at, size| at / size)
 }
 
-/// Positions of a sensor's markers in a frame with a side of `size` px: one place in the middle, and places on `rings`
-/// rings around it. The rings are `spacing` px apart.
+/// Positions (px) of a sensor's markers in a frame with a side of `size` px: one place in the middle, and places on
+/// `rings` rings around the middle. The rings are `spacing` px apart.
 pub fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
     let middle = 0.5 * (size as f64 - 1.0);
     let mut places = vec![[middle + 0.3, middle - 0.2]];

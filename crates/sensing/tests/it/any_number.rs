@@ -1,4 +1,5 @@
-//! Sensors whose arguments have any bit patterns return finite readings or named errors.
+//! Tests sensors with arbitrary arguments, including infinities and NaN: they return finite readings or errors with a
+//! name.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_sensing::{
@@ -8,7 +9,7 @@ use palpate_sensing::{
 };
 use proptest::prelude::*;
 
-/// Any double, or a number of ordinary size.
+/// Any double-precision number, a number of ordinary size, or a limit of a setting.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
@@ -149,7 +150,7 @@ proptest! {
         prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
         // Near the point opposite the start, a small error of the direction changes the displacement much. Therefore
-        // the bound grows there.
+        // the bound of the error grows there.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
         prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
         if far.iter().all(|&x| is_tame(x)) {

@@ -1,4 +1,4 @@
-//! Integration tests of the sensors.
+//! Integration tests of the sensor models.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

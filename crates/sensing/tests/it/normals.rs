@@ -75,7 +75,8 @@ fn no_draw_depends_on_another() {
             for (sums, own) in sums.iter_mut().zip(own) {
                 for (sums, other) in sums.iter_mut().zip(other) {
                     sums[0] += own * other;
-                    // Also compare the squares, because these reveal a dependence of draws that are uncorrelated.
+                    // Also sum the products of the centred squares, because these reveal a dependence even if the draws
+                    // are uncorrelated.
                     sums[1] += (own * own - 1.0) * (other * other - 1.0);
                 }
             }
@@ -83,8 +84,8 @@ fn no_draw_depends_on_another() {
         for (i, sums) in sums.iter().enumerate() {
             for (j, [product, square]) in sums.iter().enumerate() {
                 let is_itself = index == 0 && i == j;
-                // The products of draws have the variance 1, and the products of squares the variance 4. With a
-                // probability of 0.999, the largest of 1,000 scores is below 5.
+                // The products of independent draws have the variance 1, and the products of their centred squares the
+                // variance 4. With a probability of 0.999, the largest of 1,000 scores is below 5.
                 let scores = [*product, square / 2.0].map(|sum| sum / (TRIALS as f64).sqrt());
                 let independent = scores.iter().all(|score| score.abs() < 5.0);
                 assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");
@@ -93,8 +94,8 @@ fn no_draw_depends_on_another() {
     }
 }
 
-/// The two numbers of a pair are the coordinates of a vector. Its direction is uniformly distributed and does not
-/// depend on its length.
+/// The two numbers of a pair are the coordinates of a vector. The direction of this vector must be uniformly
+/// distributed and independent of its length.
 #[test]
 fn pairs_have_no_direction() {
     const SECTORS: usize = 48;
@@ -123,8 +124,8 @@ fn pairs_have_no_direction() {
 
 #[test]
 fn known_draws_do_not_change() {
-    // Published results state their seeds. Therefore a change of these expected numbers must be recorded in the
-    // changelog.
+    // Published results state their seeds and must stay reproducible. Therefore a change of these expected numbers must
+    // be recorded in the changelog.
     let normals = Stream::new(1996, 0, Channel::Pixel).standard_normals();
     assert_eq!(
         normals[..4],

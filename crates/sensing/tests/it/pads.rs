@@ -56,7 +56,7 @@ fn hexagonal_pads_read_the_nearest_centre() {
             assert!(centres.iter().any(|centre| (centre - found).norm() < 1e-12));
         }
     }
-    // The mean squared error per axis is the second moment of a hexagon, 5/72 pitch².
+    // The mean squared error per axis is the variance of a uniform distribution over a hexagon, 5/72 pitch².
     let per_axis = square / f64::from(2 * count);
     assert!(
         (per_axis / (0.25 * 5.0 / 72.0) - 1.0).abs() < 0.02,
@@ -92,9 +92,9 @@ fn centred_pads_draw_nothing() {
 #[test]
 fn quantisation_error_is_that_of_two_ends() {
     // A shift is the difference of two contact positions. Each position is read as the centre of its pad, so its error
-    // is uniformly distributed over a pad. In a square grid, the two errors are dependent. Let the shift be a whole
-    // number of pads plus the fraction f of a pad. Then the mean square error of the shift is f (1 − f) in squared pad
-    // pitches.
+    // is uniformly distributed over a pad. In a square grid, the errors of the two positions are dependent. If the
+    // shift is a whole number of pads plus the fraction f of a pad, the mean square error of the shift is f (1 − f) in
+    // squared pad pitches.
     for (layout, expected) in [
         (PadLayout::Square, 0.5 * (0.24 + 0.16)),
         (PadLayout::Uniform, 1.0 / 6.0),
@@ -130,7 +130,8 @@ proptest! {
     ) {
         let pitch = libm::pow(10.0_f64, exponent);
         let displacement = Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * (10.0 * angle);
-        // In the chart of the sphere, errors perpendicular to the displacement appear larger by the factor `stretch`.
+        // In the coordinates of the logarithm map, errors perpendicular to the displacement appear larger by the factor
+        // `stretch`.
         let stretch = angle / libm::sin(angle).max(1e-300);
         for (layout, offset, bound) in [
             (PadLayout::Square, PadOffset::Centred, 0.5),

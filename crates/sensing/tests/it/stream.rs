@@ -1,4 +1,5 @@
-//! Streams of random numbers: reproducible, uniform or normal, and not correlated.
+//! Tests streams of random numbers: the numbers are reproducible, uniformly or normally distributed, and not
+//! correlated.
 
 use palpate_sensing::{Channel, Stream, Streams};
 
@@ -17,8 +18,8 @@ fn side_by_side_is_one_after_the_other() {
 
 #[test]
 fn known_numbers_do_not_change() {
-    // Published results state their seeds. Therefore a change of these expected numbers must be recorded in the
-    // changelog.
+    // Published results state their seeds and must stay reproducible. Therefore a change of these expected numbers must
+    // be recorded in the changelog.
     let stream = || Stream::new(1996, 0, Channel::AngularVelocity);
     let (mut uniform, mut normal) = (stream(), stream());
     let numbers = [(); 2].map(|()| uniform.symmetric_uniform());
@@ -37,8 +38,8 @@ fn normal_numbers_fill_their_distribution() {
         let expected = 0.5 * libm::erfc(-draw * std::f64::consts::FRAC_1_SQRT_2);
         (expected - f64::from(rank) / f64::from(DRAWS)).abs()
     });
-    // This is a Kolmogorov–Smirnov test. If the n draws have the expected distribution, the largest distance of
-    // their distribution function from the expected one exceeds 1.95/√n with a probability of 0.001.
+    // This is a Kolmogorov–Smirnov test. If n draws have the expected distribution, the largest distance between their
+    // empirical distribution function and the expected function exceeds 1.95/√n with a probability of 0.001.
     assert!(distance.fold(0.0, f64::max) < 1.95e-3);
 }
 
@@ -72,8 +73,9 @@ fn draws_of_a_trial_its_neighbours_and_its_channels_are_not_correlated() {
                 }
             }
         }
-        // For independent draws, the products of draws have the variance (1/3)², and the products of their squares
-        // have the variance (4/45)². `spread` and `square_spread` are the standard deviations of the sums.
+        // For independent draws, the products of draws have the variance (1/3)², and the products of their centred
+        // squares have the variance (4/45)². `spread` is the factor from the standard deviation of a product to that of
+        // the sum.
         let spread = (TRIALS as f64).sqrt();
         for (i, (products, squares)) in products.iter().zip(&squares).enumerate() {
             for (j, (product, square)) in products.iter().zip(squares).enumerate() {

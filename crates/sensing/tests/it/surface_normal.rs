@@ -1,4 +1,4 @@
-//! Errors of measured surface normals.
+//! Tests the errors of measured surface normals.
 
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
@@ -36,8 +36,8 @@ fn tilts_have_the_stated_size_and_no_direction() {
             0.05 * 2.0_f64.sqrt(),
             max_relative = 0.02
         );
-        // For a small standard deviation σ of the tilt, the normal n has the covariance σ² (I − n nᵀ). Terms of
-        // higher order in σ are neglected.
+        // For a small standard deviation σ of the tilt, measurements of the normal n have the covariance σ² (I − n nᵀ).
+        // Terms of higher order in σ are neglected.
         let expected = nalgebra::Matrix3::identity() - normal * normal.transpose();
         assert!((square / count / 0.0025 - expected).amax() < 0.03);
     }
@@ -53,7 +53,7 @@ fn tilts_beyond_a_half_turn_stay_unit_vectors() {
         assert!((read.norm() - 1.0).abs() < 1e-15);
         mean += read / 1e4;
     }
-    // The tilt angle has a Rayleigh distribution with σ = 3. The mean of its cosine is 1 − √2 σ D(σ/√2), with
+    // The tilt angle has a Rayleigh distribution with σ = 3. The mean cosine of this angle is 1 − √2 σ D(σ/√2), with
     // Dawson's integral D.
     let expected = Vector3::x() * -0.1795;
     assert!((mean - expected).norm() < 0.03, "{mean}");
