@@ -191,9 +191,9 @@ pub enum PatternError {
     NotDrawable {
         /// Radius of the sphere, mm.
         radius_mm: f64,
-        /// Smallest allowed radius of the sphere in a drawing, mm.
+        /// Smallest allowed radius (mm) of the sphere whose pattern is drawn.
         least: f64,
-        /// Largest allowed radius of the sphere in a drawing, mm.
+        /// Largest allowed radius (mm) of the sphere whose pattern is drawn.
         most: f64,
     },
 }

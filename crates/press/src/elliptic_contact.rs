@@ -195,7 +195,7 @@ fn axis_ratio(curvatures: f64) -> f64 {
         let square = libm::exp(2.0 * log_ratio);
         libm::log(carlson_d(0.0, 1.0, square) / carlson_d(0.0, square, 1.0)) - target
     };
-    // Let k ≥ 1 be the ratio of the curvatures. Then the ratio of the semi-axes lies between 1/k and 1/√k.
+    // If k ≥ 1 is the ratio of the relative principal curvatures, the ratio of the semi-axes lies between 1/k and 1/√k.
     let (mut low, mut high) = (-target, -0.5 * target);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);

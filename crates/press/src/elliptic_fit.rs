@@ -212,7 +212,7 @@ impl Stds {
 
 /// Start values of the fit. The contact starts at the marker that moved most, and the object with the sensor's own
 /// curvature (relative curvature 2/R_s). On a nearly flat skin, the start value of the curvature is computed from the
-/// extent of the markers instead.
+/// extent of the area of the markers instead.
 fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
     let markers = reading.markers;
     let (marker, largest) = reading
@@ -475,10 +475,10 @@ impl<'a> Problem<'a> {
         // difference, to second order.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
-        // The 95 % interval of the axis contains the angles at which the mixed component of the tensor, in axes at this
-        // angle, is 0 within the noise. This component is gap · sin(2Δ)/2, where `gap` is the difference between the
-        // eigenvalues and Δ the difference between the angle and the estimated axis. If the noise allows every angle,
-        // the standard error is `unknown`.
+        // The 95 % interval of the axis contains the angles at which the mixed component of the tensor, in axes that
+        // are rotated by this angle, is 0 within the noise. This component is gap · sin(2Δ)/2, where `gap` is the
+        // difference between the eigenvalues and Δ the difference between the angle and the estimated axis. If the
+        // noise allows every angle, the standard error is `unknown`.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {

@@ -31,7 +31,7 @@ pub enum PressError {
         /// Half the circumference of the sensor (a length). The distance of a marker from the apex must be smaller.
         limit: f64,
     },
-    /// The indentation is not positive, so the bodies do not touch.
+    /// The stated or computed indentation is not positive, so sensor and object do not touch.
     #[error(
         "the indentation is {indentation}; it must be > 0 for a contact",
         indentation = Number(*indentation)
@@ -161,7 +161,7 @@ pub enum PressError {
         /// Text for the message: the quantity that the readings do not determine.
         what: &'static str,
     },
-    /// A number in the input or in the computation is beyond the range of doubles.
+    /// A number in the input or in the computation is beyond the range of double-precision numbers.
     #[error("the numbers are too large or too small for double precision")]
     OutOfRange,
 }

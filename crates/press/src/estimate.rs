@@ -228,8 +228,8 @@ impl PressEstimate {
         self.most_likely_curvature - self.sensor_curvature
     }
 
-    /// The object's curvature 1/R_o (1/length), positive for a convex object. Like the relative curvature, it is
-    /// corrected for bias.
+    /// The object's curvature 1/R_o (1/length), positive for a convex object. Like the value of the relative curvature,
+    /// this value is corrected for bias.
     pub fn object_curvature(&self) -> Estimated {
         let shift = |end: f64| end - self.sensor_curvature;
         let Estimated {

@@ -185,8 +185,8 @@ impl Markers {
     }
 
     /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways shift of the object. The
-    /// contact has the radius `contact_radius` and is at the skin coordinates `at`. It sticks to the skin and moves by
-    /// `shift` along the x axis at the contact. All arguments except Poisson's ratio `poisson` are lengths.
+    /// contact has the radius `contact_radius` and is at the skin coordinates `at`. The contact sticks to the skin and
+    /// moves by `shift` along the x axis at the contact. All arguments except Poisson's ratio `poisson` are lengths.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] unless `poisson` is from 0 to 0.5, `depth` from 0 to 1e50, `contact_radius` from
@@ -286,7 +286,7 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
 }
 
 /// Derivatives of a marker's displacement with respect to four fit parameters: the logarithm of the relative curvature,
-/// the positions of the contact along the two axes at its place, and the indentation.
+/// the positions of the contact along the x and y axes at the contact, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
 /// Values of a contact from which the derivatives of displacements are computed.

@@ -124,8 +124,7 @@ impl Skin {
         ]
     }
 
-    /// The contact between `body` and an object. The object's curvature is positive if it is convex, and 0 if it is
-    /// flat.
+    /// The contact between `body` and an object. `object_curvature` is positive for a convex object, and 0 for a plane.
     ///
     /// # Errors
     /// [`PressError::Conforming`] and [`PressError::EdgeContact`] if the relative curvature is not positive;

@@ -8,9 +8,9 @@ use crate::{Body, Contact, Measured, Place, PressError, Skin};
 pub(crate) const UNKNOWNS: usize = 6;
 /// Index of the logarithm of the relative curvature among the fit parameters.
 pub(crate) const CURVATURE: usize = 0;
-/// Index, among the fit parameters, of the contact's position along the first axis at its place.
+/// Index, among the fit parameters, of the contact's position along the x axis at the contact.
 pub(crate) const ALONG: usize = 1;
-/// Index, among the fit parameters, of the contact's position along the second axis at its place.
+/// Index, among the fit parameters, of the contact's position along the y axis at the contact.
 pub(crate) const ACROSS: usize = 2;
 pub(crate) const INDENTATION: usize = 3;
 /// Index of the first of the two fit parameters that depend on the kind of fit.

@@ -52,7 +52,7 @@ pub enum Channel {
     Indentation = 8,
     /// Error of the gain, that is, of the common factor of all normal displacements of a press.
     Gain = 9,
-    /// Choice of the markers with a wrong reading, and the errors of these readings.
+    /// Random choice of the markers with a wrong reading, and the errors of these readings.
     WrongMarkers = 10,
     /// Misalignment of a marker's two discs, which arises in manufacture.
     Misalignment = 11,
@@ -64,11 +64,11 @@ pub enum Channel {
     Centroid = 14,
     /// Error of a marker's size in the image.
     Size = 15,
-    /// Choice of the markers that the camera does not detect.
+    /// Random choice of the markers that are not found in the camera's frame.
     LostMarkers = 16,
     /// Deviation of a sensor's parameters from their nominal values.
     Sensor = 17,
-    /// Position between two encoder steps at which a roll starts, drawn anew for each roll.
+    /// Random position between two encoder steps at which a roll starts, drawn for each roll.
     EncoderPhase = 18,
     /// Error of a measured rotation, drawn once for each roll.
     Rotation = 19,

@@ -141,7 +141,7 @@ impl Pads {
     /// the ratio of the largest errors along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
-            // The variance per axis is 5/72 pitch² for a hexagonal pad and 1/12 pitch² for a square one. The corners of
+            // The variance per axis is 5/72 pitch² for a hexagonal pad and 1/12 pitch² for a square pad. The corners of
             // a hexagon are 1/√3 pitches from the middle of the hexagon; the edges of a square are half a pitch from
             // the middle of the square.
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],

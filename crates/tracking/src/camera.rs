@@ -185,7 +185,8 @@ fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
 pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let [start, x_axis, y_axis] = frame(from);
     let [end, ..] = frame(to);
-    // Compute the angle from the chord between the two places, because this is accurate even for short chords.
+    // Compute the angle from the chord between the two places, because this computation is accurate even for short
+    // chords.
     let chord = end - start;
     let [x, y] = [chord.dot(&x_axis), chord.dot(&y_axis)];
     let across = libm::hypot(x, y);
@@ -320,7 +321,8 @@ mod tests {
                 assert_relative_eq!(place[0], angle * along, epsilon = 1e-12);
                 assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
                 // `area` is the ratio of an area in the image to the corresponding area on the sphere. `slope` is the
-                // change of the image's radius with the angle, computed as a finite difference.
+                // derivative of the distance from the image's centre with respect to the angle, computed as a finite
+                // difference.
                 let more = 1e-6;
                 let distance = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
                 if angle > 0.0 {

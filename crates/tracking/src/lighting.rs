@@ -50,8 +50,8 @@ pub(crate) struct Lighting {
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives of the background's colour at the place: half the derivative ∂²/∂x², the mixed derivative
-    /// ∂²/∂x∂y, and half the derivative ∂²/∂y².
+    /// Second derivatives of the background's colour at the place of the expansion: half the derivative ∂²/∂x², the
+    /// mixed derivative ∂²/∂x∂y, and half the derivative ∂²/∂y².
     bend: [f64; 3],
 }
 

@@ -94,8 +94,8 @@ pub(super) struct Stand {
     pub(super) misalignment: [f64; 2],
 }
 
-/// A disc as viewed from the camera: it covers all directions that are within an angular radius of the direction of its
-/// middle.
+/// A disc as viewed from the camera: the disc covers all directions within its angular radius around the direction of
+/// its middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     pub(super) direction: Vector3<f64>,
@@ -300,8 +300,8 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// A disc of this layer as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad. If the
-    /// motion is impossible, the error is the length of the motion.
+    /// A disc of this layer's colour as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad.
+    /// If the motion is impossible, the error is the length of the motion.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;

@@ -38,8 +38,8 @@ pub struct Camera {
     offset_px: [f64; 2],
 }
 
-/// Direction from which the light of a pixel comes. For a pixel at (x, y) px from the image's centre, with y up, it is
-/// the unit vector (x `lateral_rad`, y `lateral_rad`, `cosine`).
+/// Direction from which the light of a pixel comes. For a pixel at (x, y) px from the image's centre, with y up, this
+/// direction is the unit vector (x `lateral_rad`, y `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
     /// Angle (rad) that the pixel covers in the azimuthal direction. It is an arc on the unit sphere, not a difference

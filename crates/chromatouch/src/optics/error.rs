@@ -26,11 +26,11 @@ pub enum OpticsError {
         k3: f64,
         /// Coefficient k5 of the fifth power of the angle in the lens's map.
         k5: f64,
-        /// Largest angle (degrees) from the axis up to which the image radius increases.
+        /// Largest angle (degrees) from the axis up to which the distance from the image's centre increases.
         reach_deg: f64,
         /// Angle between the axis and the rim of the image circle, degrees.
         field_deg: f64,
-        /// Smallest k3 with which the image radius increases up to the rim of the image circle.
+        /// Smallest k3 with which the distance from the image's centre increases up to the rim of the image circle.
         least_k3: f64,
     },
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.

@@ -213,7 +213,7 @@ impl Moments {
         }
     }
 
-    /// Converts moments about `point` on the axis to moments about the origin.
+    /// Converts moments about the point at the position `point` on the axis of symmetry to moments about the origin.
     fn about(self, point: f64) -> Self {
         Self {
             area: self.area,

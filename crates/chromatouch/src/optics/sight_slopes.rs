@@ -127,8 +127,8 @@ impl Layer {
         for axis in 0..2 {
             let turned = by_angles[axis] / self.distance;
             set(X + axis, turned * away, turned);
-            // A deeper disc is nearer to the centre, so the same displacement along the skin turns it by a larger
-            // angle. Add this effect.
+            // A deeper disc is nearer to the sensor's centre, so the same displacement along the skin changes the
+            // disc's direction by a larger angle. Add this effect.
             deeper += turned * aside[axis];
         }
         set(DEEPER, deeper * away - normal, deeper);

@@ -9,16 +9,16 @@ use super::{CuttingSheet, PatternError};
 const CUT: &str = "CUT";
 /// Drawing layer of the middle meridians and the seam marks.
 const FOLD: &str = "FOLD";
-/// Drawing layer of the inner discs.
+/// Drawing layer of the inner (magenta) discs.
 const MAGENTA: &str = "MAGENTA";
-/// Drawing layer of the outer discs.
+/// Drawing layer of the outer (yellow) discs.
 const YELLOW: &str = "YELLOW";
 
 /// Drawing layers with their colour numbers in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
-/// Smallest and largest allowed radius of the sphere of a drawing, mm. The limits follow from the resolution of the
-/// files: coordinates are written in steps of 1e-6 mm.
+/// Smallest and largest allowed radius (mm) of the sphere whose pattern is drawn. The limits follow from the resolution
+/// of the files: coordinates are written in steps of 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {

@@ -135,7 +135,7 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
     assert_eq!(refused.setting(), Some("k3"));
     let said = refused.to_string();
     // The derivative 1 − 1.5 θ² of the image radius r/f with respect to the angle θ decreases to 0.01 at 46.55°. For a
-    // field of 65°, the smallest possible k3 is −0.99 / (3 θ²).
+    // field that ends at θ = 65°, the smallest possible k3 is −0.99 / (3 θ²).
     for word in ["k3 = -0.5", "up to 46.54", "ends at 65", "at least -0.2564"] {
         assert!(said.contains(word), "{word}: {said}");
     }

@@ -144,7 +144,7 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
         let ring = area(17.0) - area(19.0);
         let turns = 1.0 - ring / area(17.0) / 6.0;
         assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);
-        // If only the magenta disc moves inward, only its area grows.
+        // If only the magenta disc moves inward, only the image area of this disc grows.
         let near = seen(&optics, moved(inward(0.5), inward(0.0))).size_px2;
         assert_relative_eq!(near, area(16.5) + area(19.0), max_relative = 1e-5);
     }

@@ -166,7 +166,8 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
 }
 
 /// Wavenumbers and weights on [0, reach], for integrals over wavenumbers. The integrand is a smooth decaying function
-/// multiplied by a wave. The integrals are accurate for waves at distances up to `distance`.
+/// multiplied by an oscillating function of the wavenumber times a distance. The integrals are accurate for distances
+/// up to `distance`.
 pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
     let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
     let degree = NonZeroUsize::new(count).expect("there is at least one node");

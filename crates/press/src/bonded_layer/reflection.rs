@@ -91,7 +91,7 @@ pub(super) struct Spectrum {
 impl Spectrum {
     /// All wavenumbers that contribute noticeably to the displacements at the depth `depth` under the pressure
     /// `pressure`. The wavenumbers are so close together that the sum is accurate for points at distances up to `reach`
-    /// from the contact. The standard `resolution` is 1.
+    /// from the contact. Their number is multiplied by `resolution`, whose standard value is 1.
     pub(super) fn new(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Self {
         let distance = pressure.contact + reach;
         let nodes = wavenumbers(reach_at(depth), distance, resolution);

@@ -34,8 +34,8 @@ pub(super) struct Problem<'a> {
     /// Pole of the great circle on which the contact must lie. It is `None` unless all markers are on one great circle
     /// and only their normal displacements are used.
     pub(super) circle: Option<Vector3<f64>>,
-    /// Number of standard deviations beyond which a residual has a reduced weight. If it is infinite, all weights are
-    /// equal.
+    /// Number of standard deviations beyond which a residual has a reduced weight. If this number is infinite, all
+    /// weights are equal.
     pub(super) tolerance: f64,
     /// Largest ratio of indentation to relative curvature that the fit may try. It is finite for layers under nearly
     /// flat skins, because fits would otherwise try contacts that are much wider than the thickness.
@@ -432,7 +432,8 @@ pub(super) struct RobustSum {
 }
 
 impl RobustSum {
-    /// `tolerance` is the tolerance c in standard deviations. If it is infinite, all residuals have equal weights.
+    /// `tolerance` is the tolerance c of Cauchy's loss, in standard deviations. If c is infinite, all residuals have
+    /// equal weights.
     pub(super) const fn new(tolerance: f64) -> Self {
         Self {
             limit: tolerance * tolerance,

@@ -234,8 +234,8 @@ impl<'a> Search<'a> {
         }
         let limit = self.limit() * self.limit();
         let mut told = problem.without(marker, state);
-        // The search for the interval may find a better fit than the fit from which it started. It is then repeated
-        // from the better fit.
+        // The search for the interval may find a better fit than the fit from which it started. In this case, the
+        // search is repeated from the better fit.
         for _ in 0..4 {
             let Some((others, state, sums)) = told else {
                 break;

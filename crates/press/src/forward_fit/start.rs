@@ -122,7 +122,7 @@ fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) ->
 }
 
 /// Chi-squared and fit parameters of a contact with the radius of `shape`. If the indentation or the gain is a fitted
-/// parameter, its best value is computed.
+/// parameter, the best value of this parameter is computed.
 fn of_shape(
     problem: &Problem<'_>,
     shapes: &Shapes,

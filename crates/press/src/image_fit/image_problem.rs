@@ -60,7 +60,7 @@ pub(super) struct Problem<'a, V> {
     /// Whitening matrix of each used marker. It transforms the errors of the reading to independent errors of unit
     /// variance.
     pub(super) whiten: Vec<Matrix4<f64>>,
-    /// Derivatives of the whitened images of the used markers with respect to their misalignments.
+    /// Derivatives of the whitened images of the used markers with respect to the misalignments of these markers.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
     /// For each marker, the difference between two whitened images, to first order: the image for the sensor parameters
     /// that were fitted at rest, minus the image for the parameters in `sensor`.

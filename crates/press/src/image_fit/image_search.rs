@@ -173,7 +173,7 @@ fn update_sensor<V: View + Clone>(
         match problem.weigh(&best.state) {
             Ok(fitted) if is_possible => best = fitted,
             _ => {
-                // The updated sensor is impossible, so restore the previous one.
+                // The updated sensor parameters are impossible, so restore the previous parameters.
                 *problem = before;
                 break;
             }

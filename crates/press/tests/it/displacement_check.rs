@@ -66,8 +66,8 @@ fn another_body_is_found() {
     }
 }
 
-/// The noise is three times the stated noise. Only the misfit of the noise is reported, because the other tests then
-/// use the noise of the residuals instead of the stated noise.
+/// The noise is three times the stated noise. Only a poor fit and the wrong stated noise are reported, because the
+/// other tests use the noise of the residuals if the residuals are too large.
 #[test]
 fn larger_noise_than_stated_is_found() {
     let codes = codes(TRIALS, [&half_space(); 2], STATED, |readings, trial| {

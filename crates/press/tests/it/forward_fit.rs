@@ -403,8 +403,8 @@ const DISH: [[f64; 2]; 11] = [
     [9.476, -0.0361],
 ];
 
-/// Most likely effective radius from a published profile, and its interval. The radial positions in the profile are
-/// multiplied by `stretch`.
+/// Most likely effective radius, and its 95 % interval, from a published profile of displacements. The radial positions
+/// in the profile are multiplied by `stretch`.
 fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     let positions: Vec<f64> = profile
         .iter()

@@ -62,7 +62,8 @@ pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
     p_values.iter().enumerate().map(apart).fold(0.0, f64::max)
 }
 
-/// Share of the trials with a misfit. If `code` is given, only misfits with this code count.
+/// Share of the trials with a misfit, which is a contradiction between readings and model. If `code` is given, only
+/// misfits with this code count.
 pub(crate) fn misfit_share(codes: &[Vec<&str>], code: Option<&str>) -> f64 {
     let has = |one: &&Vec<&str>| code.map_or(!one.is_empty(), |code| one.contains(&code));
     codes.iter().filter(has).count() as f64 / codes.len() as f64

@@ -85,7 +85,8 @@ fn no_draw_depends_on_another() {
             for (j, [product, square]) in sums.iter().enumerate() {
                 let is_itself = index == 0 && i == j;
                 // The products of independent draws have the variance 1, and the products of their centred squares the
-                // variance 4. With a probability of 0.999, the largest of 1,000 scores is below 5.
+                // variance 4. A score is a sum of products divided by its standard deviation. With a probability of
+                // 0.999, the largest of 1,000 scores is below 5.
                 let scores = [*product, square / 2.0].map(|sum| sum / (TRIALS as f64).sqrt());
                 let independent = scores.iter().all(|score| score.abs() < 5.0);
                 assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");

@@ -59,9 +59,9 @@ pub struct LateralCalibration {
     /// Line with an intercept that is fitted to the same points, for comparison with `line`; `None` if the points do
     /// not determine it.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest tangential displacement of the points of the fit (length).
+    /// Smallest and largest tangential displacement (length) of the calibration points.
     pub range: [f64; 2],
-    /// Smallest and largest normal displacement of the points of the fit (length). In the computation of the ratio, a
+    /// Smallest and largest normal displacement (length) of the calibration points. In the computation of the ratio, a
     /// normal displacement outside of this range is replaced by the nearer limit.
     pub normal_range: [f64; 2],
 }

@@ -78,7 +78,7 @@ pub struct NormalCalibration {
     /// Line with an intercept that is fitted to the same points, for comparison with `line`; `None` if the points do
     /// not determine it.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest displacement of the fitted points (length).
+    /// Smallest and largest normal displacement (length) of the calibration points.
     pub range: [f64; 2],
     /// Slopes of single markers, sorted by the index of the marker.
     pub gains: Vec<MarkerGain>,
@@ -143,7 +143,7 @@ impl NormalCalibration {
         }
     }
 
-    /// Weighted sum of a marker's hue change and nearness. The displacement is computed from this sum.
+    /// Weighted sum of a marker's hue change and nearness (see [`nearness`]), from which the displacement is computed.
     fn signal(&self, change: &Change) -> f64 {
         signal(self.weights, change.hue_turns, nearness(change.growth))
     }
@@ -278,8 +278,8 @@ mod tests {
         }
     }
 
-    /// Points of two markers at the distance 18 from the camera. The hue of the second marker changes twice as much per
-    /// length as the hue of the first marker.
+    /// Calibration points of two markers at the distance 18 from the camera. The hue of the second marker changes twice
+    /// as much per length as the hue of the first marker.
     fn two_markers() -> Vec<NormalPoint> {
         (0..4)
             .flat_map(|step| {
