@@ -107,11 +107,11 @@ pub struct ForwardFit {
     pub baseline: Prior,
     /// Prior of the gain, a factor on all normal displacements. Its ideal value is 1.
     pub gain: Prior,
-    /// Standard deviation (length) of the noise of normal displacements. If it is `None` or 0, it is estimated from the
-    /// residuals. An estimate is at least 1e-10 of the largest normal displacement.
+    /// Standard deviation (length) of the noise of normal displacements. If the value is `None` or 0, the noise is
+    /// estimated from the residuals. The estimate is at least 1e-10 of the largest normal displacement.
     pub normal_std: Option<f64>,
-    /// Standard deviation (length) of the noise of each tangential displacement component. If it is `None` or 0, it is
-    /// estimated from the residuals. An estimate is at least 1e-10 of the largest normal displacement.
+    /// Standard deviation (length) of the noise of each tangential displacement component. If the value is `None` or 0,
+    /// the noise is estimated from the residuals. The estimate is at least 1e-10 of the largest normal displacement.
     pub tangential_std: Option<f64>,
     /// Radius (length) of the fit's window: the fit uses only the markers within this distance from the contact; `None`
     /// for all markers.

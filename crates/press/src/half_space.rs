@@ -50,9 +50,9 @@ const RECURRENCE: [[f64; 2]; ORDERS] = {
 };
 
 /// Factors of the terms of each series, without the powers of −s². Here s is the ratio of the contact's radius to the
-/// distance of the point. They are the coefficients of the series sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)! and
-/// sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by a factorial. The factorial is that of the power of the wavenumber k
-/// in the integral.
+/// distance of the point. The factors are the coefficients of the series sin x − x cos x = Σ (−1)ⁿ (2n+2)
+/// x^{2n+3}/(2n+3)! and sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by a factorial. The factorial is that of the power
+/// of the wavenumber k in the integral.
 const FACTORS: [[f64; SERIES]; TERMS] = {
     let mut factors = [[0.0; SERIES]; TERMS];
     let mut n = 0;

@@ -20,7 +20,7 @@ pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 /// If the standard deviation of a parameter's prior, relative to the scale of the parameter, is at most this value, the
-/// parameter counts as exact, because a fit with such a prior would suffer from rounding errors. It is also the
+/// parameter counts as exact, because a fit with such a prior would suffer from rounding errors. This value is also the
 /// smallest noise that a fit assumes, relative to the largest displacement.
 pub(crate) const EXACT: f64 = 1e-10;
 

@@ -22,7 +22,7 @@ pub enum PadLayout {
     /// Hexagons in arc lengths on the fingertip, with a row of neighbouring pads along x. On the sphere, the hexagons
     /// are distorted in the same way as the square grid.
     Hexagonal,
-    /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per pitch².
+    /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per area of pitch².
     Uniform,
 }
 

@@ -35,7 +35,7 @@ impl Number {
     pub fn known_to(number: f64, std: f64) -> Self {
         let size = |number: f64| libm::floor(libm::log10(number.abs()));
         let digits = size(number) - size(std) + 1.0;
-        // Use at most 16 digits, because a double has no more significant digits.
+        // Use at most 16 digits, because a double-precision number has no more significant digits.
         let digits = if digits.is_finite() {
             digits.clamp(2.0, 16.0)
         } else {

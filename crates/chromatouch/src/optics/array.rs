@@ -343,8 +343,9 @@ impl Layer {
     }
 
     /// A disc as viewed from a camera that is not in the sensor's centre. The view is computed from `sight`, the view
-    /// from the centre. The disc is approximated by a circular cap with the same solid angle, which is correct to first
-    /// order in the solid angle. If the disc moves behind the camera, the error is the disc's inward displacement.
+    /// from the sensor's centre. The disc is approximated by a circular cap with the same solid angle, which is correct
+    /// to first order in the solid angle. If the disc moves behind the camera, the error is the disc's inward
+    /// displacement.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;

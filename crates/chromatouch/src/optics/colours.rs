@@ -5,7 +5,7 @@ use palpate_statistics::saturated_hue;
 
 use super::OpticsError;
 
-/// Colours as linear light; the components are red, green and blue.
+/// Colours of the sensor's parts as linear light; the components are red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colours {
     /// Light of the illuminated white layer, relative to full scale.

@@ -33,7 +33,7 @@ pub enum OpticsError {
         /// Smallest k3 with which the distance from the image's centre increases up to the rim of the image circle.
         least_k3: f64,
     },
-    /// A disc would lie at or beyond the sensor's centre, or outside its skin.
+    /// A disc would lie at or beyond the sensor's centre, or outside the sensor's skin.
     #[error(
         "the {disc} discs would lie {depth} under a skin of radius {radius}; it must be at least 0 and less than the radius",
         depth = Number(*depth), radius = Number(*radius)

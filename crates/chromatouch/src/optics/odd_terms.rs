@@ -9,7 +9,7 @@ use super::error::{MOST_TERM, OpticsError};
 const LEAST_SLOPE: f64 = 0.01;
 /// Maximum number of Newton steps in the inversion of the lens's map r(θ). A step that leaves the interval of the
 /// solution is replaced by a bisection. Even if all steps are bisections, the result is exact to the last digit of a
-/// double.
+/// double-precision number.
 const STEPS: usize = 64;
 
 /// Odd terms of a fisheye lens, in addition to the equidistant term: the lens maps θ to r = f (θ + k3 θ³ + k5 θ⁵). Here

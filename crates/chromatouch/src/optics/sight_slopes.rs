@@ -35,8 +35,8 @@ pub(super) struct SightSlopes {
 
 impl SightSlopes {
     /// Returns `sight` after one of its discs is changed by a small step. `number` selects which value changes: a
-    /// component of the disc's direction, or the logarithm of its size. Disc 0 is the magenta disc, disc 1 the yellow
-    /// disc.
+    /// component of the disc's direction, or the logarithm of its angular size. Disc 0 is the magenta disc, disc 1 the
+    /// yellow disc.
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,

@@ -262,7 +262,7 @@ fn impossible_slopes_have_named_errors() {
         found.map_err(|error| error.name())
     };
     let (rest, known) = (alike(1.0, 0.0, 0.0), Departure::default());
-    // The first marker has no motion; the second lies outside the image.
+    // The first marker is missing, because its motion is `None`; the second marker lies outside the image.
     assert_eq!(slopes(&[None, rest], known, 0), Ok(vec![None, None]));
     assert_eq!(slopes(&[rest], known, 0), Err("wrong-count"));
     let beyond = slopes(&[rest; 2], known, Departure::NUMBERS);

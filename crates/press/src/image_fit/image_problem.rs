@@ -55,7 +55,7 @@ pub(super) struct Problem<'a, V> {
     /// For each used marker, the square root of its weight in the robust fit.
     pub(super) trust: Vec<f64>,
     /// Corrections of the disc displacements for the difference between the fitted and the nominal depths of the discs.
-    /// They are computed together with the weights.
+    /// The corrections are computed together with the weights of the readings.
     by_depth: Vec<[MarkerDisplacement; 2]>,
     /// Whitening matrix of each used marker. It transforms the errors of the reading to independent errors of unit
     /// variance.

@@ -21,8 +21,8 @@ pub struct Rest {
     pub misalignments: Vec<[f64; 2]>,
     /// Whether each marker has a reading in the frame at rest.
     pub seen: Vec<bool>,
-    /// Chi-squared of the fit at rest, including the priors. If the sensor model is correct, its expected value is
-    /// `freedom`.
+    /// Chi-squared of the fit at rest, including the priors. If the sensor model is correct, the expected value of
+    /// chi-squared is `freedom`.
     pub chi_squared: f64,
     /// Number of degrees of freedom of `chi_squared`.
     pub freedom: usize,

@@ -123,7 +123,7 @@ fn the_bound_matches_an_independent_calculation() {
     let share = bounds.unwrap().relative_curvature / contact.relative_curvature;
     assert_relative_eq!(share, 0.067, max_relative = 0.01);
     // The Cramér–Rao bounds of the standard deviations are proportional to the noise, unless the square of the noise
-    // exceeds the range of doubles.
+    // exceeds the range of double-precision numbers.
     let by = |std| {
         let fit = ForwardFit {
             normal_std: Some(std),
@@ -374,8 +374,8 @@ fn a_calibrated_gaussian_estimates_its_calibration_plane() {
     assert_relative_eq!(found.effective_radius().value, RADIUS, max_relative = 1e-5);
 }
 
-/// Profiles from Fig. 7c of the 2020 paper, for a plane and for a dish with a radius of 80 mm. Columns: radial position
-/// as drawn and normal displacement, mm.
+/// Profiles of the skin's displacement from Fig. 7c of the 2020 paper, for presses on a plane and on a dish with a
+/// radius of 80 mm. Columns: radial position as drawn and normal displacement, mm.
 const PLANE: [[f64; 2]; 11] = [
     [-9.576, -0.0006],
     [-7.684, -0.0268],

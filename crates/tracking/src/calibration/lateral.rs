@@ -37,12 +37,13 @@ pub struct LateralPoint {
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralCalibration {
-    /// Coefficient p₀, the ratio at a normal displacement of 0, px per length.
+    /// Coefficient p₀: the ratio of the centroid's shift to the tangential displacement, at a normal displacement of 0,
+    /// px per length.
     pub px_per_length: f64,
     /// Standard error of the coefficient p₀, px per length.
     pub px_per_length_std: Option<f64>,
-    /// Coefficient p₁, the change of the ratio per normal displacement, px per length squared. `None` if the points
-    /// have fewer than two different normal displacements.
+    /// Coefficient p₁: the change, per normal displacement, of the ratio of the centroid's shift to the tangential
+    /// displacement, px per length squared. `None` if the points have fewer than two different normal displacements.
     pub per_indentation: Option<f64>,
     /// Standard error of the coefficient p₁, px per length squared.
     pub per_indentation_std: Option<f64>,

@@ -96,8 +96,8 @@ fn misaligned_discs_on_a_bright_ground() {
 #[test]
 fn a_photograph() {
     // The list of the true markers was made by eye from enlargements of the photograph with a grid. `clear` markers are
-    // away from the rim, `touching` markers reach or nearly reach the rim, and `cut` markers are partly beyond it. The
-    // position of a marker is the centre of both discs together, accurate to about 2 px.
+    // away from the rim, `touching` markers reach or nearly reach the rim, and `cut` markers are partly beyond the rim.
+    // The position of a marker is the centre of both discs together, accurate to about 2 px.
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/camera-frame-265px");
     let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();
     let list = std::fs::read_to_string(format!("{data}-markers.csv")).unwrap();

@@ -40,9 +40,9 @@ pub(super) struct Cover {
     pub(super) both: f64,
 }
 
-/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, the cover also contains a vector in
-/// the image that points towards the disc. The vector can have any length. Its first component is the component away
-/// from the image's centre, its second the component in the azimuthal direction.
+/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, `toward` is a vector of any length
+/// in the image that points towards the disc. Its first component is away from the image's centre, and its second
+/// component in the azimuthal direction.
 struct DiscCover {
     share: f64,
     toward: Option<[f64; 2]>,

@@ -105,8 +105,8 @@ pub(super) struct Rows<'a> {
     started: usize,
     ground: [f32; 3],
     outside: [f32; 3],
-    /// Shares of red, green and blue light that a completely covered pixel absorbs: if the magenta disc covers it, and
-    /// if the yellow disc covers it. The third entry is the product of both shares, a correction for places where the
+    /// Shares of red, green and blue light that a completely covered pixel absorbs. The first entry is for the magenta
+    /// disc, the second for the yellow disc. The third entry is the product of both, a correction for places where the
     /// discs overlap.
     absorbed: [[f64; 3]; 3],
     light_at_rim: f64,
