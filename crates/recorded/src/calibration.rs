@@ -251,8 +251,8 @@ const fn located<P>(point: P) -> Located<P> {
     }
 }
 
-/// Size of the change of a marker's image in the feature by which the calibration finds the contact. The marker with
-/// the largest change is assumed to be under the contact.
+/// Change of the feature (shift, hue or size of a marker's image) by which the calibration finds the marker under the
+/// contact. The marker with the largest change is assumed to be under the contact.
 fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),

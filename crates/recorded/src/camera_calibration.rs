@@ -16,8 +16,8 @@ use super::study_options::press_of;
 const MIN_GROUND: u8 = 40;
 /// Largest accepted share of saturated pixels (green level 255) in the centre of a frame.
 const MAX_SATURATED: f64 = 0.5;
-/// An odd term of the lens counts as determined by the frame if its standard error is at most this share of its prior
-/// standard deviation.
+/// A lens coefficient (k3 or k5) counts as determined by the frame if its standard error is at most this share of its
+/// prior standard deviation.
 const MAX_TERM_SHARE: f64 = 0.5;
 
 /// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera.
@@ -78,8 +78,8 @@ impl MarkersAtRest {
                 found: matched.found,
             })
         };
-        // First try to fit both odd terms of the lens, then only k3, then none of them, until the frame determines all
-        // terms that are fitted.
+        // First try to fit both lens coefficients k3 and k5, then only k3, then neither, until the frame determines
+        // every fitted coefficient.
         for free in (1..=TERM_STDS.len()).rev() {
             if let Ok(at_rest) = with_terms(free)
                 && is_determined(&at_rest.camera)
@@ -91,8 +91,8 @@ impl MarkersAtRest {
     }
 }
 
-/// Smallest accepted quality of JPEG frames. Frames with a lower quality contradict the layout, or their intervals are
-/// wrong.
+/// Smallest accepted quality of JPEG frames. In frames with a lower quality, the markers contradict the layout, or the
+/// 95 % intervals of the estimate are too narrow.
 const MIN_JPEG_QUALITY: f64 = 92.0;
 
 /// Returns an error if a frame has another size than the frames of `camera`, is compressed too much, or is too dark or

@@ -22,7 +22,7 @@ const MAX_CHI_SQUARED: f64 = 200.0;
 /// Largest joint χ² of the differences between prior and estimate for which there is no warning, for 9, 10 or 11 camera
 /// parameters. For a correct camera, χ² exceeds this value with a probability of 1/10,000.
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
-/// Number of camera parameters without the two odd terms of the lens, which a frame may not determine.
+/// Number of camera parameters without the lens coefficients k3 and k5, which not every frame determines.
 const WITHOUT_TERMS: usize = 9;
 /// Largest accepted ratio of a parameter's standard error after the calibration to its prior standard deviation.
 const MAX_STD_RATIO: f64 = 10.0;
@@ -127,8 +127,8 @@ impl<'a> CameraPrior<'a> {
         let (own, found) = (numbers(&self.geometry), numbers(&geometry_of(at_rest)));
         let scales = scales(at_rest);
         let found_covariance = at_rest.covariance();
-        // Compare only the parameters that the frame determines. The odd terms of the lens that the frame does not
-        // determine come last and are left out.
+        // Compare only the parameters that the frame determines. Lens coefficients (k3, k5) that the frame does not
+        // determine are at the end of the list and are left out.
         let count = found_covariance.nrows();
         let own_covariance = self.covariance().resize(count, count, 0.0);
         let std = |covariance: &DMatrix<f64>, entry: usize| {

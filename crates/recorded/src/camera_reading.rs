@@ -110,8 +110,8 @@ impl FrameReader {
 
 type ImageReading = (CameraReading, TrackedPress);
 
-/// If the scatter of the markers at rest is above this value, the frames are read again with linearised pixels, because
-/// the pixels may be encoded by sRGB. If the encoding is wrong, the scatter exceeds 100.
+/// If the residuals of the markers at rest exceed their noise by more than this factor, the frames are read again with
+/// linearised pixels, because the pixels may be encoded by sRGB. If they are, the factor exceeds 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
 /// Scatter of the markers at rest (ratio of the markers' residuals to their noise); infinite if `read` is an error.
@@ -125,7 +125,7 @@ fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
 }
 
 /// Estimates the press again from frames with linearised pixels. Returns this estimate only if the markers at rest
-/// agree with the sensor in the linearised frames, but not in the original frames. `scatter` is the scatter at rest of
+/// agree with the sensor in the linearised frames, but not in the original frames. `scatter` is [`scatter_at_rest`] of
 /// the original frames.
 fn linearised(
     frames: [&Frame; 2],
@@ -208,8 +208,8 @@ fn slope_share(calibration: &Calibration) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// The scale of a camera may be stated and calibrated. If the ratio of the two scales (the larger divided by the
-/// smaller) exceeds this value, there is a warning.
+/// The scale of a camera may be stated by the user and also be calibrated. If the ratio of the two scales (the larger
+/// divided by the smaller) exceeds this value, there is a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
 #[derive(Clone, Debug)]

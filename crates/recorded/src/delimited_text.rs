@@ -7,7 +7,7 @@ use super::heading::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 
-/// Largest number of rows in which the delimiter is searched if the header does not determine it.
+/// If the header does not determine the delimiter, at most this number of rows is searched for it.
 const DECIDING_ROWS: usize = 100;
 
 /// A table in which a delimiter separates the fields of a line, such as a CSV file.

@@ -217,7 +217,7 @@ const MIN_COMMON_RATIO: f64 = 2.5;
 /// Smallest number of markers for which a common motion of the markers is computed.
 const MIN_MARKERS: usize = 8;
 
-/// Difference of green levels (0 to 255) that has the full colour in a difference image.
+/// Difference between the green levels (0 to 255) of two frames that is drawn in the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
@@ -294,7 +294,8 @@ impl FramePair {
         (libm::atan2(sin, cos) / TAU).rem_euclid(1.0)
     }
 
-    /// Index and `strength` of the marker with the largest absolute value of `strength`.
+    /// Index of the marker for which the function `strength` has the largest absolute value, and this value with its
+    /// sign.
     pub(super) fn strongest(
         &self,
         strength: impl Fn(&Track) -> Option<f64>,
@@ -426,8 +427,8 @@ impl FramePair {
         })
     }
 
-    /// Change of the logarithm of the diameter for the marker whose size changed most, if this marker shrank clearly
-    /// more than the other markers changed. The two frames are then probably swapped.
+    /// If the marker whose diameter changed most shrank clearly more than the other markers changed, the change of the
+    /// logarithm of its diameter: the two frames are then probably swapped. Otherwise `None`.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

@@ -275,8 +275,8 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
-    /// Goodness of fit and misfits of a fitted graph, in which outliers have their row number in the recording. If the
-    /// test is impossible, the second result is the reason.
+    /// Goodness of fit and misfits of a fitted graph (height over a plane). Outliers have their row number in the
+    /// recording. If the test is impossible, the second result is the reason.
     fn misfit(&self) -> (MisfitTest, Option<String>) {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();

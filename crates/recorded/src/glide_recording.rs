@@ -110,8 +110,8 @@ impl GlideRecording {
         )))
     }
 
-    /// The positive radii in columns with the radius of fingertips, in the unit of the recording, with the names of their
-    /// columns.
+    /// The positive radii in columns with the radius of fingertips, in the unit of the recording, with the names of
+    /// their columns.
     fn radii(&self) -> impl Iterator<Item = (&str, Number)> {
         let columns = self.extras.names.iter().enumerate();
         let columns = columns.filter(|(_, name)| is_tip_radius(name));
@@ -129,7 +129,8 @@ impl GlideRecording {
         })
     }
 
-    /// Text of a warning: the stated radius of the fingertips, if it is not 0, differs from a column of the file.
+    /// Text of a warning if the stated radius of the fingertips is not 0 and differs from the radius in a column of the
+    /// file.
     pub(super) fn other_tip_radius(&self, stated: f64) -> Option<String> {
         let mut radii = self.radii().filter(|_| stated > 0.0);
         let (name, radius) =
@@ -139,8 +140,8 @@ impl GlideRecording {
         ))
     }
 
-    /// Text of a note for files with unused orientations: the positions may be points of fingertips instead of
-    /// contacts.
+    /// Text of a note for files whose columns state orientations that are not read. The positions may then be points of
+    /// fingertips instead of contacts.
     pub(super) fn unused_orientation(&self) -> Option<String> {
         let names = &self.extras.names;
         let mut parts = names.iter();
@@ -269,7 +270,7 @@ pub(super) fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedEr
     }
 }
 
-/// `error` with the contact's row in the recording instead of its index.
+/// The error `error`, in which the contact's index in the fit is replaced by its row in the recording.
 pub(super) fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     match error {
         Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
@@ -303,7 +304,7 @@ pub(super) fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> Re
     }
 }
 
-/// Message of the error. If a setting can solve the problem, the message names this setting.
+/// Message of an error of a fit. If a setting can solve the problem, the message names this setting.
 fn remedied(error: &Ep2Error, fingers: usize) -> String {
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {

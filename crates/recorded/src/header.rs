@@ -34,7 +34,7 @@ impl<'a> Header<'a> {
                 headings[index].part = Some(column);
             }
         }
-        // Trajectories have the positions tx, ty and tz. Beside forces, these are torques.
+        // In files of trajectories, tx, ty and tz are positions. In files with columns of forces, they are torques.
         let has = |name| headings.iter().any(|heading| heading.base == name);
         if ["tx", "ty", "tz"].into_iter().all(has) && !["fx", "f_x"].into_iter().any(has) {
             for heading in &mut headings {
@@ -70,8 +70,8 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Value for the setting `columns`, as pairs of names separated by commas. It assigns the names that `columns` have
-    /// in the file to the columns `others`.
+    /// Value for the setting `columns`: pairs of names, separated by commas. Each pair assigns to a column of `others`
+    /// the name that the corresponding column of `columns` has in the file.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
         let pairs = columns
             .iter()

@@ -28,7 +28,7 @@ impl<'a> Heading<'a> {
         }
     }
 
-    /// Whether the name is that of a time.
+    /// Whether the column contains times, according to its name.
     pub(super) fn is_time(&self) -> bool {
         let mut words = self.base.split('_').enumerate();
         words.any(|(place, word)| match word {
@@ -123,7 +123,8 @@ pub(super) fn two_units(name: &str, unit: &str) -> String {
     format!("column `{name}` states the unit `{unit}`, but its name ends with another unit")
 }
 
-/// Unit at the end of a column name, such as `mm` in `pos_x_mm`. The name is not one of palpate's names.
+/// Unit at the end of a column name that is not palpate's own, such as `mm` in `pos_x_mm`; `None` if the name ends with
+/// no unit.
 pub(super) fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
     let Some((_, last)) = heading.base.rsplit_once('_') else {
         return Ok(None);
@@ -189,8 +190,8 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     is_special || has_words || is_of_axis(column, &words)
 }
 
-/// Whether a name is that of the label of a finger or probe, such as `finger_id`. The columns of a finger's
-/// position also have the word `finger`.
+/// Whether a column name denotes the label of a finger or probe, such as `finger_id`. Columns with a finger's position
+/// may also contain the word `finger`; they are no labels.
 fn is_label(label: &str, words: &[&str]) -> bool {
     match words {
         [.., last] if *last == label => true,
@@ -201,9 +202,11 @@ fn is_label(label: &str, words: &[&str]) -> bool {
     }
 }
 
-/// Whether a name with these words may be that of a position. Words that are units, axes or indices do not matter.
+/// Whether a column whose name consists of these words may be a position. Words that are units, axes or indices do not
+/// matter.
 fn may_be_position(words: &[&str]) -> bool {
-    // A position may have the prefix p, and that of a contact c. Another single letter denotes another quantity.
+    // The name of a position may have the prefix p, and that of a contact the prefix c. Any other single letter denotes
+    // another quantity.
     let is_letter =
         |word: &str| word.len() == 1 && !"cpxyz".contains(word) && word.parse::<u8>().is_err();
     let is_other = |word: &str| OTHERS.split(' ').any(|other| is_start(word, other));
@@ -258,8 +261,8 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         "v" if says(quantity) => "y",
         axis => axis,
     };
-    // `letter` is what precedes the axis in the last word, for example `r` in `rx`. The text is empty if the word is
-    // only an axis or an index.
+    // `letter` is the letter before the axis in the last word, for example `r` in `rx`. It is empty if the word is only
+    // an axis or an index.
     let letter = match last.strip_suffix(axis).or(last.strip_suffix(other)) {
         Some(letter) if letter.len() <= 1 => letter,
         _ if *last == index && !rest.is_empty() => "",

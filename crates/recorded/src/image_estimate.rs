@@ -300,7 +300,8 @@ impl ScaledFit {
     /// Fits the press to the markers at rest and pressed. All stated errors are multiplied by `of_jpeg`, which is above
     /// 1 for JPEG frames.
     ///
-    /// # Errors The error of the fit, together with the scatter of the markers at rest.
+    /// # Errors
+    /// The error of the fit, together with the scatter of the markers at rest.
     fn of(
         fit: ImageFit<ImageModel>,
         rest: &[Option<Seen>],

@@ -74,8 +74,8 @@ impl<'a> JsonTable<'a> {
         }
     }
 
-    /// The JSON object of each row, with a number for messages. The number is the line of the object. If the whole list
-    /// is written in one line, it is the number of the object, counted from 1.
+    /// The JSON object of each row, with a number for messages: the line of the object or, if the whole list is written
+    /// in one line, the number of the object, counted from 1.
     fn objects<'f>(&'f self, file: &'f RecordedFile) -> Box<dyn Iterator<Item = Object> + 'f> {
         match &self.rows {
             Rows::Sequence(text) => {
@@ -134,7 +134,7 @@ impl<'a> JsonTable<'a> {
     }
 }
 
-/// Whether the column `key` contains a part of the value `name`, such as `position.0` of `position`.
+/// Whether the column `key` is a component of the value `name`, such as `position.0` of `position`.
 fn is_within(key: &str, name: &str) -> bool {
     let part = key.strip_prefix(name);
     part.is_some_and(|part| part.starts_with('.'))
@@ -197,8 +197,8 @@ fn single_values(object: &Map<String, Json>, path: &str, values: &mut Vec<(Strin
     }
 }
 
-/// Names and values of the columns, if the object has one list per column; otherwise `None`. Single values of the object
-/// are added to each row.
+/// Names and values of the columns, if the object has one list per column; otherwise `None`. Single values of the
+/// object are added to each row.
 #[expect(clippy::type_complexity, reason = "names and values of the columns")]
 fn columns(
     file: &RecordedFile,
@@ -266,7 +266,7 @@ fn records(
 ) -> Result<Option<Vec<Json>>, RecordedError> {
     let Some(Json::Array(rows)) = object.get("data") else {
         let row = |(number, row): (&String, &Json)| {
-            // The keys of a column are the numbers of its rows.
+            // If this is a column instead of a row, its keys are the numbers of the rows.
             let keys = row.as_object()?.keys();
             let has_names = keys.into_iter().any(|key| key.parse::<u64>().is_err());
             let number = number.parse::<u64>().ok().filter(|_| has_names)?;

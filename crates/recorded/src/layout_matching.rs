@@ -30,14 +30,14 @@ const DISCS: [(usize, &str); 10] = [
 /// Indices of the camera parameters in a [`Departure`].
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 const ROUNDS: usize = 4;
-/// Standard deviations of the four numbers of a marker's image in the rough fits: both centroid coordinates (px), hue
-/// (turns), and logarithm of the size. These values are large, because the misalignments of the discs are still
-/// unknown.
+/// Standard deviations of the four numbers of a marker's image in the rough fits, which come before the final fit: both
+/// centroid coordinates (px), hue (turns), and logarithm of the size. These values are large, because the misalignments
+/// of the discs are still unknown.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
-/// Two limits for the final round: the smallest share of the layout's markers that must be found, and the largest share
-/// of found markers that do not belong to the layout.
+/// Two limits for the final round of matching: the smallest share of the layout's markers that must be found, and the
+/// largest share of found markers that do not belong to the layout.
 const SHARES: [f64; 2] = [0.66, 0.2];
-/// The same two shares as in [`SHARES`], but for the rough rounds.
+/// The same two shares as in [`SHARES`], but for the rough rounds of matching, which come before the final round.
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 /// Largest accepted median difference (turns) between the measured and the nominal hues of the markers.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
@@ -98,8 +98,8 @@ impl Matched {
             })
     }
 
-    /// Matches the found markers with the markers of the layout, starting from the camera in `optics`. Rough rounds
-    /// improve the camera; the final round has tighter limits.
+    /// Matches the found markers with the markers of the layout, starting from the camera in `optics`. Several rough
+    /// rounds of matching and fitting improve the camera; the final round has tighter limits.
     fn about(
         nominal: &NominalSensor<'_>,
         optics: Optics,
@@ -235,7 +235,7 @@ impl Matched {
         let turn = pose.turn_rad();
         let terms = camera.lens().odd_terms().unwrap_or_default();
         // The first nine rows of the covariance are for the image centre, scale, position and rotation of the camera,
-        // followed by a row for each odd term.
+        // followed by the rows for the lens coefficients k3 and k5.
         let std_of_term = |at: usize| (nominal.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
         Ok(CameraEstimate {
             length_unit,
@@ -295,8 +295,7 @@ impl Matched {
     }
 }
 
-/// Factor by which the stated errors of the markers are multiplied: the square root of the reduced χ² if the reduced χ²
-/// is above
+/// Factor by which the stated errors of the markers are multiplied: the square root of the reduced χ² if it is above
 /// `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
 pub(super) fn scatter(reduced: f64) -> f64 {
     match reduced > MAX_REDUCED_CHI_SQUARED {
@@ -305,9 +304,9 @@ pub(super) fn scatter(reduced: f64) -> f64 {
     }
 }
 
-/// Repeats the fit, where each fit starts from the optics of the previous fit. Changes of the odd terms, the scale and
-/// the camera height almost compensate each other. Therefore a single fit from distant start values stops before it
-/// reaches the smallest χ².
+/// Repeats the fit, where each fit starts from the optics of the previous fit. Changes of the lens coefficients k3 and
+/// k5, the scale and the camera's height almost compensate each other. Therefore a single fit from distant start values
+/// stops before it reaches the smallest χ².
 fn settled(
     nominal: &NominalSensor<'_>,
     (mut rest, mut optics): (Rest, Optics),
@@ -367,7 +366,8 @@ fn of_camera(rest: &Rest) -> Result<Departure, String> {
     Ok(Departure::of(numbers))
 }
 
-/// A marker's image with larger standard errors, which allow for the unknown misalignment of its discs.
+/// The same marker image with larger standard errors, which allow for the unknown misalignment of the marker's two
+/// discs.
 fn roughly(image: Seen) -> Seen {
     let mut covariance = image.covariance;
     for (number, std) in ROUGH_STDS.into_iter().enumerate() {

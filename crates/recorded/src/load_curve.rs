@@ -36,8 +36,8 @@ const LOADS: [Column; 2] = [
 /// below the rounding errors.
 const LEAST_NOISE: f64 = 1e-10;
 
-/// Confidence level of the test whether the force grows with the power 3/2 of the indentation. Readings of a Hertzian
-/// contact pass with this probability; a failure causes a warning.
+/// Confidence level of the test whether the force grows with the power 3/2 of the indentation. The readings of a
+/// Hertzian contact pass the test with this probability. If readings fail it, there is a warning.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve: the forces that were measured at several indentations.
@@ -110,8 +110,8 @@ pub struct LoadEstimate {
     /// Curvature of the object: 1/R minus the curvature of the sensor, where R is the effective radius. `None` if
     /// Young's modulus or the radius of the sensor is not given.
     object_curvature: Option<Value>,
-    /// Exponent n of the power law F ∝ δⁿ that fits the forces F best, where δ is the indentation. It is found by one
-    /// linear step from n = 3/2, which is the exponent of a Hertzian contact.
+    /// Exponent n of the power law F ∝ δⁿ that fits the forces F best, where δ is the indentation. It is computed by
+    /// one Gauss–Newton step from n = 3/2, the exponent of a Hertzian contact.
     exponent: Value,
     /// Standard deviation of the noise of each force, N. It is stated by the user or estimated from the residuals.
     force_std_n: f64,
@@ -194,8 +194,8 @@ pub fn estimate_force(
     };
     let slope_std = std / information.sqrt();
 
-    // The exponent n is fitted by the derivative of q δ^n with respect to n. The part of this derivative that is
-    // proportional to δ^(3/2) is removed, because it changes only q.
+    // The exponent n of the law F = q δ^n is fitted to first order, with the derivative of q δ^n with respect to n. The
+    // part of this derivative that is proportional to δ^(3/2) is removed, because it changes only q.
     let log = |[load, depth, _]: &[f64; 3]| match *depth > 0.0 {
         true => load * libm::log(*depth),
         false => 0.0,

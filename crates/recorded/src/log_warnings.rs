@@ -27,7 +27,8 @@ const MIN_GAP_RATIO: f64 = 0.5;
 /// Two groups of contacts cause a warning only if the gap between the groups, relative to the largest gap within a
 /// group, is at least this large. The gaps within a group are gaps between strokes.
 const MIN_GAPS_RATIO: f64 = 2.0;
-/// Smallest width of a group that is not a line, relative to its length. Both are root mean squares.
+/// Smallest ratio of the width of a group of contacts to its length (both root mean squares) for which the group does
+/// not count as a line.
 const MIN_WIDTH_RATIO: f64 = 0.2;
 
 /// Text that lists the rows `rows`; if there are many, only the first of them.
@@ -58,8 +59,8 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
     })
 }
 
-/// Warning about the sign of a curvature from contacts without normals, if it follows from an assumption: that a shape is
-/// convex, or that the default outward direction is right although the object is then concave.
+/// Warning about the sign of a curvature from contacts without normals, if the sign follows from an assumption: that a
+/// shape is convex, or that the default outward direction is right although the object is then concave.
 pub(super) fn assumed_side(
     surface: Option<&ShapeFit>,
     curvature: &Curvature,

@@ -40,7 +40,8 @@ pub(super) struct NominalSensor<'a> {
     blemished: Vec<[f64; 4]>,
 }
 
-/// Geometry of a camera: its pose, the centre and scale of its image, and the odd terms of its lens.
+/// Geometry of a camera: its pose, the centre and scale of its image, and the coefficients k3 and k5 (odd terms) of its
+/// lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CameraGeometry {
     pub(super) centre_px: [f64; 2],
@@ -184,7 +185,7 @@ impl<'a> NominalSensor<'a> {
         }
     }
 
-    /// This sensor, with the first `free` odd terms of its lens as parameters of the fit.
+    /// This sensor, with the first `free` of its lens coefficients (k3, k5) as parameters of the fit.
     pub(super) fn with_terms(&self, free: usize) -> Self {
         let mut other = self.clone();
         for (number, std) in TERMS.into_iter().zip(TERM_STDS).take(free) {
@@ -193,7 +194,7 @@ impl<'a> NominalSensor<'a> {
         other
     }
 
-    /// Whether no odd term of the lens is a parameter of the fit.
+    /// Whether neither of the lens coefficients k3 and k5 is a parameter of the fit.
     pub(super) fn has_exact_lens(&self) -> bool {
         TERMS.iter().all(|&number| self.stds[number] == 0.0)
     }

@@ -153,8 +153,8 @@ impl<'a> NumpyTable<'a> {
                 radii.push((name.to_owned(), *scalar, array.data));
             }
         }
-        // Arrays with more than 9 columns are maps, because a vector has only a few components. Each of several maps of
-        // one shape becomes a single column.
+        // An array whose rows have more than 9 elements is a map (a grid of values), because a vector has only a few
+        // components. If the file contains several maps of equal size, each map becomes a single column.
         let (first, is_map) = match arrays.first() {
             Some((_, array)) => (
                 array.shape.clone(),

@@ -98,8 +98,8 @@ pub fn estimate_press(
 
 /// Compares the fit of a layer with the fit of a half-space, which has the same unknowns. Returns a misfit if the
 /// readings are much more probable with the half-space. The p-value is an upper bound: if the layer is right, the
-/// likelihood ratio exceeds 1/p with a probability of at most p. Only used if the noise is estimated, because the fit
-/// of a wrong body may reject the markers at the contact and estimate the noise from the others.
+/// likelihood ratio exceeds 1/p with a probability of at most p. The comparison is made only if the noise is estimated:
+/// the fit of a wrong body may then reject the markers at the contact and estimate the noise from the other markers.
 fn half_space_instead(
     fit: &ForwardFit,
     reading: &Reading<'_>,

@@ -191,7 +191,8 @@ impl Radius {
     fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
         let [low, high] = [curvature.interval.low, curvature.interval.high];
-        // If the interval of the curvature has no bound, the radius may be arbitrarily small, so its lower end is 0.
+        // If the interval of the curvature is unbounded, the radius may be arbitrarily small, so the lower end of its
+        // interval is 0.
         let sharpest = |end: Option<f64>| end.map_or(Some(0.0), |end| finite(end.recip().abs()));
         let flattest = |end: Option<f64>, is_beyond: bool| {
             end.filter(|_| is_beyond)

@@ -340,7 +340,7 @@ impl ExtraColumns {
         selected
     }
 
-    /// Fields of a row; empty if palpate uses all columns.
+    /// Fields of a row in the columns that palpate does not use; empty if palpate uses all columns.
     pub(super) fn row(&self, row: usize) -> Vec<String> {
         let first = row * self.names.len();
         let ends = self.ends.iter().skip(first).take(self.names.len());

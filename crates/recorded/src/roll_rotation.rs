@@ -149,7 +149,8 @@ pub(super) fn between(
 pub(super) const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
 pub(super) const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
 
-/// Setting that names the components of a quaternion in this order.
+/// Value of the setting `columns` that assigns the file's column names `names` to the components of a quaternion in
+/// this order.
 pub(super) fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
     let pairs = QUATERNION.iter().zip(order);
     let pairs: Vec<String> = pairs

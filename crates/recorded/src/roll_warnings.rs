@@ -12,12 +12,12 @@ use super::roll_estimate::RollEstimate;
 use super::roll_recording::RollRecording;
 use super::single_direction::DirectedCurvature;
 
-/// Largest accepted ratio of a probe's rotation to its rotation on a plane, which is 1 + R_probe/R_object. If the ratio
-/// is larger, the rotations are probably in degrees, and there is a warning.
+/// Largest accepted ratio of a probe's rotation to the rotation that causes the same shift on a plane; the ratio is 1 +
+/// R_probe/R_object. If it is larger, the rotations are probably in degrees, and there is a warning.
 const MAX_TURN_RATIO: f64 = 25.0;
-/// Smallest accepted ratio of a probe's rotation to its rotation on a plane. If the ratio is smaller, there is a
-/// warning, because the rotations are probably in rad although the header states degrees. Otherwise, such a small ratio
-/// occurs only in a dish that is hardly wider than the probe.
+/// Smallest accepted ratio of a probe's rotation to the rotation that causes the same shift on a plane. If the ratio is
+/// smaller, there is a warning, because the rotations are probably in rad although the header states degrees.
+/// Otherwise, such a small ratio occurs only in a dish that is hardly wider than the probe.
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 
 /// Significance level below which a fit of time series is reported as poor.

@@ -22,8 +22,8 @@ pub(super) struct Wide {
     pub(super) header: Vec<String>,
 }
 
-/// Names for the `count` columns of a table without a header: the columns in the first list of `orders`, if it has this
-/// length. Otherwise the error message proposes another list of this length, if there is one.
+/// Names for the `count` columns of a table without a header: the columns in the first list of `orders`, if this list
+/// has `count` columns. Otherwise the error message proposes another list with `count` columns, if there is one.
 pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<String>, String> {
     let names = |order: &[Column]| order.iter().map(|column| column.name.to_owned()).collect();
     if let Some(required) = orders.first().filter(|order| order.len() == count) {
@@ -123,8 +123,8 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     Some(header)
 }
 
-/// Indices of the `count` columns that contain the elements of one list. Their names begin with the same words and end
-/// with the number of the element. `numbers` contains the possible forms of this number.
+/// Indices of the `count` columns that contain the elements of one list, such as a matrix. Their names begin with the
+/// same words and end with the number of the element. `numbers` contains the possible forms of this number.
 fn list(
     header: &[String],
     is_start: impl Fn(&[String]) -> bool,
@@ -160,8 +160,7 @@ const FINGER_WORDS: &str = "finger link fingertip f tip digit probe roll trial c
 const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right";
 
 /// A wide table, if the header has the same columns for several fingers. The first of `columns` must be the column with
-/// the label of the finger; otherwise the result is `None`.
-/// Lengths without a unit get the unit `length`.
+/// the label of the finger; otherwise the result is `None`. Lengths without a unit get the unit `length`.
 pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Option<Wide> {
     let (label, columns) = columns.split_first()?;
     if label.measure != Measure::Plain {
@@ -263,7 +262,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         .filter(|word| word.parse::<u32>().is_ok())
         .count();
     let names = words.iter().filter(|word| is_name(word)).count();
-    // Arrays have names in the plural.
+    // The name of an array may be a plural, such as `positions`.
     let is_other = |word: &&String| {
         let one = word.strip_suffix('s').unwrap_or(word);
         [word.as_str(), one]

@@ -27,7 +27,7 @@ pub(super) struct Record<'a> {
 
 pub(super) type RowResult = Result<(), RecordedError>;
 
-/// Format of a table. A source file of its own reads the header and the rows of each format.
+/// Format of a table. For each format, a separate module reads the header and the rows.
 enum Format<'a> {
     Delimited(DelimitedText<'a>),
     Json(JsonTable<'a>, Text<'a>),

@@ -67,7 +67,7 @@ impl Default for Truth {
 }
 
 impl Truth {
-    /// The nominal camera with one difference: its lens has the true odd terms.
+    /// The nominal camera with one difference: its lens has the true coefficients k3 and k5.
     fn lens(&self) -> Camera {
         Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
     }
@@ -182,8 +182,8 @@ fn one_frame_locates_the_camera() {
         let variance = estimate.covariance[3][3];
         assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // The limits of the scatter are wide, because only three frames are used and the seven numbers of a frame are
-    // correlated.
+    // The limits of the rms ratio of error to standard error are wide, because only three frames are used, and the
+    // errors of a frame's seven parameters are correlated.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }

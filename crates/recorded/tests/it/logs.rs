@@ -111,7 +111,7 @@ fn outliers_beside_the_paths_of_fingers_are_left_out() {
         let [low, high] = [0, 1].map(|end| &found["mean_curvature"]["interval95"][end]);
         assert!(low.as_f64() < Some(0.04) && high.as_f64() > Some(0.04));
     }
-    // Without rows of outliers, the log is complete: a smooth bump is part of the surface.
+    // If no row is replaced by a wrong one, no contact may be left out.
     assert_eq!(
         estimate(&ball(&|_| None), "penalised").unwrap()["left_out"],
         json!([])
@@ -156,7 +156,7 @@ fn a_finger_at_rest_with_noise_does_not_make_the_others_outliers() {
     }
 }
 
-/// Few strokes along a cylinder with a radius of 25 mm do not determine how it bends between them.
+/// A few strokes along a cylinder with a radius of 25 mm do not determine its curvature between the strokes.
 #[test]
 fn strokes_along_a_cylinder_are_open_across_it() {
     let strokes = |count: i32, std: f64| {
@@ -176,7 +176,7 @@ fn strokes_along_a_cylinder_are_open_across_it() {
         let [low, high] = [0, 1].map(|end| &found["mean_curvature"]["interval95"][end]);
         let is_inside = low.as_f64() < Some(0.02) && high.as_f64() > Some(0.02);
         assert!(is_inside, "{found}");
-        // Evenly spaced strokes are of one object.
+        // Evenly spaced strokes must not be reported as two groups of contacts.
         assert!(!codes(&found).contains(&"two-groups"), "{found}");
     }
     for std in [0.0, 0.05] {

@@ -102,8 +102,8 @@ fn the_unit_of_an_option_must_match_the_header() {
     );
 }
 
-/// Rolls of a probe with the radius 10, nearly in the direction `drive`; `spread` is their deviation from this
-/// direction. The object has the normal curvatures 0.06 along u and 0 along v, and the twist 0.02. The shifts have
+/// Rolls of a probe with the radius 10, nearly in the direction `drive`; `spread` is their largest deviation (rad) from
+/// this direction. The object has the normal curvatures 0.06 along u and 0 along v, and the twist 0.02. The shifts have
 /// errors of up to `error`.
 fn rolls_along(drive: [f64; 2], spread: f64, error: f64) -> String {
     let mobility = nalgebra::Matrix2::new(0.16, 0.02, 0.02, 0.1)

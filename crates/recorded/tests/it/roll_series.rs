@@ -9,8 +9,8 @@ const RADII: [f64; 2] = [10.0, 40.0];
 const PITCH: f64 = 1.0;
 const HEADER: &str = "probe,time_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm";
 
-/// Rows of a time series of rolls by 0.5 rad in four directions. Each roll has `samples` samples. The contact starts at
-/// the middle of a pad, so it crosses to the next pad at odd multiples of half a pitch.
+/// Rows of the time series of four rolls by 0.5 rad, in four directions. Each roll has `samples` samples. The contact
+/// starts at the middle of a pad, so it crosses to the next pad at odd multiples of half a pitch.
 fn rows(samples: u32) -> Vec<[f64; 6]> {
     let [probe, object] = RADII;
     let mobility = 1.0 / (1.0 / probe + 1.0 / object);

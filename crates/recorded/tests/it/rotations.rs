@@ -208,7 +208,7 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
             .contains("`rotation_frame` world")
     );
     same(found, "world");
-    // The names of these columns contradict their numbers.
+    // The columns are named as if the scalar part were last, but their numbers have the scalar part first.
     let swapped = table(
         "probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm",
         None,
@@ -351,7 +351,7 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let error = roll(&counted, "t_s=stamp", None).unwrap_err();
     assert_eq!(hint(&error), "probe=trial");
     assert!((mean(&followed(&counted)) - 0.025).abs() < 1e-9, "{error}");
-    // Positions of a tip without contacts on the probe are for another estimate.
+    // A file with positions of a tip, but without contacts on the probe, does not determine an estimate from rolls.
     let poses = table(
         "probe,time_s,x,y,z,qx,qy,qz,qw,seen,valid",
         Some(UnitQuaternion::identity()),

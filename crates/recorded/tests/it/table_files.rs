@@ -249,7 +249,8 @@ fn poses_of_tips_need_their_radius() {
         error.contains("state setting `tip_radius` 5 for tips"),
         "{error}"
     );
-    // The radius may be beside a list of contacts. Other radii are not those of tips, and lost readings have none.
+    // A file may state the tip's radius beside the list of contacts. Rows with lost readings may lack the radius. Radii
+    // with other names, such as `object_radius`, are not radii of tips.
     let list = r#"{"tip":{"radius_mm":4},"contacts":[{"x_mm":1,"y_mm":2,"z_mm":3},{"x_mm":1,"y_mm":3,"z_mm":3}]}"#;
     let error = glide(list, "").unwrap_err();
     assert!(error.contains("column `tip.radius_mm` is 4 mm"), "{error}");
