@@ -10,7 +10,8 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Finite-difference step of the discs' depth, as a share of the sensor's radius.
+/// Step (as a share of the sensor's radius) of the finite difference that computes derivatives with respect to the
+/// discs' depth.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
@@ -113,7 +114,7 @@ pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
         colour,
     } = *noise;
     let turn = turn_deg.to_radians();
-    // The odd terms of the lens are exact, so their standard deviations are 0.
+    // The lens coefficients k3 and k5 are exact, so their standard deviations stay 0.
     let mut stds = [0.0; Departure::NUMBERS];
     stds[13..19].fill(colour);
     stds[..13].copy_from_slice(&[

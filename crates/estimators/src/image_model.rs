@@ -83,7 +83,7 @@ fn picture(seen: &SeenMarker) -> [f64; 4] {
     [x, y, seen.hue_turns, libm::log(seen.size_px2)]
 }
 
-/// Converts the image of a marker and the covariance of its errors to the form that the fit needs.
+/// Converts the image of a marker and the covariance of its errors to the type that the fit to marker images reads.
 pub fn marker_image(marker: &Marker, errors: &MarkerErrors) -> Seen {
     let [x, y] = marker.centroid_px;
     Seen {

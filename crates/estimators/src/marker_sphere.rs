@@ -19,7 +19,7 @@ pub struct MarkerSphere<'a> {
     pub marker_depth: f64,
     /// Arrangement of the markers under the skin.
     pub layout: Layout,
-    /// Number of straight segments along each side of a gore's outline in drawings.
+    /// Number of straight segments along each side of a gore (a flat piece of the skin) in drawings of the pattern.
     pub outline_samples: u32,
     /// The two discs of each marker; `None` if the config has no discs.
     pub discs: Option<&'a DiscsConfig>,
@@ -65,7 +65,7 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
-    /// Diameters of each marker's two discs.
+    /// Diameters of each marker's two discs (length).
     pub fn diameters(&self) -> Result<Discs, FieldError> {
         let discs = self.discs()?;
         Ok(Discs {
@@ -74,7 +74,7 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
-    /// Depths of each marker's two discs under the skin.
+    /// Depth of each marker's two discs under the skin (length).
     pub fn disc_depths(&self) -> Result<DiscDepths, FieldError> {
         let discs = self.discs()?;
         let half = 0.5 * discs.separation;
@@ -94,7 +94,7 @@ impl<'a> MarkerSphere<'a> {
         Ok(DiscDepths { magenta, yellow })
     }
 
-    /// Standard deviation of each coordinate of a marker's misalignment. The misalignment is an angle (rad) at the
+    /// Standard deviation of each coordinate of the misalignment between a marker's two discs, as an angle (rad) at the
     /// centre of the sensor.
     pub fn misalignment_std(&self) -> Result<f64, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);

@@ -16,7 +16,8 @@ pub struct PressFitSetup<'a> {
     pub model: &'a PressModelConfig,
     /// The soft body of the sensor. It computes displacements at the depth of the markers.
     pub body: &'a Body,
-    /// Thickness of the bonded layer `body` if the fit can also use the tables of this layer; otherwise `None`.
+    /// Thickness of the bonded layer `body` if the fit can reuse the precomputed tables of this layer; otherwise
+    /// `None`.
     pub shared: Option<f64>,
     /// Function that builds a layer with its tables, from its thickness and the depth of the markers.
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
@@ -24,8 +25,8 @@ pub struct PressFitSetup<'a> {
     pub markers: &'a Markers,
     /// Depth of the markers under the skin (length).
     pub marker_depth: f64,
-    /// Indentation (length) of a press on a plane, by which the width c of the Gaussian model is calibrated. `None` if
-    /// the indentation is not stated.
+    /// Indentation (length) of the press on a plane that calibrates the width c of the Gaussian model. `None` if the
+    /// indentation is not stated.
     pub calibrated_at: Option<f64>,
     /// Whether the estimator receives the indentation as an input instead of fitting it.
     pub knows_indentation: bool,
@@ -42,8 +43,8 @@ impl PressFitSetup<'_> {
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
         Ok(ForwardFit {
-            // In the Gaussian model, the amplitude is a fitted gain if the estimator receives the indentation.
-            // Otherwise, the amplitude is the indentation.
+            // In the Gaussian model, if the estimator receives the indentation, the amplitude of the Gaussian is the
+            // indentation times a fitted gain. Otherwise, the amplitude is the fitted indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
                     true => Prior::Free,
@@ -127,7 +128,7 @@ pub fn sensor_body(
     }
 }
 
-/// Prior of the baseline, an offset that is the same for all normal displacements.
+/// Prior of the baseline, which is an offset added to the normal displacements of all markers.
 pub const fn baseline(config: Baseline) -> Prior {
     match config {
         Baseline::Known => Prior::Exact,
@@ -135,7 +136,7 @@ pub const fn baseline(config: Baseline) -> Prior {
     }
 }
 
-/// Prior of a factor with the expected value 1 and the standard deviation `std`.
+/// Prior of a factor with the expected value 1 and the standard deviation `std`; exact if `std` is 0.
 pub fn within(std: f64) -> Prior {
     if std > 0.0 {
         Prior::Within(std)
