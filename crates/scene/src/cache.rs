@@ -12,9 +12,9 @@ const LAYERS: usize = 16;
 /// Maximum number of cached marker images, each of at most 300 bytes.
 const IMAGES: usize = 1 << 17;
 
-/// Cache of values by key. The first thread that needs a value computes it, and other threads that need the same value
-/// wait. If the total size exceeds `room`, the least recently used values are removed. Removed values are computed
-/// again when they are needed.
+/// Cache of values, each with a key. The first thread that needs a value computes it, and other threads that need the
+/// same value wait. If the total size exceeds `room`, the least recently used values are removed. Removed values are
+/// computed again when they are needed.
 #[derive(Debug)]
 struct Cache<K, V> {
     room: usize,
@@ -110,8 +110,8 @@ impl Default for SharedModels {
 }
 
 impl SharedModels {
-    /// Returns a layer of the soft body with its tables, as from [`Body::bonded_layer`]. The tables are computed only
-    /// if the cache does not contain them.
+    /// Returns a layer of the soft body with its tables of displacements, as from [`Body::bonded_layer`]. The tables
+    /// are computed only if the cache does not contain the layer.
     pub(crate) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
         let mut layers = self.layers(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)

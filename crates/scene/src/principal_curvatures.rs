@@ -12,8 +12,8 @@ const UMBILIC_TOLERANCE: f64 = 1e-9;
 /// Curvatures at a point of the object, either true or estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointCurvature {
-    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad. True angles of
-    /// several points are near each other: angles that differ by half a turn describe the same axis.
+    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad. The true angles of
+    /// several points are shifted by half turns, which do not change the axis, so that the angles are near each other.
     pub(crate) values: [f64; 4],
     /// Standard errors of the values; `None` for true values, and for an estimator without standard errors.
     pub(crate) stds: [Option<f64>; 4],
@@ -75,7 +75,8 @@ impl PointCurvature {
             }
             Quantity::AXIS_DEG if !self.is_umbilic() && !truth.is_umbilic() => {
                 let [axis, truth] = [self, truth].map(|one| one.values[3].to_degrees());
-                // Angles that differ by half a turn describe the same axis. Use the one nearest to the true angle.
+                // Angles that differ by half a turn describe the same axis. Use the angle that is nearest to the true
+                // angle.
                 Observation {
                     std: self.stds[3].map(f64::to_degrees),
                     ..Observation::plain(truth + half_turn(axis - truth), truth)
@@ -108,8 +109,8 @@ impl PointCurvature {
     }
 }
 
-/// Moves the angles of axes within 90 degrees of their axial mean, so that their mean and standard deviation are those of
-/// the axes. Otherwise axes near ±90 degrees would have a mean near 0.
+/// Shifts the angles of axes by half turns, so that they are within 90 degrees of their mean axis and can be averaged.
+/// Without this shift, axes near +90 and −90 degrees would have a mean angle near 0.
 pub(crate) fn align_axes<'a>(points: impl Iterator<Item = &'a mut PointCurvature>) {
     let mut points: Vec<_> = points.filter(|point| !point.is_umbilic()).collect();
     let doubled = points.iter().map(|point| 2.0 * point.values[3]);

@@ -380,7 +380,7 @@ impl fmt::Display for Need {
 pub struct SceneTrial {
     /// The scene whose trials are run.
     pub scene: Scene,
-    /// Vector instructions that run batches of trials. The results of trials do not depend on the choice.
+    /// Kind of vector instructions with which batches of trials are run. The results of the trials do not depend on it.
     pub arch: Arch,
 }
 

@@ -23,8 +23,8 @@ use palpate_study::config::{
 };
 use palpate_study::{FieldError, Warning};
 
-/// Relative tolerances of Newton's method for the contacts. `palpate check` prints the errors of the contacts for these
-/// tolerances.
+/// Tolerances of Newton's method for the position of a contact, relative to the tip's radius. `palpate check` prints
+/// the errors of the contacts for these tolerances.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
@@ -351,7 +351,7 @@ fn grid(
     let grid_error = |error: GlideError| {
         FieldError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // If the object's curvature is the same everywhere, use this exact value. For example, the Gaussian curvature of a
+    // If the object's curvature is the same everywhere, use its exact value. For example, the Gaussian curvature of a
     // cylinder is then exactly 0, without rounding errors.
     let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, FieldError> {
@@ -411,7 +411,7 @@ fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     Some(Warning::new("stated-scale", text, numbers))
 }
 
-/// Returns a warning if the grid, at whose points the curvature is estimated, extends beyond the contacts.
+/// Returns a warning if the grid of points at which the curvature is estimated extends beyond the contacts.
 fn beyond(config: &GlideConfig) -> Option<Warning> {
     let motion = &config.motion;
     let positions = || motion.finger_positions.iter().copied();

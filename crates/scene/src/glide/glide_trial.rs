@@ -133,8 +133,7 @@ impl TruePlace {
 
 impl GlideScene {
     /// Contacts that the sensor reports. The contacts have the noise of trial number `trial`; they have no noise if
-    /// `trial` is
-    /// `None`.
+    /// `trial` is `None`.
     pub(super) fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
         let mut contacts = self.noiseless_readings.clone();
         let Some(trial) = trial else {
@@ -300,8 +299,7 @@ impl Trials for GlideScene {
     }
 }
 
-/// Converts an error of the fit to noiseless contacts into an error that names the config field which causes the
-/// failure.
+/// Converts an error of the fit to noiseless contacts into an error with the path of the config field that causes it.
 fn fit_error(error: &ShapeError) -> FieldError {
     let ShapeError::Contacts(error) = error else {
         return FieldError::at("scene", error);

@@ -118,8 +118,8 @@ fn fit(
     Calibration::new(Some(normal), Some(lateral), None)
 }
 
-/// Geometries of the calibration presses, in which the sensor is pressed on a plane. If the config does not state the
-/// deepest indentation, the deepest press has the indentation `indentation`.
+/// Geometry (object, contact and indentation) of each calibration press on a plane. If the config does
+/// not state the deepest indentation, the deepest press has the indentation `indentation`.
 fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
@@ -181,8 +181,8 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// Limit between two ranges of trial numbers that seed the noise of frames. Numbers below the limit are for calibration
-/// presses, numbers from the limit on for frames at rest.
+/// The noise of a frame is seeded by a trial number. Numbers below this limit are for frames of calibration presses,
+/// numbers from the limit on for frames at rest.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
 /// Inputs that determine the images of the markers at rest. The cache stores these images with the inputs as their key.

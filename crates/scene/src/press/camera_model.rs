@@ -175,8 +175,7 @@ impl SimulatedCamera {
     }
 
     /// Images of the markers at rest. The images have the noise of trial number `trial`; they have no noise if `trial`
-    /// is
-    /// `None`.
+    /// is `None`.
     pub(super) fn at_rest(
         &self,
         trial: Option<u64>,

@@ -26,9 +26,11 @@ use super::truth::{DiscMarkers, PressGeometry, SoftBody, TrueContact, TruePress}
 use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
-/// Error of the displacements that are computed from the tables of a layer, relative to the largest displacement.
+/// Error of displacements that are interpolated in the tables of a layer instead of solved directly, relative to the
+/// largest displacement.
 const TABLE_ERROR: f64 = 1e-7;
-/// If there are more markers than this number, the tables of a layer are faster than direct solutions for all markers.
+/// If there are more markers than this number, computing the tables of a layer and interpolating in them is faster than
+/// solving for all markers directly.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
@@ -127,7 +129,7 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
     Ok((markers, places))
 }
 
-/// Thickness of the layer if the true displacements are computed from tables of the layer, `None` if they are solved
+/// Thickness of the layer if the true displacements are interpolated in tables of the layer; `None` if they are solved
 /// directly. Tables are used only if their error is within the tolerance of `auto`. In addition, the fit must use the
 /// same tables, or there must be many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
@@ -323,7 +325,8 @@ pub(super) struct Choice {
     pub(super) tolerance: Option<f64>,
 }
 
-/// Smallest tolerance that `auto` accepts. It is about the error of the most accurate model, the solved layer.
+/// Smallest tolerance that `auto` accepts. It is about the error of the most accurate model, which solves the
+/// displacements of a layer directly.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 1.0;
 
@@ -333,7 +336,7 @@ pub(super) struct PressRungs {
     requested: PressModelConfig,
     radius: f64,
     /// Depths at which displacements are compared. The first depth is midway between the two discs of a marker. If
-    /// there is a camera, the depths of both discs follow.
+    /// there is a camera, the list also contains the depths of both discs.
     depths: Vec<f64>,
 }
 

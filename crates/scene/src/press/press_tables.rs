@@ -9,9 +9,9 @@ use super::trial::PressScene;
 use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
-/// Number of points of a profile, which shows displacements over the distance from the contact.
+/// Number of points of a profile, which is a curve of displacement against distance from the contact.
 const PLACES: u32 = 121;
-/// Length of a profile (displacements over the distance from the contact), as a multiple of the contact radius. The
+/// Length of a profile (displacement against distance from the contact), as a multiple of the contact radius. The
 /// profile begins at the centre of the contact. For an elliptic contact, it is along the longer axis.
 const REACH: f64 = 3.0;
 

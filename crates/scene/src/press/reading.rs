@@ -287,7 +287,7 @@ pub(super) struct MarkerChange {
     /// Change of the hue of the marker's summed light from rest to press, turns.
     pub(super) hue_turns: f64,
     pub(super) mean_hue_turns: f64,
-    /// Shift of the marker's centroid, px. It is scaled to the pixel size at the image centre.
+    /// Shift of the marker's centroid, px: the angle of the shift, multiplied by the lens's pixels per radian.
     pub(super) shift_px: f64,
 }
 

@@ -16,8 +16,8 @@ use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
 
-/// Trial numbers seed the noise of frames. If each trial has its own sensor, each trial reserves this number of trial
-/// numbers for its frames. The reserved numbers are smaller than the numbers for frames that all trials share.
+/// The noise of a frame is seeded by a trial number. If each trial has its own sensor, this many trial numbers are
+/// reserved for the frames of each trial. They are smaller than the numbers for frames that all trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
 
 const fn rest_number(trial: u64) -> u64 {

@@ -59,8 +59,8 @@ const QUANTITIES: [&[Quantity]; 6] = [
     &[Quantity::FORCE],
 ];
 
-/// The quantities of every combination of elements of [`QUANTITIES`]. If bit n of the index is 1, the combination
-/// contains the element n.
+/// The quantities of every combination of the six groups in [`QUANTITIES`]. If bit n of the index is 1, the combination
+/// contains the group n.
 static COMBINATIONS: LazyLock<Vec<Vec<Quantity>>> = LazyLock::new(|| {
     let combination = |bits: usize| {
         let some = QUANTITIES.iter().enumerate();
@@ -266,7 +266,7 @@ impl PressScene {
             Quantity::R_SQUARED,
             Observation::plain(estimate.r_squared, 1.0),
         );
-        // If the estimated curvature is 0, the radius is not finite.
+        // If the estimated curvature is 0, the radius is infinite and is not reported.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.geometry.object.radius
             && radius.is_finite()
@@ -291,7 +291,7 @@ impl PressScene {
             if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
                 let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
                 // Angles that differ by half a turn describe the same axis. Use the angle that is nearest to the true
-                // one.
+                // angle.
                 let value = truth + half_turn(axis - truth);
                 let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
                 let interval = Interval { low, high };

@@ -1,4 +1,4 @@
-//! Rolls with a linear closed form: the path of the contact is a constant matrix times the rotation.
+//! Rolls with a linear closed form: the displacement of the contact is a constant matrix times the rotation.
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::{BATCH_SIZE, BatchMoments, Moments, ProbeRotation};
@@ -19,8 +19,8 @@ pub(super) struct LinearRolls {
 #[derive(Clone, Copy, Debug)]
 struct LinearRoll {
     commanded: [f64; 2],
-    /// Change of the contact's path if the rotation about x has an error of one unit (one standard deviation of the
-    /// error, or its bound).
+    /// Change of the contact's displacement if the rotation about x has an error of one unit (one standard deviation of
+    /// the error, or the bound of a uniform error).
     per_error_x: [f64; 2],
     per_error_y: [f64; 2],
     reported: ProbeRotation,

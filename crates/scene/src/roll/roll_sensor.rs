@@ -110,8 +110,8 @@ impl RollSensor {
         }
     }
 
-    /// Whether the positions in a time series are exact contact points or centres of pads. `None` for pads without
-    /// straight edges.
+    /// Whether the positions in a time series are contact points or centres of pads. `None` for pads on a uniform
+    /// lattice, which are neither squares nor hexagons.
     pub(super) fn places(&self) -> Option<Places> {
         Some(match self {
             Self::Ideal => Places::Contacts { std: 0.0 },

@@ -14,8 +14,7 @@ const SAMPLES: usize = 100;
 
 impl RollScene {
     /// Records the true contacts and the readings of one roll of every probe. Contacts and readings have the noise of
-    /// trial number
-    /// `trial`; they have no noise if `trial` is `None`.
+    /// trial number `trial`; they have no noise if `trial` is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
         let noiseless = self.sensor.noiseless();
         let sensor = trial.map_or(&noiseless, |_| &self.sensor);

@@ -187,7 +187,8 @@ fn errors_are_the_same_in_any_unit() {
             assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
-    // With the noise 10, which glides have, the contact of a press could not be detected. So presses have less noise.
+    // Glides are also tested with the noise 10. With this noise, the contact of a press could not be detected, so
+    // presses are tested with less noise.
     for noise in [1e-9, 0.1] {
         same(&|unit| noisy_press(unit, noise));
     }

@@ -25,7 +25,7 @@ fn scene(probe: &str, object: &str, lines: &str) -> Scene {
     scene_of(&text(probe, object, lines))
 }
 
-/// Estimate, true value and standard deviation at each point of a trial, for each of the three quantities.
+/// Estimate, true value and standard error at each point of a trial, for each of the three estimated quantities.
 fn trial(scene: &Scene, trial: u64) -> [Vec<(f64, f64, Option<f64>)>; 3] {
     let mut outcomes: [Vec<_>; 3] = Default::default();
     scene
@@ -292,7 +292,8 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     ] {
         let noise = |position: &str| format!("noise = {{ position = {{ {position} }} }}\n");
         assert_eq!(trial_of(&noise(share)), trial_of(&noise(length)));
-        // The noise that the estimator assumes is stated in the config too. It may also be a fraction or a length.
+        // The config also states the noise that the estimator assumes, either as a length or as a fraction of the
+        // inter-finger distance.
         let stated = |key: &str| {
             format!(
                 "{}estimator = {{ kind = \"penalised\", {key} }}\n",

@@ -87,7 +87,8 @@ fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
 }
 
 /// Errors of the markers in several frames: mean error (bias), scatter about the mean, and standard deviation that the
-/// tracker states. Each is the root mean square over all markers. The frames differ only in pixel noise.
+/// tracker states. Each of these numbers is the root mean square over all markers. The frames differ only in pixel
+/// noise.
 #[derive(Debug, Default)]
 struct Errors {
     bias: [f64; 4],

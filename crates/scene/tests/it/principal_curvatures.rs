@@ -101,7 +101,8 @@ fn intervals_contain_the_true_values() {
 #[test]
 fn on_a_sphere_noise_separates_the_principal_curvatures() {
     let found = |name: &str| means(&observed([ROLL, SPHERE, WRIST], name, 2000));
-    // Noise makes the larger of two estimated curvatures too large on average, and the smaller one too small.
+    // Noise makes the larger of the two estimated principal curvatures too large on average, and the smaller one too
+    // small.
     let [max, min] = ["principal_curvature_max", "principal_curvature_min"].map(found);
     assert!(max[0] > 0.003 && min[0] < -0.003, "{max:?} {min:?}");
     assert!(max[2] > 0.94 && min[2] > 0.94, "{max:?} {min:?}");

@@ -100,7 +100,7 @@ fn hexagonal_pads_err_less_than_square_ones() {
         squares.sum()
     };
     let ratio = (square_sum("hexagonal") / square_sum("square")).sqrt();
-    // An independent simulation of shifts with these pitches gives the ratio 0.84 of the rms errors.
+    // In an independent simulation of shifts with these pitches, the ratio of the rms errors is 0.84.
     assert!((0.7..1.0).contains(&ratio), "{ratio}");
 }
 
@@ -299,8 +299,8 @@ fn repeated_rolls_over_pads_err_as_they_state() {
             "{stars}: {rms} {stated}"
         );
         assert!(mean.abs() < 0.3 * rms, "{stars}: {mean} {rms}");
-        // With `random-per-trial`, all rolls of a trial start at the same place on a pad. Then more stars of rolls do
-        // not reduce the error.
+        // With `random-per-trial`, all rolls of a trial start at the same place on a pad. Then a trial with more stars
+        // of rolls does not have a smaller error.
         let [rms, _, stated] = errors_of_stars(stars, &pads("random-per-trial"));
         assert!((0.0025..0.0037).contains(&rms), "{stars}: {rms}");
         assert!(
