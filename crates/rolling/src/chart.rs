@@ -1,5 +1,9 @@
 //! Montana's contact equations in charts.
 //!
+//! The index 1 is the probe, and 2 is the object. Each body has chart parameters `u`, a metric `M`, a curvature form `K`
+//! and a torsion form `T`. The contact angle is `ψ`, and `R_ψ` converts vectors between the frames of the two bodies.
+//! The probe turns with the angular velocity `ω` and slides with the velocity `v`:
+//!
 //! ```text
 //! u̇₁ = M₁⁻¹ (K₁ + K̃₂)⁻¹ ([−ω_y, ω_x]ᵀ − K̃₂ v)
 //! u̇₂ = M₂⁻¹ R_ψ (K₁ + K̃₂)⁻¹ ([−ω_y, ω_x]ᵀ + K₁ v)
@@ -20,8 +24,8 @@ use crate::roller::Bodies;
 use crate::{Contact, HeldAxis, Motion};
 
 /// Number of state components: the chart parameters `u₁, v₁` on the probe and `u₂, v₂` on the object, the contact angle
-/// ψ, an angle φ, and the arc length of the path. φ is the angle from the probe's Gauss frame to the frame in which the
-/// motion is steady.
+/// ψ, an angle φ, and the arc length of the path. φ is the angle from the probe's Gauss frame (whose x axis is along a
+/// coordinate line of the chart) to the frame in which the motion is steady.
 pub(crate) const STATE: usize = 7;
 
 pub(crate) struct ChartForm<'a, S> {
@@ -34,7 +38,7 @@ pub(crate) struct ChartForm<'a, S> {
 }
 
 impl<'a, S: Surface> ChartForm<'a, S> {
-    /// The system of equations for `motion`, and the initial state for the contact `from`.
+    /// The contact equations for `motion`, and the initial state, in which the bodies touch at the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,
@@ -121,8 +125,8 @@ impl<S: Surface> ContactEquations<STATE> for ChartForm<'_, S> {
     }
 }
 
-/// Rates of the chart parameters for a tangent velocity `w` in the Gauss frame: `M⁻¹ w`, where `M` is the upper
-/// triangular metric.
+/// Rates of the chart parameters of a point that moves with `velocity` in the Gauss frame: `M⁻¹` times `velocity`,
+/// where `M` is the upper triangular metric of the chart.
 fn parameter_rate(geometry: &ChartGeometry, velocity: &Vector2<f64>) -> Vector2<f64> {
     let m = &geometry.metric;
     let v = velocity.y / m[(1, 1)];

@@ -40,7 +40,7 @@ pub(crate) struct ChartFree<'a, S, const READ: usize> {
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// The system of equations for `motion`, and the initial state for the contact `from`.
+    /// The contact equations for `motion`, and the initial state, in which the bodies touch at the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

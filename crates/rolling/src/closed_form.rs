@@ -14,8 +14,8 @@ use crate::{Contact, Motion};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClosedForm {
-    /// The matrix `(K₁ + K̃₂)⁻¹`. This matrix maps the angular velocity `[−ω_y, ω_x]` to the velocity of the contact on
-    /// the probe.
+    /// The matrix `(K₁ + K̃₂)⁻¹`, with the curvature forms of probe and object in the contact frame. This matrix maps
+    /// the angular velocity `[−ω_y, ω_x]` to the velocity of the contact on the probe.
     pub(crate) mobility: Matrix2<f64>,
     /// The object's curvature form `K̃₂` in the probe's contact frame.
     object: Matrix2<f64>,

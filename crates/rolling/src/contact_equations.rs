@@ -12,7 +12,7 @@ pub enum Chart {
     /// The equations without charts. They have no poles.
     #[default]
     Free,
-    /// Montana's equations in charts of both bodies. A steady motion has constant components in the given frame.
+    /// Montana's equations in charts of both bodies. The components of a steady motion are constant in the given frame.
     Montana(HeldAxis),
 }
 
@@ -23,8 +23,8 @@ pub enum HeldAxis {
     /// fixed axis in the instantaneous contact frame".
     #[default]
     Transported,
-    /// The Gauss frame of the probe's chart. It rotates about the normal relative to the transported frame. Along a
-    /// line of symmetry, both frames are equal.
+    /// The Gauss frame of the probe's chart, whose x axis is along a coordinate line. It rotates about the normal
+    /// relative to the transported frame. Along a line of symmetry, both frames are equal.
     Chart,
 }
 
@@ -41,15 +41,17 @@ impl Chart {
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object for this state. There is a point also for some states for which the method
+    /// The contact point on the object for this state. The result also exists for some states for which the method
     /// `contact` returns an error.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 
 /// The velocity c of the contact point on the object, in the tangent basis `(x, y)` of `object`. In orthonormal axes, c
-/// is the solution of `(K₁ + K₂) c = drive`, where K₁ and K₂ are the curvature forms of probe and object.
+/// is the solution of `(K₁ + K₂) c = drive`. K₁ and K₂ are the curvature forms of probe and object, and `drive` is the
+/// part `[−ω_y, ω_x]` of the angular velocity, if the probe does not slide.
 ///
-/// With `W = |∇F|`, the equations are multiplied by `W` along `x` and by `W²` along `y`:
+/// Let F be the level-set function of the object and `W = |∇F|`. The equations are multiplied by `W` along `x` and by
+/// `W²` along `y`:
 ///
 /// ```text
 /// [ W/R₁ + F_xx        F_xy     ] [c_x]   [ W  drive_x ]

@@ -11,9 +11,9 @@ use crate::meridian::MeridianRung;
 use crate::roller::Bodies;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
-/// Error bound of the model "closed form", relative to the contact's length scale.
+/// Error bound of the model "closed form", relative to the contact's length scale (displacement per radian of rolling).
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
-/// Error bound of the meridian model, relative to the contact's length scale.
+/// Error bound of the meridian model, relative to the contact's length scale (displacement per radian of rolling).
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
 /// Tolerance of a step divided by the tolerance of a whole roll. It is below 1, because the errors of steps may grow
 /// during a roll.
@@ -157,8 +157,8 @@ impl Setting<'_> {
                          measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // The errors of steps add up along the path. So the tolerance is divided by the number of turns of the
-                // probe.
+                // The errors of integration steps add up along the path. So divide the tolerance by the number of turns
+                // of the probe.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try other models";
                     let finer = finer(tolerance / rolls.turns().max(1.0));

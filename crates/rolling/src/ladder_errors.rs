@@ -34,8 +34,9 @@ pub struct MeasuredRung {
     pub model: Model,
     /// Displayed name of the model, including the number of steps or the tolerance of an integrator.
     pub name: String,
-    /// The largest error of a contact at the end of a roll, relative to the contact's length scale. The reference is
-    /// DOP853 at the smallest tolerance. `Err` contains the reason if the model cannot compute these rolls.
+    /// The largest error of a contact at the end of a roll, relative to the contact's length scale (its smallest
+    /// displacement per radian of rolling). The reference is DOP853 at the smallest tolerance. `Err` contains the
+    /// reason if the model cannot compute these rolls.
     pub outcome: Result<f64, String>,
     /// Number of evaluations of the contact equations in all rolls. It is 0 for the closed form and the meridian model.
     pub evaluations: usize,
@@ -109,7 +110,7 @@ pub(crate) enum Unmeasured {
     TooLong,
 }
 
-/// Last contacts of all rolls, and the number of evaluations of the contact equations that they needed.
+/// The contacts at the ends of all rolls, and the number of evaluations of the contact equations that the rolls needed.
 #[derive(Default)]
 struct Ends {
     contacts: Vec<Contact>,
@@ -190,7 +191,7 @@ impl Setting<'_> {
         Ok(dop853(setting, chart, reason(bound), Some(bound)))
     }
 
-    /// Computes the last contacts of all rolls with the integrator `method`.
+    /// Computes the contacts at the ends of all rolls with the integrator `method`.
     fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
         let mut ends = Ends::default();
         let motions: usize = rolls.rolls.iter().map(Vec::len).sum();

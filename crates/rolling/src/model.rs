@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
 
-/// Tolerances that are tried when a sufficiently small tolerance is searched, largest first.
+/// Tolerances, largest first, that are tried in the search for the largest tolerance that is small enough.
 pub const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
@@ -15,7 +15,7 @@ pub const TOLERANCES: [f64; 14] = [
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model {
     /// The cheapest model whose error is within `tolerance`. The error of a contact is relative to the contact's length
-    /// scale.
+    /// scale, which is its smallest displacement per radian of rolling at the start.
     Auto {
         /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
         /// [`Model::LARGEST_TOLERANCE`].

@@ -17,10 +17,10 @@ pub struct Motion {
 impl Motion {
     /// Rolling with the angular speed `rate_rad_per_s`. On an isotropic object, the contact first moves in the
     /// direction with the angle `direction_rad`. The angle is measured from the object's +x (projected onto the tangent
-    /// plane) towards `n × x`.
+    /// plane) towards `n × x`, where n is the object's normal.
     ///
     /// The rotation axis is the cross product of the object's normal and this direction. Directions that are multiples
-    /// of a quarter turn, up to a thousand of them, are exact.
+    /// of a quarter turn are exact, up to a thousand quarter turns.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -51,8 +51,8 @@ impl Motion {
         Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
     }
 
-    /// The drive (rad/s) that moves the contact over the object, for a probe of `radius`: the angular velocity `[−ω_y,
-    /// ω_x]` plus the sliding velocity divided by the radius.
+    /// The angular velocity (rad/s) that moves the contact over the object, for a probe of `radius`: the part `[−ω_y,
+    /// ω_x]` of the angular velocity, plus the sliding velocity divided by the radius.
     pub(crate) fn drive_on_object(&self, radius: f64) -> Vector2<f64> {
         self.drive() + self.sliding / radius
     }

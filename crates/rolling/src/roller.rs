@@ -9,8 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// If the relative curvature, divided by the probe's curvature, is below this limit, a singular motion is reported as a
-/// fault of conforming bodies.
+/// If the relative curvature, divided by the probe's curvature, is below this limit, the reported cause of a singular
+/// motion is that the bodies conform.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -40,7 +40,8 @@ impl Probe {
 pub(crate) struct Bodies<'a, S> {
     pub(crate) probe: Probe,
     pub(crate) object: &'a S,
-    /// Length scale of the contact, to which errors of positions are relative.
+    /// Length scale of the contact, to which errors of positions are relative: its smallest displacement per radian of
+    /// rolling at the start.
     pub(crate) length_scale: f64,
 }
 

@@ -25,7 +25,7 @@ pub struct PathPoint {
     pub rotation: Vector3<f64>,
 }
 
-/// Displacement and rotation vector of a [`PathPoint`] as one vector.
+/// The five components of displacement and rotation vector of a [`PathPoint`], as one vector.
 type Numbers = SVector<f64, 5>;
 
 /// The contacts of one motion at the Chebyshev nodes of its duration T. With n intervals, the nodes are `t_j = T (1 −

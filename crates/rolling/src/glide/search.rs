@@ -93,9 +93,9 @@ impl<S: Surface> Search<'_, S> {
         }
     }
 
-    /// Start of the search: the point of the object below the tip's centre or, if there is none, the point of the
-    /// object that is closest to a point above it. If there is no such point either, it is the object's default
-    /// contact.
+    /// Start of the search: the point of the object below the tip's centre. If there is none, it is the point of the
+    /// object that is closest to a point high above the tip's position. If there is no such point either, it is the
+    /// object's default contact.
     fn start(&self) -> Result<Foot, SurfaceError> {
         let beneath = self.foot(self.centre);
         let Err(off_domain) = beneath else {

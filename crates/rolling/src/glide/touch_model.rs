@@ -72,7 +72,7 @@ pub enum InvalidTouch {
 /// A model that finds contacts, prepared for one fingertip and one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TouchRung {
-    /// A point tip. It touches the object vertically below its position.
+    /// The model of a point tip, which touches the object vertically below its position.
     Point,
     Offset(Offset),
     Newton {
@@ -132,8 +132,8 @@ impl TouchRung {
 ///
 /// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`. Here R is the
 /// radius of the object and r the radius of the tip. The contact is on the line from the tip's centre to the object's
-/// centre or, at a right angle, to its axis. In the xy plane, the distance of the contact from this centre or axis is `R/(R
-/// ± r)` times the distance of the tip's centre.
+/// centre or, at a right angle, to its axis. In the xy plane, the distance of the contact from this centre or axis is
+/// the distance of the tip's centre times R/(R + r) or, in a dish, times R/(R − r).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Offset {
     kind: Kind,

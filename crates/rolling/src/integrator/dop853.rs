@@ -158,9 +158,9 @@ fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
 }
 
-/// `x^(−1/16)` for `x >= 0`, within 7 %. This accuracy is enough for a step size. Roots and powers would delay the next
-/// step. Instead, the function uses that the bits of a double, read as an integer, are nearly a linear function of its
-/// logarithm. The result is tiny for infinity and NaN.
+/// `x^(−1/16)` for `x >= 0`, within 7 %. This accuracy is enough for a step size. Exact roots take so long that they
+/// would delay the next step. The function is faster, because it uses a property of doubles: the bits, read as an
+/// integer, are nearly a linear function of the logarithm. The result is tiny for infinity and NaN.
 #[inline]
 fn inverse_sixteenth_root(x: f64) -> f64 {
     let one = 1.0_f64.to_bits();
@@ -308,8 +308,8 @@ const A12: [f64; 9] = [
     12.3605671757943030647266201528,
     0.643392746015763530355970484046,
 ];
-/// Weights with which the slopes 1 and 6 to 12 (of 12) enter the mean slope of a step. With these weights, the method
-/// is of order 8.
+/// Weights of the slopes 1 and 6 to 12 (of 12) in the mean slope, which moves the state to the end of a step. With
+/// these weights, the method is of order 8.
 const B: [f64; 8] = [
     0.0542937341165687622380535766363,
     4.45031289275240888144113950566,
@@ -353,7 +353,8 @@ mod tests {
         }
     }
 
-    /// A system with a constant slope that is undefined beyond a wall. It counts its evaluations.
+    /// A system whose derivative is constant, and undefined beyond the position `wall`. It counts the evaluations of
+    /// the derivative.
     struct Wall<'a> {
         wall: f64,
         asked: &'a Cell<usize>,
@@ -422,7 +423,7 @@ mod tests {
         }
     }
 
-    /// A system that decays fast towards the edge of its domain. Long steps leave the domain.
+    /// A system whose state decays fast towards the edge of its domain. Long integration steps leave the domain.
     struct Decay;
 
     impl System<1> for Decay {

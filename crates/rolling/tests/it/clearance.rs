@@ -160,7 +160,7 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
     assert!(refused > 4 && accepted > 8, "{refused} {accepted}");
 }
 
-/// Largest clearance of a roll from the origin along x, or the error.
+/// Smallest clearance during a roll that starts at the origin and leads along x, or the error of the roll.
 fn along_x(formula: &str, radius: f64, angle_rad: f64, spin: f64) -> Result<f64, RollError> {
     let mut motion = Motion::rolling(0.0, angle_rad, 1.0);
     motion.angular_velocity.z = spin;
