@@ -58,7 +58,7 @@ struct Stored {
     histograms: bool,
 }
 
-/// A request for more trials of a cell.
+/// A request to run more trials of a cell.
 pub struct Growth<'a, T: ?Sized> {
     /// The experiment of the cell, which runs the trials.
     pub trial: &'a T,
@@ -78,7 +78,8 @@ pub struct Estimate {
     /// For each batch, the value of the statistic over all trials outside of this batch; empty if the experiment is not
     /// random.
     without: Vec<f64>,
-    /// Standard deviation of an additional error of the statistic. This error has the same value in all batches.
+    /// Standard deviation of an additional error of the statistic, which has the same value in all batches; see
+    /// [`Self::with_resolution`].
     resolution: f64,
 }
 
@@ -176,7 +177,8 @@ impl Estimate {
         if count < 2.0 {
             return self.resolution;
         }
-        // Subtract the first value, to avoid cancellation if the scatter is small compared with the values.
+        // Subtract the first value from all values. Otherwise a scatter that is small compared with the values would be
+        // lost by rounding.
         let origin = self.without[0];
         let deviations = self.without.iter().map(|one| one - origin);
         let scale = deviations.clone().map(f64::abs).fold(0.0, f64::max);
@@ -190,8 +192,8 @@ impl Estimate {
         libm::hypot(of_batches, self.resolution)
     }
 
-    /// Score of the statement that the true value is at most `limit`: the number of standard deviations by which
-    /// `limit` exceeds the value, see [`normal_tail`](palpate_statistics::normal_tail).
+    /// Score of the statement that the true value is at most `limit`: the number of standard errors by which `limit`
+    /// exceeds the estimated value, see [`normal_tail`](palpate_statistics::normal_tail).
     pub fn at_most(&self, limit: f64) -> f64 {
         self.score(limit - self.value)
     }

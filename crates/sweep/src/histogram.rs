@@ -19,7 +19,7 @@ type Bin = u64;
 /// Counts of the values in each bin of one octave. The index of a count consists of the last bits of its [`Bin`].
 type Page = [u64; PLACES];
 
-/// Counts of finite numbers in 128 bins per octave and sign.
+/// Counts of finite numbers, with 128 bins per octave (range between two powers of two) and sign.
 ///
 /// The representative of a bin is its middle, which differs from every number in the bin by at most 0.4 %. Zero and
 /// subnormal numbers (below 2.3e-308) have the representative 0.
@@ -65,7 +65,7 @@ impl Histogram {
         self.pages.is_empty()
     }
 
-    /// Replaces the list of the values' bins by counts per bin.
+    /// Replaces the list that contains the bin of each value by counts per bin.
     fn list_no_more(&mut self) {
         for bin in std::mem::take(&mut self.few) {
             self.count(bin);
@@ -206,7 +206,8 @@ impl<'a> Ranked<'a> {
     }
 }
 
-/// Adds numbers to the counts per bin with vector instructions. The fields are the arguments of this function.
+/// The operation that adds `values` to the counts per bin of `histogram`. It is a struct, so that the crate `pulp` can
+/// run it with vector instructions.
 struct Count<'a> {
     histogram: &'a mut Histogram,
     values: &'a [f64],

@@ -62,7 +62,7 @@ impl Moments {
         }
     }
 
-    /// Moments of the absolute values of the summarised numbers. `mean` is the mean of the absolute values.
+    /// Moments of the absolute values of the summarised numbers. `mean` is the mean of these absolute values.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
         let excess = (signed - mean) * (signed + mean) * self.count as f64;
@@ -167,7 +167,7 @@ pub(crate) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Whether a sum of squares is so far from the limits of floats that the numbers need no scaling.
+/// Whether a sum of squares is so far from the largest and the smallest floats that the summed numbers need no scaling.
 pub(crate) fn is_ordinary(squares: f64) -> bool {
     (1e-200..1e200).contains(&squares)
 }

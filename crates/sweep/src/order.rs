@@ -46,9 +46,8 @@ pub enum Repeats {
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// Number of trials at which [`interval`] gives half weight to the estimated variance. If `uncertain` has this value,
-/// the interval is computed for a number of independent trials midway between two numbers: the smallest possible
-/// number, and the number that follows from the estimated variance.
+/// The function [`interval`] trusts the estimated variance more if more trials support it; their number is its argument
+/// `uncertain`. If `uncertain` has this value, the estimated variance has half of its full weight.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials to average that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
@@ -227,7 +226,7 @@ struct Spread {
     mean: f64,
     std: f64,
     error: f64,
-    /// Share of the experiment's trials that succeeded.
+    /// Share of the experiment's trials that succeeded, from 0 to 1.
     success: f64,
 }
 

@@ -200,8 +200,8 @@ impl<'a> Sweep for Cells<'a> {
     }
 }
 
-/// Whether the error means that the platform has no threads at all. Otherwise, the operating system could not start one
-/// more thread.
+/// Whether the error occurs because the platform has no threads at all. Any other error means that the operating system
+/// could not start one more thread.
 fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
     let cause = error
         .source()

@@ -42,13 +42,13 @@ pub trait Sweep: Sync {
         None
     }
 
-    /// Whether the sweep writes a row for each trial.
+    /// Whether the sweep writes an output row for each trial, see [`Self::add_trial_row`].
     fn has_trial_rows(&self) -> bool {
         false
     }
 
-    /// Appends the row of a trial to `text`. `observed` contains the observations of the trial, or the kind of its
-    /// failure. This function may be called on any thread; the trials of a task come in their order.
+    /// Appends the output row of a trial to `text`. `observed` contains the observations of the trial, or the kind of
+    /// its failure. This function may be called on any thread; the trials of a task come in their order.
     fn add_trial_row(
         &self,
         trial: &Self::Trial,
@@ -186,7 +186,7 @@ struct Line<'a, S: Sweep> {
     take: &'a mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
 }
 
-/// A task whose trials have been run only partly.
+/// A task of whose trials only some have been run.
 #[derive(Default)]
 struct Open {
     /// Statistics of the trials in completed blocks.
@@ -298,8 +298,9 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece of a task. If the sweep writes rows, they are appended to `text`. If a rule ends the
-    /// task, `ran` is set to the number of trials that the task has then.
+    /// Runs the trials of a piece of a task. If the sweep writes a row per trial, the rows are appended to `text`. If
+    /// the piece is the whole task, `ran` is set to the number of trials that were run, which may be smaller because of
+    /// a stopping rule.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,

@@ -62,8 +62,8 @@ impl Sums {
         }
     }
 
-    /// The same sums for observations that are all from a single trial. The standard errors then count these
-    /// observations as one trial.
+    /// The same sums for observations that are all from a single trial. Standard errors that are computed from the
+    /// result count these observations as one trial.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {

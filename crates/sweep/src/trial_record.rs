@@ -114,7 +114,7 @@ pub struct Record {
     rejection: Option<&'static str>,
 }
 
-/// Observations of one successful trial.
+/// Observations of all quantities in one successful trial.
 #[derive(Debug)]
 pub struct TrialObservations<'a> {
     columns: &'a [Column],

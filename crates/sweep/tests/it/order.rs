@@ -13,7 +13,7 @@ fn normals(seed: u64, count: u64, mean: f64) -> Vec<TrialMeans> {
         .collect()
 }
 
-/// Share of 400 samples in which the interval of the order's probability contains the true probability.
+/// Share of 400 samples in which the 95 % interval of the probability of the right order contains the true probability.
 fn coverage(probability: f64, found: impl Fn(u64) -> Order) -> f64 {
     let held = (0..400).filter(|seed| {
         let Order { low, high, .. } = found(*seed);

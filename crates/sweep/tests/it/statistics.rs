@@ -178,8 +178,8 @@ fn many_observations_in_a_trial_all_count() {
 
 #[test]
 fn a_trial_may_report_the_coverage_of_its_interval() {
-    // All errors are 1. An interval from a standard deviation of 1 contains the true value; an interval from 0.1 does
-    // not, and a trial without a standard deviation has no interval.
+    // All errors are 1. If the reported standard deviation is 1, the 80 and 95 % intervals contain the true value. If
+    // it is 0.1, no interval contains it. A trial without a standard deviation has no interval.
     let coverages = |stds: [Option<f64>; 4], holds: [Option<[bool; 3]>; 4]| {
         let trial = observing(move |trial| {
             let kind = (trial % 4) as usize;
@@ -194,7 +194,7 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
     let third = |thirds: f64| Some(thirds / 3.0);
     let (none, all) = (Some([false; 3]), Some([true; 3]));
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
-    // The 50 % interval is narrower than one standard deviation to each side.
+    // The half-width of the 50 % interval is less than one standard deviation.
     assert_eq!(coverages(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
     // The second and the third trial report whether their intervals contain the true value. These reports differ from
     // the coverage that follows from the standard deviations of the trials, and must be used instead of it.
