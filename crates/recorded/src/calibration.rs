@@ -42,7 +42,8 @@ pub struct CalibrationPoints {
 pub struct CalibrateOptions {
     /// Feature of a marker's image (hue, size or both) from which the calibration computes normal displacements.
     pub from: NormalFrom,
-    /// Whether markers use their own calibrated slopes. A marker without a slope of its own uses the common slope.
+    /// Whether each marker uses its own calibrated slope (signal per displacement). A marker without a slope of its own
+    /// uses the slope that all markers have in common.
     pub per_marker: bool,
     /// Number of markers in the frame at rest; `None` if there is no such frame.
     pub markers: Option<usize>,

@@ -16,11 +16,11 @@ pub struct CalibrationReport {
     pub calibration: Calibration,
     /// Unit of all lengths of the calibration.
     pub length_unit: LengthUnit,
-    /// For each series: its name, and the lines that were fitted to its normal displacements. Empty if there is only
-    /// one series.
+    /// For each series: its name, and the straight lines that were fitted to its signals against normal displacement.
+    /// Empty if there is only one series.
     pub(super) normal: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// For each series: its name, and the lines that were fitted to its tangential displacements. Empty if there is
-    /// only one series.
+    /// For each series: its name, and the straight lines that were fitted to its signals against tangential
+    /// displacement. Empty if there is only one series.
     pub(super) lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// Number of points that repeat an earlier point exactly; 0 if less than half of the points are repeated.
     pub(super) copies: usize,

@@ -24,7 +24,7 @@ const MAX_CHI_SQUARED: f64 = 200.0;
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
 /// Number of camera parameters without the lens coefficients k3 and k5, which not every frame determines.
 const WITHOUT_TERMS: usize = 9;
-/// Largest accepted ratio of a parameter's standard error after the calibration to its prior standard deviation.
+/// Largest accepted ratio of a camera parameter's standard error after the calibration to its prior standard deviation.
 const MAX_STD_RATIO: f64 = 10.0;
 /// Names of the camera parameters, and their units; `None` stands for the unit of length.
 const NAMES: [(&str, Option<&str>); CAMERA.len()] = [

@@ -25,7 +25,8 @@ use super::value::Value;
 /// Method that estimates a press from two frames, with its settings.
 #[derive(Clone, Debug)]
 pub enum FrameReader {
-    /// Converts the markers' changes to displacements by a calibration, and fits the press to the displacements.
+    /// Converts the changes of the markers' images to displacements by a calibration, and fits the press to these
+    /// displacements.
     Displacements {
         /// The calibration of the sensor.
         calibration: Box<Calibration>,
@@ -153,7 +154,7 @@ const MAX_HUE_DIFFERENCE: f64 = 0.01;
 
 /// Compares the hue of the markers at rest with the hue in the calibration. If only the linearised frames have this
 /// hue, the function returns the tracks of the linearised frames, and a warning. Returns `None` if the original frames
-/// already have this hue, or if the calibration does not state it.
+/// already have this hue, or if the calibration states no hue.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if the hue differs and the calibration uses hues.
@@ -198,7 +199,7 @@ fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     Warning::new("srgb-frames", text, [])
 }
 
-/// Largest relative standard error of the calibration's slope for which there is no warning.
+/// Largest relative standard error of the calibration's slope (signal per displacement) for which there is no warning.
 const MAX_SLOPE_SHARE: f64 = 0.05;
 
 /// Relative standard error of a calibration's slope of normal displacements; 0 if the calibration does not state it.

@@ -31,7 +31,7 @@ pub(super) struct DecimalSign {
 }
 
 impl DecimalSign {
-    /// Stores `text`, a number of the table, if this number shows which decimal sign the table uses.
+    /// Stores `text`, a number of the table, if its point or comma shows which decimal sign the table uses.
     pub(super) fn add(&mut self, text: &str) {
         let first = match () {
             () if text.contains('.') => &mut self.point,

@@ -42,7 +42,7 @@ const SCAN: &[u8] = b"\xff\xda";
 const END: &[u8] = b"\xff\xd9";
 
 impl Frame {
-    /// The frame with pixels that are linear in the light, converted from pixels that are encoded by the sRGB curve.
+    /// The same frame, with the pixels converted from the sRGB encoding to values that are proportional to the light.
     #[must_use]
     pub fn linearised(mut self) -> Self {
         let linear = |level: u8| {
@@ -92,8 +92,8 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
         |error: ImageError| file.error(format!("is a broken or truncated {name} image: {error}"));
     let scan = file.bytes.windows(2).rposition(|bytes| bytes == SCAN);
     let scan = &file.bytes[scan.unwrap_or_default()..];
-    // Check for the marker that ends a JPEG image. If the image is truncated, the decoder returns no error but fills
-    // the missing part with grey.
+    // Check for the byte sequence that ends a JPEG image. If the image is truncated, the decoder returns no error but
+    // fills the missing part with grey.
     if format == ImageFormat::Jpeg && !scan.windows(2).any(|bytes| bytes == END) {
         return Err(file.error("is a truncated JPEG image: the marker of its end is missing"));
     }

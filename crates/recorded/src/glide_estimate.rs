@@ -281,7 +281,8 @@ impl<'r> GlideFitResult<'r> {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
         };
-        // A stroke that was recorded without normals has assumed normals, so the fit cannot be tested.
+        // For a stroke that was recorded without normals, the fit uses assumed normals, so its goodness of fit cannot
+        // be tested.
         if self.stroke.is_some() && !self.recorded.has_normals() {
             return Default::default();
         }
@@ -313,7 +314,7 @@ impl<'r> GlideFitResult<'r> {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
             Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
         };
-        // Only the method `two-pass` has a status; it never states an uncertainty.
+        // Only the method `two-pass` has a status. This method never states an uncertainty.
         let is_unknown = self.centre.curvature.uncertainty.is_none()
             && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {
@@ -480,8 +481,8 @@ impl<'r> GlideFitResult<'r> {
     }
 }
 
-/// The options, with the position noise as a length. A noise that is stated as a fraction is multiplied by the distance
-/// between fingers, either stated or measured.
+/// The options, with the position noise as a length. If the noise is stated as a fraction, it is multiplied by the
+/// stated or measured distance between fingers.
 fn with_length_noise(
     recorded: &GlideRecording,
     contacts: &[Contact],

@@ -93,7 +93,7 @@ pub(super) fn stated_noise(
         Some(found.position_std / ratios[0]),
         found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
-    // `left` is the number of degrees of freedom, divided by the number of equations.
+    // `left` is the number of degrees of freedom of the fit, divided by the number of its equations.
     let left = 1.0 - unknowns / patch.equations() as f64;
     let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
     let all = stated.into_iter().zip(found).zip(kinds);

@@ -351,8 +351,8 @@ impl<'a> Header<'a> {
         pair(key, heading.name)
     }
 
-    /// Assigns the unused columns of the file to the missing columns, one by one in the order of the file. `None` if
-    /// the unit of an unused column does not fit.
+    /// Pairs of names that assign the unused columns of the file to the missing columns, one by one in the order of the
+    /// file. `None` if the unit of an unused column does not fit.
     fn only_pairs(&self, missing: &[Column], free: &[usize]) -> Option<Vec<String>> {
         let pairs = missing.iter().zip(free).map(|(column, &index)| {
             let heading = &self.headings[index];
@@ -381,7 +381,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// The setting `columns` with these pairs of names, quoted for a shell.
+/// Text of the setting `columns` with the pairs of names `pairs`, quoted for a shell.
 fn setting(pairs: &[String]) -> String {
     let pairs = pairs.join(",").replace('\'', "'\\''");
     format!("setting `columns` '{pairs}'")

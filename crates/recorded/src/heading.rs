@@ -162,7 +162,7 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
         return false;
     }
     let words: Vec<&str> = heading.base.split('_').collect();
-    // A column with the axis of a rotation is not a column of the rotation vector.
+    // A column that contains the axis of a rotation must not be proposed for the rotation vector.
     if words.contains(&"axis") && !column.stem().starts_with("axis") {
         return false;
     }
@@ -255,7 +255,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         rest.iter()
             .any(|word| is_start(word, quantity) || is_named(word))
     };
-    // Some authors call the axes u and v on the probe x and y.
+    // Some authors write x and y for the axes u and v on the probe.
     let other = match axis {
         "u" if says(quantity) => "x",
         "v" if says(quantity) => "y",

@@ -213,7 +213,8 @@ fn columns(
             .all(|(row, item)| row.parse::<u64>().is_ok() && is_scalar(item)),
         _ => false,
     };
-    // A long list is a column. A short list may instead be a vector in a single row, unless its name denotes one axis.
+    // A long list is a column. A short list may instead be a vector in a table with a single row, unless its name
+    // denotes one axis.
     let is_long = |value: &Json| value.as_array().map_or(0, Vec::len) > MAX_COMPONENTS;
     let is_of_axis = |name: &String| {
         let name = spelt(name);
@@ -347,7 +348,8 @@ impl Iterator for Elements<'_> {
             return None;
         }
         let line = self.line;
-        // Outside of a list, each object is on one line (JSON Lines). In a list, an object may have several lines.
+        // Outside of a list, each object is on a line of its own (JSON Lines). In a list, an object may extend over
+        // several lines.
         let end = if self.is_list {
             None
         } else {

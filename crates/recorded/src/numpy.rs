@@ -100,7 +100,8 @@ pub(super) struct NumpyTable<'a> {
 }
 
 struct Array<'a> {
-    /// Name, type and number of elements of each field. A plain array has one field without a name.
+    /// Name, type and number of elements of each field of a structured array. A plain array has one field without a
+    /// name.
     fields: Vec<(String, Scalar, usize)>,
     is_fortran: bool,
     shape: Vec<usize>,
@@ -196,7 +197,7 @@ impl<'a> NumpyTable<'a> {
                     table.arrays.push(data);
                     names.push(name);
                 }
-                // NumPy numbers the arrays to which no name is given.
+                // NumPy names arrays without a name `arr_0`, `arr_1` and so on.
                 let is_numbered = |name: &String| {
                     let number = name
                         .strip_prefix("arr_")
@@ -397,7 +398,8 @@ fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
         .strip_prefix('[')
         .and_then(|rest| rest.split_once("],"));
     let mut fields = Vec::new();
-    // Split the list at quotation marks. The parts with odd indices are the names and the types.
+    // Split the list of fields at quotation marks. The parts with odd indices are the names and the types of the
+    // fields.
     let parts: Vec<&str> = list.map_or("", |(list, _)| list).split('\'').collect();
     for part in parts.get(1..).unwrap_or_default().chunks(4) {
         let [name, _, kind, after] = part else {

@@ -61,7 +61,7 @@ pub fn estimate_press(
     if !misfits.iter().any(is_other) {
         misfits.extend(half_space_instead(&fit, &reading, &estimate, options));
     }
-    // If another warning already states why the contact is too wide, the contact is not reported as an error.
+    // A contact that is too wide is an error, unless a warning already states the cause.
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -151,7 +151,7 @@ fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], Pr
 }
 
 /// Force and peak pressure of the estimated press; `None` without Young's modulus and for a Gaussian. Returns an error
-/// if Young's modulus is so large that they overflow.
+/// if Young's modulus is so large that the force or the pressure overflows.
 pub(super) fn force_and_pressure(
     body: &Body,
     estimate: &PressEstimate,
@@ -199,7 +199,7 @@ fn refused(
     let mut sizes: Vec<f64> = recorded.normal.iter().map(|one| one.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let largest = sizes.last().copied().unwrap_or(0.0);
-    // Displacements are distinct from the noise if at least three displacements exceed five times the median
+    // The displacements are clearly larger than the noise if at least three of them exceed five times the median
     // displacement.
     let third = sizes.iter().rev().nth(2);
     let are_distinct = third.is_some_and(|third| *third > 5.0 * sizes[sizes.len() / 2]);

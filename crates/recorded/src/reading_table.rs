@@ -65,7 +65,7 @@ impl ReadingTable {
             let (found, expected) = (record.fields.len(), table.header.len());
             // A row may end in a delimiter. The empty field after the last delimiter does not count.
             let is_ended = found == expected + 1 && record.fields[expected].is_empty();
-            // NumPy writes a footer as a comment line, which is not a row.
+            // NumPy may write a footer at the end of a file. The footer is a comment line, not a row.
             if found != expected
                 && record
                     .fields
@@ -91,7 +91,8 @@ impl ReadingTable {
                     continue;
                 }
                 let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
-                    // If the factor is 1, the number is not multiplied, so that no rounding error occurs.
+                    // If the factor of the unit conversion is 1, the number is not multiplied, so that no rounding
+                    // error occurs.
                     let converted = if factor == 1.0 {
                         number
                     } else {
@@ -176,7 +177,8 @@ impl ReadingTable {
 struct Labels(HashMap<String, usize>);
 
 impl Labels {
-    /// Index of a name. `None` if the field `text` is empty, or if the first row had no name.
+    /// Index of the name `text` of a finger or probe. `None` if the field is empty, or if the first row of the table
+    /// had no name.
     fn place(&mut self, text: &str, row: usize) -> Option<f64> {
         let is_word = !text.is_empty() && text.parse::<f64>().is_err();
         if self.0.is_empty() && !(row == 0 && is_word) {

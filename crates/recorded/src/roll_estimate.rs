@@ -121,7 +121,7 @@ struct RollReport {
 }
 
 impl RollEstimate {
-    /// The estimated curvatures and lengths.
+    /// The curvatures and lengths that are estimated from the rolls.
     pub fn values(&self) -> RollValues {
         let Self { estimate, unit, .. } = self;
         let is_open = self.single_direction.is_some();
@@ -391,8 +391,8 @@ pub fn estimate_roll(
     let covariance = fitted.covariance(&estimate);
     let single_direction = single.map(|(angle, mut fitted)| {
         fitted.pop();
-        // Use only the fitted readings. The small rotations across the single direction do not determine the curvature
-        // in that direction.
+        // Use the fitted readings, whose rotations have no component across the single direction. This component is so
+        // small that it does not determine the curvature across the single direction.
         recorded.readings = fitted;
         DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)
     });

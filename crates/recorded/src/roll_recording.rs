@@ -129,8 +129,8 @@ impl RollRecording {
     pub(super) fn leave_out_copies(&mut self) -> Option<String> {
         let readings = &self.readings;
         let is_repeated = |(place, one)| readings[..place].contains(one);
-        // If there are only a few rolls, compare each with all others. Building a hash table would take longer than the
-        // estimate.
+        // If there are only a few rolls, compare each roll with all others, because building a hash table would take
+        // longer than the estimate.
         if readings.len() <= MAX_COMPARED && !readings.iter().enumerate().any(is_repeated) {
             return None;
         }

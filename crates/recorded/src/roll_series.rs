@@ -36,7 +36,7 @@ pub struct SeriesOptions {
 pub(super) struct SeriesReadings {
     /// Whether the positions in the series are centres of pads. Otherwise they are contact points.
     pub(super) has_pads: bool,
-    /// The series of each probe, without the sample at the start.
+    /// The time series of each probe, without its first sample (the start of the roll).
     pub(super) rolls: Vec<RollSeries>,
 }
 
@@ -187,8 +187,8 @@ fn all_on_lattice(
         (u - u.round()).abs().max((v - v.round()).abs())
     };
     for (roll, series) in readings.rolls.iter().enumerate() {
-        // The active pad rarely changes. So check the place of a sample only if it differs from the previous sample's
-        // place.
+        // The active pad rarely changes. So check the place of a sample's pad only if it differs from that of the
+        // previous sample.
         let mut last = first.place;
         for sample in &series.samples {
             if sample.place != last && error_of(&sample.place) > MAX_PAD_ERROR {

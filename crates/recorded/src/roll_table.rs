@@ -72,7 +72,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         Kind::Contacts => (&ROLL_SERIES[1..2], &CONTACTS[..]),
     };
     let tip = &GLIDES[1..4];
-    // The columns x, y, z and w are a quaternion instead of a position.
+    // Columns with the names x, y, z and w are a quaternion. Without w, x, y and z are a position.
     let is_quaternion = has(&tip[0]) && header.own_name(&tip[0]) == header.own_name(&QUATERNION[0]);
     let has_tip = tip.iter().all(has) || header.offers(tip);
     if has_tip && !is_quaternion && !header.offers(contacts) {
@@ -157,7 +157,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     let mut notes = sheet.source.notes.clone();
     let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
-    // If the file states orientations over time, their frame may be unknown. Try both frames.
+    // If the file states orientations over time, it may not state their frame of reference. Then try both frames.
     let frames = match file.form.rotation_frame {
         Some(stated) => vec![stated],
         None if kind == Kind::Rows => vec![RotationFrame::Probe],
@@ -342,8 +342,8 @@ impl Roll<'_> {
         let (end, start) = (place(self.end.1), place(self.start.1));
         let is_vector = matches!(form, RotationForm::Vector | RotationForm::WholeVector);
         let turned = match self.end.1 {
-            // A rotation vector that already counts from the start of the roll is not converted, because the conversion
-            // would round it.
+            // A rotation vector that is already relative to the start of the roll is not converted, because the
+            // conversion would cause rounding errors.
             [x, y, _, _] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
             [x, y, z, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, *z),
             _ if kind == Kind::Rows => rotation(self.end)?.scaled_axis(),

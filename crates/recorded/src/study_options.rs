@@ -24,7 +24,7 @@ pub enum StudyMismatch {
         /// Kind of scene that the study describes.
         found: &'static str,
     },
-    /// The lengths of the study cannot be converted to the unit of the readings.
+    /// The lengths in the study cannot be converted to the unit of the readings.
     #[error("is {}, but the readings are in {}", study.as_str(), readings.as_str())]
     Unit {
         /// Unit of lengths in the study.

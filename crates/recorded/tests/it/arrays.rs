@@ -190,7 +190,7 @@ fn a_layer_on_a_press_of_a_half_space_causes_a_warning() {
     }
 }
 
-/// Many markers at random places on a flat pad: the displacements are Hertz's, with noise.
+/// A press of a flat pad with many markers at random places. The displacements follow Hertz's theory, with noise.
 #[test]
 fn intervals_from_many_markers_are_as_wide_as_their_noise() {
     let mut noise = Stream::new(46, 0, Channel::Position);

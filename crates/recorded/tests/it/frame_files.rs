@@ -131,7 +131,7 @@ fn frames_that_are_encoded_by_srgb_are_found_at_rest() {
     };
     let found = estimate([REST, PRESSED].map(encoded));
     assert!(codes_if_right(&found).contains(&"srgb-frames"));
-    // If the user states that the frames are encoded by sRGB, there is no such warning.
+    // If the user states that the frames are encoded by sRGB, there is no warning `srgb-frames`.
     let stated = estimate([REST, PRESSED].map(|bytes| encoded(bytes).linearised()));
     assert!(!codes_if_right(&stated).contains(&"srgb-frames"));
     assert_eq!(found["object_curvature"], stated["object_curvature"]);

@@ -109,7 +109,8 @@ fn intervals_hold_the_radius() {
             warned += usize::from(codes.iter().any(|code| warnings.contains(code)));
         }
     }
-    // Of 400 intervals with a probability of 95 %, 380 ± 4.4 are expected to contain the true value.
+    // Of 400 intervals with a probability of 95 %, 380 ± 4.4 (one standard deviation) are expected to contain the true
+    // value.
     for held in held {
         assert!((366..=394).contains(&held), "{held}");
     }

@@ -286,7 +286,7 @@ fn copies_count_once() {
         let [one, four] = [1, 4].map(|times| estimate(&rows(&glide, times), method).unwrap());
         same(&one, &four, &["mean_curvature", "effective_contacts"]);
     }
-    // A finger that moves back at the end of each line of a raster is not at rest.
+    // A finger that scans a raster, and moves back at the end of each line, must not count as a resting finger.
     let raster = glide.replace("\n1,", "\n0,").replace("\n2,", "\n0,");
     assert_eq!(
         estimate(&raster, "penalised").unwrap()["effective_contacts"],

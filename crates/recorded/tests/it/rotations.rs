@@ -171,7 +171,7 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     for (names, write) in FORMS {
         let rows = table(&format!("probe,{names},shift_u_mm,shift_v_mm"), None, write);
         same(followed(&rows), &rows);
-        // Without its header, the table contains only numbers, like an array.
+        // The same table without its header contains only numbers, like an array.
         let bare = |table: &str| table.split_once('\n').unwrap().1.to_owned();
         same(followed(&bare(&rows)), &bare(&rows));
         let header = format!("probe,time_s,{names},contact_u_mm,contact_v_mm");
@@ -339,7 +339,8 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let series = table(header, Some(UnitQuaternion::identity()), quaternion);
     let error = roll(&series, "", None).unwrap_err();
     assert!((mean(&followed(&series)) - 0.025).abs() < 1e-9, "{error}");
-    // A column that counts the rolls must be named, because the times of these rolls increase.
+    // In this file, the times increase from roll to roll, so only the column that counts the rolls can separate them.
+    // The user must assign this column to `probe`.
     let start = Some(UnitQuaternion::identity());
     let counted = table(
         "trial,stamp,qx,qy,qz,qw,contact_u,contact_v",

@@ -125,8 +125,8 @@ fn files_of_other_programs_hold_the_same_contacts() {
         let found = glide(&contents, "").unwrap_or_else(|error| panic!("{error}: {contents}"));
         assert_eq!(found, expected, "{contents}");
     }
-    // The columns of these arrays have no unit. They are in another order, or their names consist of two words. The
-    // setting that the message proposes must read them.
+    // The columns of these arrays have no unit. The columns are in an unusual order, or their names consist of two
+    // words. The setting that the message proposes must read them.
     let hinted = |contents: &[u8]| {
         let error = glide(contents, "").unwrap_err();
         glide(contents, hint(&error)).unwrap()
@@ -360,7 +360,7 @@ fn wide_tables_hold_several_fingers() {
         glide(wrong, "").unwrap_err(),
         "r:2: column `f2_y`: `east` is not a number"
     );
-    // Several poses in one message of ROS, in metres.
+    // A log of ROS messages that each contain the poses of several fingers, in metres.
     let header = repeated(
         &|finger, column| format!("field.poses{finger}.position.{column}"),
         ["0", "1", "2"],
