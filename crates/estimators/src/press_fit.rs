@@ -35,7 +35,7 @@ pub struct PressFitSetup<'a> {
 }
 
 impl PressFitSetup<'_> {
-    /// Builds the fit with the soft body that the estimator assumes.
+    /// Builds the fit of a press to marker displacements, with the soft body that the estimator assumes.
     ///
     /// # Errors
     /// [`PressFitError::Setting`] if a setting is out of its range; [`PressFitError::Calibration`] if a Gaussian cannot
