@@ -62,9 +62,9 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
     }
 }
 
-/// Models that several scenes share, such as the scenes of a study's grid points. The models are layers with their
-/// tables, and camera readings at rest and in calibration presses. The first scene that needs a model computes it, and
-/// scenes with the same inputs reuse it. The cache has a limited size and never changes results.
+/// Models that several scenes share, such as the scenes of a study's grid points. The models are soft layers with their
+/// tables of displacements, and camera readings at rest and in calibration presses. The first scene that needs a model
+/// computes it, and scenes with the same inputs reuse it. The cache has a limited size and never changes results.
 ///
 /// ```
 /// use palpate_scene::{Scenes, SharedModels};

@@ -292,8 +292,8 @@ pub trait Trials {
         self.trial(trial, observe).map(|()| Vec::new())
     }
 
-    /// True value of the quantity with the index `quantity`; `None` if the true value is not the same at all points of
-    /// the scene.
+    /// True value of the quantity with the index `quantity`; `None` if the true value differs between the points of the
+    /// scene, such as the grid points of a patch.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
     /// Name of the true shape class of the patch: the class of more than half of its points. `None` if there is no such

@@ -101,7 +101,8 @@ pub(super) struct ContactNoise {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrueGrid {
     pub(super) side: usize,
-    /// Places at which the curvature is estimated, in the order of the grid points; x changes slowest.
+    /// Places at which the curvature is estimated: the grid points over the patch, in an order in which x changes
+    /// slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }

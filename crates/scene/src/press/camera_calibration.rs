@@ -237,8 +237,8 @@ impl RestFrames {
 
 pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
 
-/// Inputs that determine the changes of images in calibration presses. The cache stores these changes with the inputs
-/// as their key.
+/// Inputs that determine the changes of the markers' images in calibration presses. The cache stores these changes with
+/// the inputs as their key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CalibrationFrames {
     rest: RestFrames,

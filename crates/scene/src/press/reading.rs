@@ -65,7 +65,7 @@ impl PressReading {
         }
     }
 
-    /// Readings in the form that a fit needs. `markers` contains the tracked markers.
+    /// Readings in the form that a fit of a press needs. `markers` contains the tracked markers.
     pub(super) fn fit_input<'a>(
         &'a self,
         markers: &'a Markers,
@@ -254,8 +254,8 @@ pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, F
         .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number of markers that have the noise `noise`. Returns an error if the number in the config, `count`, exceeds the
-/// number of all markers, `markers`.
+/// Number `count` of markers, from the config field `noise`, that are lost or are outliers. Returns an error if `count`
+/// exceeds the number of all markers, `markers`.
 fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {

@@ -114,7 +114,7 @@ pub(super) struct PressGeometry {
     pub(super) indentation: f64,
     /// Coordinates of the contact in the chart of the skin.
     pub(super) at: [f64; 2],
-    /// Sideways displacement of the object along x, after it has touched the skin (length).
+    /// Sideways displacement (length) of the object along x, which begins after the object has touched the skin.
     pub(super) shift: f64,
 }
 

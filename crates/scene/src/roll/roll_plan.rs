@@ -284,7 +284,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-/// The different commands, each once. Each command is divided into `pieces` motions.
+/// The commanded motions without repetitions, each divided into `pieces` shorter motions.
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {

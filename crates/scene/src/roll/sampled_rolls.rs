@@ -168,7 +168,7 @@ impl RollScene {
     }
 
     /// Time series of all rolls. The time series have the noise of trial number `trial`; they have no noise if `trial`
-    /// is `None`. If a roll fails, the error is its index and the reason.
+    /// is `None`. If a roll fails, the error contains the index of the roll and the reason.
     fn series(
         &self,
         sampled: &SampledRolls,
