@@ -115,14 +115,14 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // `beside` is the index of a neighbouring sample. At the edge of the sampled window, it may be the index of
-            // a sample in another row. This does no harm, because samples at the edge are too far from the centre to be
-            // used.
+            // `beside` is the index of a neighbouring sample. At the edge of the sampled window, `beside` may be the
+            // index of a sample in another row. Such a wrong index has no effect, because samples at the edge are too
+            // far from the centre to be used.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // A sample counts as nearer than all its neighbours even if a neighbour was not sampled.
+                // A neighbour that was not sampled counts as farther away than this sample.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)
@@ -229,8 +229,8 @@ impl Roller {
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
-        // `ahead` is a stack of samples of the roll that have not been compared with their predecessor yet. Its last
-        // element is the next sample in time.
+        // `ahead` is a stack of samples of the roll that have not been compared with their predecessor yet. The last
+        // element of `ahead` is the next sample in time.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;

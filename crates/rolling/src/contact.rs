@@ -86,8 +86,8 @@ impl Contact {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        // It is enough to check the sum of all vectors: it is not finite if one of their components is not finite. A
-        // sum of finite components overflows only for extreme sizes.
+        // Instead of each component, check the sum of all components, which is not finite if one component is not
+        // finite. A sum of finite components overflows only for extreme sizes.
         let vectors = self.on_object.coords + self.normal + self.x_axis;
         let turn = self.body_from_contact.coords.sum();
         (vectors.sum() + turn + self.arc_length).is_finite()

@@ -24,7 +24,7 @@ pub(crate) struct Integration {
 }
 
 impl Integration {
-    /// The contact at the end of `motion`, and the number of evaluations of the derivative.
+    /// The contact at the end of `motion`, and the number of evaluations of the contact equations.
     pub(crate) fn advance(
         &self,
         bodies: &Bodies<'_, Shape>,

@@ -32,7 +32,7 @@ pub(crate) enum Rung {
     Integrated(Integration),
 }
 
-/// Everything on which the choice of a model depends: the bodies and their contact at the start.
+/// Everything on which the choice of a model depends, apart from the rolls: the bodies and their contact at the start.
 pub(crate) struct Setting<'a> {
     pub(crate) bodies: Bodies<'a, Shape>,
     pub(crate) first: Contact,

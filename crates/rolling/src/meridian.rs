@@ -103,7 +103,8 @@ impl MeridianRung {
         let point = section.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
-        // The contact frame turns by the slope angle of the normal, about the tangent perpendicular to the meridian.
+        // The contact frame turns by the angle between the normal and the apex's normal, about the tangent
+        // perpendicular to the meridian.
         let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
@@ -214,8 +215,8 @@ impl Bracket {
         }
     }
 
-    /// Narrows the bracket with the sign of the function's value `excess`, and moves the estimate by `−step`, but not
-    /// out of the bracket.
+    /// Narrows the bracket of the root by the sign of the function's value `excess`, and moves the estimate of the root
+    /// by `−step`, but not out of the bracket.
     fn step(&mut self, excess: f64, step: f64) {
         if excess > 0.0 {
             self.high = self.at;

@@ -100,8 +100,8 @@ impl Roller {
             .displacement;
         // At the first contact, the body axes of the probe are parallel to the axes of the object.
         let rotation = first.object_from_probe().inverse() * contact.object_from_probe();
-        // Convert the matrix to a quaternion, because a quaternion stores all digits of a small angle. The trace of the
-        // matrix does not.
+        // Convert the matrix to a quaternion, because a quaternion stores all digits of a small angle. Computed from
+        // the trace of the matrix, a small angle would lose digits.
         let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
         let turned = first.body_from_contact.inverse() * rotation.scaled_axis();
         Numbers::from([shift.x, shift.y, turned.x, turned.y, turned.z])
@@ -177,8 +177,8 @@ impl Roller {
         if nodes.contacts.len() <= MAX_INTERVALS {
             return Ok(nodes.interpolated(time_s));
         }
-        // The path has too much detail for an interpolation. Compute the roll from the previous node to this instant
-        // instead.
+        // The path has too much detail for an interpolation. Instead, compute the roll from the previous node to this
+        // instant.
         let later = nodes.instants.partition_point(|instant| *instant <= time_s);
         let node = later.saturating_sub(1);
         let contact = self.over(

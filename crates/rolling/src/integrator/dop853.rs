@@ -108,8 +108,8 @@ impl Dop853 {
                             continue;
                         }
                         Err(fault) => {
-                            // The step failed, so the integration ends at the last valid state. The slope at this state
-                            // was overwritten. Compute it again.
+                            // The step failed, so the integration continues from the last valid state. The slope at
+                            // this state was overwritten, so compute it again.
                             evaluations += 1;
                             system
                                 .derivative(&y, &mut slopes[0])
@@ -237,7 +237,8 @@ fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
         .sum()
 }
 
-// The constant Aj contains the weights of the earlier slopes in stage j. Zero weights are left out.
+// The constant A2 contains the weights of the earlier slopes in stage 2, A3 those in stage 3, and so on. Zero weights
+// are left out.
 const A2: [f64; 1] = [0.0526001519587677318785587544488];
 const A3: [f64; 2] = [
     0.0197250569845378994544595329183,

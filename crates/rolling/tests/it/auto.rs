@@ -46,7 +46,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
         .measure(&[roller.choice().model], FREE, rolls)
         .remove(0);
     assert!(taken.outcome.is_ok_and(|error| error <= 1e-6));
-    // Many short motions do not count as a long roll.
+    // A roll that consists of many short motions does not count as long, so its models are measured.
     let pieces = vec![vec![Motion::rolling(0.2, 1.0, 1e-3); 3000]];
     let auto = auto(1e-6);
     let roller = roller.on(auto, Rolls::exact(&pieces)).unwrap();
