@@ -85,7 +85,8 @@ pub struct Task {
 /// trials of a cell depends only on the results of its trials, not on the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
-    /// Index of the quantity whose statistic is tested. It is an index among the quantities of the trial.
+    /// Index of the quantity whose statistic is tested. The index is the place of the quantity among the quantities of
+    /// the trial.
     pub quantity: usize,
     /// Statistic of the quantity whose precision is tested.
     pub statistic: StoppingStatistic,

@@ -24,8 +24,8 @@ pub(crate) struct Column {
     /// Coverage that trials report themselves: for each such observation, its index, and whether the trial's 50, 80 and
     /// 95 % intervals contain the true value.
     verdicts: Vec<(usize, [bool; 3])>,
-    /// Number of stored observations that belong to successful trials. The observations after these belong to the trial
-    /// that is running.
+    /// Number of stored observations that belong to successful trials. Later observations belong to the trial that is
+    /// running.
     kept: usize,
     /// For each trial that made several observations: the number of observations that are stored before this trial, and
     /// the sums of the trial's observations.

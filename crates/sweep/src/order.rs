@@ -329,8 +329,8 @@ fn above(one: &[Option<f64>], other: &[Option<f64>], limit: f64) -> Order {
     )
 }
 
-/// Mean of some numbers, and the variance of this mean. For a single number, the variance is 0, because an experiment
-/// with a single trial is not random.
+/// Mean of some numbers, and the squared standard error (variance) of this mean. For a single number, the variance is
+/// 0, because an experiment with a single trial is not random.
 fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f64, f64) {
     let count = numbers.len() as f64;
     let mean = numbers.clone().sum::<f64>() / count;

@@ -11,8 +11,8 @@ use crate::cell::Task;
 /// whole run.
 pub const JOB: Duration = Duration::from_millis(4);
 const MAX_BLOCKS: u64 = 64;
-/// Largest number of jobs that may be handed out while the results of an earlier job are missing. This limits how many
-/// results wait in memory for the earlier results.
+/// Largest number of jobs that may be handed out while the results of an earlier job are missing. The limit restricts
+/// the memory for results that must wait for these earlier results.
 const AHEAD: u64 = 512;
 /// Limit that replaces [`AHEAD`] while the queue hands out a cell that a rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;

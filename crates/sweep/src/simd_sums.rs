@@ -77,7 +77,7 @@ pub(crate) struct Totals {
     /// Sum over the observations of the difference (error² − first error²), and sum of the squares of these
     /// differences.
     pub(crate) of_squares: [f64; 2],
-    /// Number of reported standard deviations. Their sum is `stds`.
+    /// Number of reported standard deviations. `stds` is the sum of these standard deviations.
     pub(crate) reported: u64,
     pub(crate) stds: f64,
     /// Number of observations whose 50, 80 and 95 % intervals contain the true value.

@@ -88,8 +88,8 @@ pub struct Summary {
     /// `mean_abs_error` divided by the absolute true value; `None` if the true value is 0 or differs between
     /// observations.
     pub relative_mean_abs_error: Option<f64>,
-    /// 5 % quantile of the estimates; `None` if the true value differs between observations. The difference between
-    /// quantile and true value has a relative error of at most 0.4 %.
+    /// 5 % quantile of the estimates; `None` if the true value differs between observations. The quantile is computed
+    /// from a histogram, so it has an error of at most 0.4 % of its difference from the true value.
     ///
     /// Quantiles are interpolated linearly between the sorted estimates (type 7, the usual definition).
     pub q05: Option<f64>,
