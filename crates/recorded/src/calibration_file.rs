@@ -39,7 +39,7 @@ struct NormalPart {
     from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Smallest and largest stated displacement of the points of the fit.
+    /// Smallest and largest stated displacement of the calibration points to which the line was fitted.
     range: [f64; 2],
     per_marker: bool,
     line: Line,

@@ -210,7 +210,7 @@ const fn feature(from: NormalFrom) -> &'static str {
 
 struct Words {
     title: String,
-    /// Unit of the calibrated signal with a slash, such as `turns/`; empty if the signal is a length.
+    /// Unit of the calibrated signal, followed by a slash, such as `turns/`; empty if the signal is a length.
     signal: &'static str,
     unit: LengthUnit,
 }

@@ -184,7 +184,7 @@ pub struct TrackCounts {
     pub cut_at_rest: usize,
 }
 
-/// Share of markers that are not found in the pressed frame above which there is a warning.
+/// If more than this share of the markers is not found in the pressed frame, there is a warning.
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {

@@ -185,7 +185,8 @@ fn nested(
         .then(|| (0..count).map(row).collect()))
 }
 
-/// Collects the values of an object that are neither lists nor in lists, with their paths: `meta.tip_radius`.
+/// Collects the values of an object that are neither lists nor in lists, each with its path in the object, such as
+/// `meta.tip_radius`.
 fn single_values(object: &Map<String, Json>, path: &str, values: &mut Vec<(String, Json)>) {
     for (name, value) in object {
         let name = format!("{path}{name}");
@@ -408,7 +409,7 @@ fn no_json(
     file.fail(line, format!("{what}; {NEEDED}"))
 }
 
-/// Names and values of an object or a list; nested names are joined by points: `position.0`.
+/// Names and values of an object or a list; nested names are joined by points, as in `position.0`.
 fn pairs(
     file: &RecordedFile,
     line: usize,

@@ -106,7 +106,8 @@ struct RollReport {
     radius: Radius,
     /// Text that states the source of the standard errors.
     std_from: &'static str,
-    /// Number of terms of the model for the curvature along a roll. Only methods for time series have this model.
+    /// Number of terms of the model for the curvature along a roll; 1 if the curvature is constant. Only methods for
+    /// time series have this model.
     #[serde(skip_serializing_if = "Option::is_none")]
     terms: Option<usize>,
     /// Smallest and largest value of each curvature that is compatible with the readings, if the rotations and the pads
@@ -268,8 +269,8 @@ impl RollEstimate {
 ///
 /// Standard errors follow from the stated noise. Without stated noise, they follow from the residuals, if there are
 /// more readings than fitted parameters. The half-width of the 95 % interval then follows from Student's t with 2n − 3
-/// degrees of freedom, where n is the number of probes. It is 2.57 standard errors for 4 probes, and 2.16 for 8 probes
-/// ([`palpate_statistics::student_half_width`]).
+/// degrees of freedom, where n is the number of probes. For example, the half-width is 2.57 standard errors for 4
+/// probes, and 2.16 for 8 probes ([`palpate_statistics::student_half_width`]).
 ///
 /// ```
 /// use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
@@ -331,7 +332,7 @@ pub fn estimate_roll(
     if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
         let mut estimate = series.estimate();
         // For exact readings, the method `trajectory` has no standard errors: the residuals do not show how far the
-        // curvature departs from the fitted terms.
+        // curvature along the roll departs from the fitted terms.
         let has_error =
             series.method != "trajectory" || !has_pads || !options.series.noise.is_exact();
         if !has_error {

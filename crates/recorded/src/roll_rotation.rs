@@ -56,9 +56,9 @@ impl RotationForm {
         Self::AxisAngle,
     ];
 
-    /// The form in which a table states rotations. It is the form whose columns are all in the table. If there is none,
-    /// it is the form whose column names resemble names in the table. If there is none either, it is a form with at
-    /// least one column in the table.
+    /// The form in which a table states rotations. If the table has all columns of a form, it is this form. Otherwise,
+    /// it is the form whose column names resemble names in the table or, if there is none, a form with at least one
+    /// column in the table.
     pub(super) fn of(header: &Header<'_>) -> Self {
         let has = |column: &Column| header.has(column);
         let find = |fits: &dyn Fn(&[Column]) -> bool| {

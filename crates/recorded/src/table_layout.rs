@@ -17,8 +17,8 @@ pub(super) struct Wide {
     pub(super) groups: Vec<Group>,
     /// Indices of the columns that belong to no single finger, such as the time.
     pub(super) shared: Vec<usize>,
-    /// Header of the table whose rows were split: name of the column with the finger's label, names of the columns of
-    /// one finger, and names of the shared columns.
+    /// Header of the table after the split of its rows: name of the column with the finger's label, names of the
+    /// columns of one finger, and names of the shared columns.
     pub(super) header: Vec<String>,
 }
 
