@@ -44,9 +44,9 @@ pub struct Rung {
     /// The model in the form of a config; it is never `auto`.
     pub model: ModelConfig,
     /// Error of the true values, compared with the most accurate model. For a roll, it is the error of the last
-    /// contacts, relative to the length scale at the first contact. For a glide, it is the error of the contacts,
-    /// relative to the radius of the fingertip. For a press, it is the error of the markers' displacements, relative to
-    /// the largest displacement.
+    /// contacts, relative to the length scale at the first contact (displacement of the contact per radian). For a
+    /// glide, it is the error of the contacts, relative to the radius of the fingertip. For a press, it is the error of
+    /// the markers' displacements, relative to the largest displacement.
     pub accuracy: Accuracy,
 }
 

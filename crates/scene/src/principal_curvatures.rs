@@ -23,8 +23,8 @@ pub(crate) struct PointCurvature {
 }
 
 impl PointCurvature {
-    /// Curvatures of `form`, with the angle from the first axis of the form. `stds` are the standard errors of k_min,
-    /// k_max and the angle; `mean_std` is the standard error of the mean curvature.
+    /// Curvatures of `form`, with the angle from the first axis of the form to the direction of k_min. `stds` are the
+    /// standard errors of k_min, k_max and the angle; `mean_std` is the standard error of the mean curvature.
     pub(crate) fn of(form: &CurvatureForm, stds: Option<[f64; 3]>, mean_std: Option<f64>) -> Self {
         let principal = form.principal();
         let axis_deg = half_turn(principal.angle_of_max_rad.to_degrees() + 90.0);

@@ -118,8 +118,8 @@ fn fit(
     Calibration::new(Some(normal), Some(lateral), None)
 }
 
-/// Geometry (object, contact and indentation) of each calibration press on a plane. If the config does
-/// not state the deepest indentation, the deepest press has the indentation `indentation`.
+/// Geometry (object, contact and indentation) of each calibration press on a plane. If the config does not state the
+/// deepest indentation, the deepest press has the indentation `indentation`.
 fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);

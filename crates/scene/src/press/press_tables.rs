@@ -137,7 +137,7 @@ impl PressScene {
         };
         let moves_tangentially = body.moves_tangentially();
         // If the estimator fits a Gaussian, the estimated gain is the amplitude of the displacement. For other
-        // estimators, it is the gain of the sensor, which does not change the displacement.
+        // estimators, the estimated gain is a property of the sensor, which does not change the displacement.
         let amplitude = estimate
             .gain
             .filter(|_| !moves_tangentially)
