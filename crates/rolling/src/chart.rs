@@ -1,8 +1,8 @@
 //! Montana's contact equations in charts.
 //!
-//! The index 1 is the probe, and 2 is the object. Each body has chart parameters `u`, a metric `M`, a curvature form `K`
-//! and a torsion form `T`. The contact angle is `ψ`, and `R_ψ` converts vectors between the frames of the two bodies.
-//! The probe turns with the angular velocity `ω` and slides with the velocity `v`:
+//! The index 1 is the probe, and 2 is the object. Each body has chart parameters `u`, a metric `M`, a curvature form
+//! `K` and a torsion form `T`. The contact angle is `ψ`, and `R_ψ` converts vectors between the frames of the two
+//! bodies. The probe turns with the angular velocity `ω` and slides with the velocity `v`:
 //!
 //! ```text
 //! u̇₁ = M₁⁻¹ (K₁ + K̃₂)⁻¹ ([−ω_y, ω_x]ᵀ − K̃₂ v)

@@ -1,7 +1,9 @@
 //! The chart-free contact equations.
 //!
 //! `n` is the object's outward normal. `S₁ = I/R₁` and `S₂` are the shape operators of probe and object on the common
-//! tangent plane. `ω` is the angular velocity and `v` the sliding velocity of the probe. The equations are:
+//! tangent plane. `ω` is the angular velocity and `v` the sliding velocity of the probe. `q̇` and `p` are the
+//! velocities of the contact on the object and on the probe, and `x₁` and `y₁` the axes of the contact frame. The
+//! equations are:
 //!
 //! ```text
 //! (S₁ + S₂) q̇ = ω × n + S₁ v          contact on the object

@@ -131,8 +131,8 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
         let excess = point.slope_rad + arc / radius - theta;
         let slope = point.slope_per_parameter + point.arc_per_parameter / radius;
         root.step(excess, excess / slope);
-        // Newton's method converges quadratically. After a correction as small as this, the next correction would be
-        // below the rounding errors.
+        // Newton's method converges quadratically. After a correction below this relative limit, the next correction
+        // would be below the rounding errors.
         if (root.at - t).abs() <= 1e-8 * t {
             return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
         }
@@ -162,7 +162,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let q = root.at;
         let ww = 1.0 + q * q;
         let w = ww.sqrt();
-        // `asinh` is asinh q for the slope q, computed from w = √(1 + q²).
+        // asinh q for the slope q, computed from w = √(1 + q²) without loss of digits for small q.
         let asinh = libm::log1p(q + q * q / (1.0 + w));
         let arc = 0.5 * (q * w + asinh);
         let excess = sign * libm::atan(q) + a * arc - theta;
@@ -170,8 +170,8 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let bend = q * (a / w - 2.0 * sign / (ww * ww));
         let newton = excess / slope;
         root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
-        // Halley's method converges cubically. After a step as small as this, the next correction would be below the
-        // rounding errors.
+        // Halley's method converges cubically. After a step below this relative limit, the next correction would be
+        // below the rounding errors.
         let step = root.at - q;
         if step.abs() <= 3e-6 * q {
             let arc = arc + step * (w + 0.5 * step * q / w);
@@ -287,7 +287,7 @@ fn integrals(mut x: f64, mut y: f64) -> (f64, f64) {
     )
 }
 
-/// Carlson's `R_F` for nearly equal arguments, from its series.
+/// Carlson's integral `R_F` for nearly equal arguments, computed from its power series.
 fn first_kind(x: f64, y: f64, z: f64) -> f64 {
     let mean = (x + y + z) / 3.0;
     let (dx, dy) = (1.0 - x / mean, 1.0 - y / mean);
@@ -298,7 +298,7 @@ fn first_kind(x: f64, y: f64, z: f64) -> f64 {
     series / mean.sqrt()
 }
 
-/// Carlson's `R_D` for nearly equal arguments, from its series.
+/// Carlson's integral `R_D` for nearly equal arguments, computed from its power series.
 fn second_kind(x: f64, y: f64, z: f64) -> f64 {
     let mean = (x + y + 3.0 * z) / 5.0;
     let (dx, dy) = (1.0 - x / mean, 1.0 - y / mean);
@@ -390,8 +390,8 @@ mod tests {
         for t in [1e-300, 1e-9, 0.3, 1.5, 1.6, 3.0, 4.0, 1e3] {
             assert_relative_eq!(arc_length(2.0, 2.0, t), 2.0 * t, max_relative = 2e-15);
         }
-        // A quarter of the perimeter of an ellipse with the half-axes 2 and 1 is 2 E(3/4). It does not depend on the
-        // order of the half-axes.
+        // A quarter of the perimeter of an ellipse with the half-axes 2 and 1 is 2 E(3/4), with the complete elliptic
+        // integral E. The perimeter does not depend on the order of the half-axes.
         let quarter = 2.0 * 1.211_056_027_568_459_5;
         assert_relative_eq!(
             arc_length(2.0, 1.0, FRAC_PI_2),

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
 
-/// Tolerances, largest first, that are tried in the search for the largest tolerance that is small enough.
+/// Tolerances that a search for a sufficiently small tolerance tries, largest first.
 pub const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];

@@ -155,7 +155,8 @@ fn a_thousand_motions_are_one() {
 
 #[test]
 fn slow_motions_that_last() {
-    // Rates so extreme that their squares, and the squares of the durations that belong to them, underflow or overflow.
+    // Rates that are so extreme that their squares, and the squares of the durations of the rolls, underflow or
+    // overflow.
     for rate in [1e-200, 1e200] {
         let motion = Motion::rolling(0.3, rate, 2.0 / rate);
         let end = roll(1.0, &saddle(0.2), (0.3, 0.1), DOP853, motion);

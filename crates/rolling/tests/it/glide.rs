@@ -381,7 +381,8 @@ proptest! {
         for (unit, object) in scaled(1.0).iter().zip(&scaled(scale)) {
             let reference = touch(unit, radius, x, y);
             let found = touch(object, radius * scale, x * scale, y * scale);
-            // The position is inside the rim of each object. The torus is left out because of its hole.
+            // Whether the position is inside the rim of the object, so that the touch must succeed. The torus is left
+            // out because of its hole.
             let is_inside = libm::hypot(x, y) < 0.99 && radius < 1.0 && unit.name() != "torus";
             prop_assert!(found.is_ok() || !is_inside, "{found:?}");
             match (reference, found) {
