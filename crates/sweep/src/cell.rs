@@ -88,7 +88,7 @@ pub struct StoppingRule {
     /// Index of the quantity whose statistic is tested. The index is the place of the quantity among the quantities of
     /// the trial.
     pub quantity: usize,
-    /// Statistic of the quantity whose precision is tested.
+    /// The statistic of the quantity; its precision is tested.
     pub statistic: StoppingStatistic,
     /// The trials of a cell end when the relative standard error of the statistic is at most this value. The standard
     /// error is computed from the scatter between trials, so the observations within one trial count as a single

@@ -183,8 +183,8 @@ fn beyond(
         return Repeats::Never;
     };
     // Each entry contains a distance, the standard deviation of a trial, and the standard error of the distance.
-    // Without a limit, the distance is between the two means; with a limit, it is from each mean to the limit. It is
-    // positive if the order is right.
+    // Without a limit, the distance is between the two means; with a limit, it is from each mean to the limit. The
+    // distance is positive if the order is right.
     let separations = match limit {
         None => vec![(
             other.mean - one.mean,

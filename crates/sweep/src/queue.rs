@@ -1,4 +1,4 @@
-//! Queue of trials that the worker threads run. The queue hands out the tasks in their order.
+//! Queue of the trials that the worker threads run. The queue hands out trials task by task, in the order of the tasks.
 
 use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};

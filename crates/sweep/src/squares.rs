@@ -146,7 +146,7 @@ mod tests {
         sums(errors).squares
     }
 
-    /// Sums of squares over trials. Each range in `trials` contains the indices of one trial's errors.
+    /// [`TrialSquares`] of several trials. Each range in `trials` contains the indices of one trial's errors.
     fn of_trials(errors: &[f64], trials: impl IntoIterator<Item = Range<usize>>) -> TrialSquares {
         let mut all = TrialSquares::default();
         for places in trials {

@@ -198,7 +198,7 @@ struct Open {
 struct Ran<S: Sweep> {
     number: u64,
     task: Task,
-    /// Number of the trial after the last trial in these results.
+    /// Number of the last trial in these results, plus 1.
     end: u64,
     /// The experiment of the cell. `None` if the task is complete, because the experiment is then no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,

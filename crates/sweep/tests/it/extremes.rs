@@ -40,8 +40,8 @@ fn sequences_in_any_unit_have_their_closed_forms() {
                 assert_relative_eq!(relative.unwrap(), due / 4.0, max_relative = bound);
             }
         }
-        // A share p of the n errors is 1, and all other errors are 0. Then the mean square error is p, and its variance
-        // is p (1 − p)/(n − 1).
+        // A share p of the n errors is 1, and all other errors are 0. Then the mean square error is p, and the variance
+        // of the mean square error is p (1 − p)/(n − 1).
         let quarter = summary(4096, |trial| {
             observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
         });

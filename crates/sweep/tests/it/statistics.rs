@@ -77,7 +77,7 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
         );
     }
     // The expected standard error of the rms error is σ/√(2n) for n trials, where σ is the standard deviation of the
-    // errors. Its accuracy is limited by the accuracy of the sample's fourth moment.
+    // errors. The accuracy of the estimated standard error is limited by the accuracy of the sample's fourth moment.
     let of_rms = std / (2.0 * trials as f64).sqrt();
     assert_relative_eq!(
         summary.rms_error_std.unwrap(),
