@@ -1,5 +1,5 @@
-//! Runs and stores the trials that a search for target values needs. Each cell of the study (one combination of the
-//! values that the study sweeps) has its own trials at each tested value of the searched field.
+//! Runs and stores the trials of a search for the values of a field that meet a target. Each cell of the study (one
+//! combination of the values that the study sweeps) has its own trials at each tested value of the searched field.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,8 +13,8 @@ use crate::search::{Curves, ScoreRequest, Scores};
 use crate::target_score::{NoValue, SceneTarget};
 use crate::words::percent;
 
-/// Number of the first fresh trial. Fresh trials only verify an answer; the search for the answer uses trials with
-/// smaller numbers.
+/// Number of the first fresh trial. Fresh trials are used only to verify an answer; the search for the answer uses
+/// trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
 /// Largest number of scenes in memory. If there are more, scenes that are not needed in the current round are dropped,
 /// because scenes with a camera are large.
@@ -33,7 +33,7 @@ pub(crate) struct CellTrials<'a> {
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// Creates the scenes of the study. The varied fields that are not searched are fixed to one combination of their
+/// Creates the scenes of the study. Those varied fields that are not searched are fixed to one combination of their
 /// values.
 struct Source<'a> {
     study: &'a Study,
@@ -47,12 +47,12 @@ type Place = (u64, usize);
 /// The scene of a cell at a value of the searched field, or the reason why this scene has no estimate.
 enum Setup {
     Scene(Box<SceneTrial>, SceneTarget),
-    /// No estimate is possible, because the readings do not determine it. The text names the kind of failure.
+    /// The readings do not determine an estimate. The text names the kind of failure.
     NotEstimable(&'static str),
 }
 
 impl<'a> CellTrials<'a> {
-    /// A collection without trials. `place` contains the values of those varied fields that are not searched.
+    /// A collection without trials. `place` is one combination of values of those varied fields that are not searched.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,
@@ -257,7 +257,7 @@ impl TrialCounts {
     }
 
     /// Text that states the share of failed trials and the share of the most frequent kind of failure. `trials` is the
-    /// word for trials, and `at` describes the cell.
+    /// word for trials in this text, and `at` describes the cell.
     pub(crate) fn failures_in_words(&self, trials: &str, at: &str) -> String {
         let kind = |share: String| match self.main_failure {
             Some((kind, _)) => format!(" (`{kind}`{share})"),

@@ -24,10 +24,11 @@ use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
 use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 
-/// Number of trials at the best tested value if no value meets the target. With so many trials, the answer can state
-/// accurately how far this value misses the target.
+/// Number of trials at the best tested value if no value meets the target. This number is large, so that the answer can
+/// state accurately how far the best value misses the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
-/// Largest number of times that combinations of field values are added around the best combination.
+/// Largest number of refinements of the grid. Each refinement adds combinations of field values around the best
+/// combination.
 const REFINEMENTS: usize = 3;
 
 /// Finds the values of one or several fields that meet a target, and the best value of one of these fields.
@@ -127,7 +128,8 @@ struct Searches<'a> {
     runner: &'a Runner,
     clock: &'a Clock<'a>,
     progress: &'a dyn Fn(usize, u64),
-    /// Largest number of combinations of the other varied fields' values.
+    /// Largest possible number of combinations of the other varied fields' values, including those that refine the
+    /// grid.
     max_columns: usize,
     /// Number of tested values and number of trials so far, in all searches together.
     done: Cell<(usize, u64)>,
@@ -200,8 +202,8 @@ impl Searches<'_> {
     }
 }
 
-/// Side of the target on which `value` lies: the side of the range in `runs` that contains `value`. `None` if no range
-/// contains it.
+/// Whether `value` meets or misses the target, according to the range in `runs` that contains `value`. `None` if no
+/// range contains it.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

@@ -1,5 +1,5 @@
-//! The result of `distinguish`: how reliably the estimates put objects in the right order. It is output as sentences,
-//! table, JSON and figure.
+//! The result of `distinguish`: how reliably the estimates put objects in the order of their true values. It is output
+//! as sentences, table, JSON and figure.
 
 use palpate_report::{Figure, Heat, HeatPanel, ReportError, heat_figure};
 use palpate_study::config::Study;
@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use crate::cell_trials::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// The sentences mention failed trials only if the share of failed trials is larger than this value.
+/// The sentences mention failed trials of an object only if their share is larger than this value.
 const STATED_FAILURES: f64 = 0.05;
 
-/// How reliably the objects of a study are distinguished, both by one trial of each object and by the means of several
+/// How reliably the objects of a study are distinguished by one trial of each object, and by the means of several
 /// trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discrimination {
@@ -53,10 +53,11 @@ pub struct Object {
     pub cell: usize,
     /// Swept values that define the object, formatted as in the tables.
     pub label: Vec<String>,
-    /// True value of the compared quantity, or its mean if it differs between trials; `None` if every trial failed.
+    /// True value of the compared quantity, or the mean of the true values if they differ between trials; `None` if
+    /// every trial failed.
     pub truth: Option<f64>,
-    /// For the quantity `class`: the true class of more than half of the places on the observed patch of the object.
-    /// `None` for other quantities, or if no class has so many places.
+    /// Only for the quantity `class`: the true shape class of more than half of the points on the observed patch of the
+    /// object. `None` if no class has so many points.
     pub class: Option<&'static str>,
     /// Number of trials of this object, and number of failed trials.
     pub counts: TrialCounts,
@@ -94,8 +95,8 @@ impl Object {
             let mean: f64 = found().map(|one| of(one) / count).sum();
             (count > 0.0 && mean.is_finite()).then_some(mean)
         };
-        // Use the true value of the first successful trial: the true values of all trials are equal, apart from
-        // rounding errors and, in a press, an effect of the indentation.
+        // If the true values of all trials are exactly equal, use this value instead of the mean, which could have a
+        // rounding error. In a press, the true value can depend on the indentation of the trial.
         let first = found().next().map(|(_, truth)| *truth);
         let is_same = found().all(|(_, truth)| Some(*truth) == first);
         Self {
@@ -114,8 +115,8 @@ impl Object {
 
 impl Discrimination {
     /// Table with one row per pair of objects. A row contains both objects, the probability that one trial of each
-    /// distinguishes them, and the 95 % interval of this probability. It also contains the number of trials whose means
-    /// distinguish the objects with the required confidence.
+    /// object distinguishes them, and the 95 % interval of this probability. It also contains the number of trials
+    /// whose means distinguish the objects with the required confidence.
     pub fn table(&self) -> Table {
         let names = |of: &str| -> Vec<String> {
             self.object_columns
@@ -187,8 +188,8 @@ impl Discrimination {
         table
     }
 
-    /// One sentence for each pair of neighbouring objects in each group. The sentence starts with the swept values that
-    /// all objects of the group share.
+    /// One sentence for each pair of neighbouring objects in each group. The sentence starts with the values of the
+    /// swept fields that do not define objects.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for group in &self.groups {

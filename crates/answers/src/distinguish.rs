@@ -8,19 +8,19 @@ use palpate_sweep::{Runner, TrialMeans, in_order, repeats};
 use crate::discrimination::{Discrimination, Group, Object, Pair};
 use crate::error::{AnswerError, MAX_CELLS};
 
-/// A patch counts as correctly classified if more than this share of its places is classified correctly.
+/// The classification of a patch counts as correct if more than this share of its points are classified correctly.
 const MAJORITY: f64 = 0.5;
-/// Distance between the first trial numbers of consecutive cells, so large that no two cells use the same trial
-/// numbers. Equal trial numbers would mean equal random numbers.
+/// Distance between the first trial numbers of consecutive cells. It is so large that no two cells use the same trial
+/// numbers, because trials with equal numbers have equal random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
-/// Computes two results for each pair of objects that a study sweeps. The first is the probability that the estimates
-/// of one trial of each object are in the right order. The second is the number of trials whose means are in the right
-/// order with the probability `confidence`.
+/// Computes two results for each pair of objects that a study sweeps. The first is the probability that one trial of
+/// each object puts the two estimates in the order of the true values. The second is the number of trials whose mean
+/// estimates are in this order with the probability `confidence`.
 ///
 /// Without `quantity`, the object's curvature is compared: `object_curvature` for a press, otherwise `mean_curvature`.
 /// A failed trial distinguishes no objects. With the quantity `class` of a glide, two objects are distinguished if most
-/// places of both are classified correctly. Objects of the same class are never distinguished.
+/// points of both patches are classified correctly. Objects of the same class are never distinguished.
 ///
 /// ```
 /// use palpate_answers::distinguish;
@@ -141,8 +141,8 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// The compared quantity, and its index among the quantities of the scene. If the user names no quantity, the object's
-/// curvature is compared.
+/// The index of the compared quantity among the quantities of the scene, and the quantity itself. If the user names no
+/// quantity, the object's curvature is compared.
 pub(crate) fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,

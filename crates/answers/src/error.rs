@@ -11,7 +11,7 @@ pub(crate) const MAX_CELLS: usize = 1000;
 /// Reason why a question has no answer.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AnswerError {
-    /// The config is invalid, either as given, or with some values of a varied field.
+    /// The config of the study is invalid, or becomes invalid with some values of a varied field.
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// A setting of the question is out of its range.

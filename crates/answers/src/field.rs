@@ -1,4 +1,4 @@
-//! A varied field of a question. Its values are available as numbers and in the form of the config.
+//! A varied field of a question. Its values are available as numbers, and as TOML values for the config.
 
 use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
@@ -15,7 +15,7 @@ pub struct Field {
     pub column: String,
     /// Name of the field in words, and the field's unit.
     pub label: Label,
-    /// Values that the question lists for the field; empty if it gives a range of numbers.
+    /// Values that the question lists for the field; empty if the question gives a range of numbers.
     pub listed: Vec<toml::Value>,
     /// Range of the field's values. If the question lists the values, this is the range of their indices in the list.
     pub span: Span,
@@ -90,7 +90,7 @@ impl Field {
         }
     }
 
-    /// The path of the field, and a list with `value` as its only element, in the form of the config.
+    /// The path of the field, and a list with `value` as its only element, as a TOML value.
     pub(crate) fn fixed_at(&self, value: f64) -> (String, Vec<toml::Value>) {
         let value = match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),

@@ -1,16 +1,17 @@
-//! The grid of a question: all combinations of the values of those varied fields that are not searched.
+//! The grid of a question: all combinations of values of those varied fields that are not searched.
 
 use crate::error::AnswerError;
 use crate::field::Field;
 use crate::search::SearchRange;
 
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values of a grid field that is given as a range, if the grid has one field, two fields, or three or more
-/// fields. The grid consists of the varied fields that are not searched.
+/// Number of values at which a field with a range is tested, if it is part of the grid: for a grid of one field, of two
+/// fields, and of three or more fields. The grid consists of the varied fields that are not searched.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
 /// All combinations of the grid fields' values. The value of the last field changes fastest. If `fields` is empty,
-/// there is one empty combination. Values within a range are rounded to steps that are small compared with `gap`.
+/// there is one empty combination. Values within a range are rounded to steps that are small compared with `gap`, the
+/// largest gap that the answer may leave undecided.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];

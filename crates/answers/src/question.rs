@@ -22,7 +22,7 @@ pub struct Question {
     pub grid: Vec<Vary>,
     /// Field whose best value the answer states: `searched` or a field of `grid`.
     pub sought: Option<Sought>,
-    /// Fields with a fixed value in all trials of the question, each with this value.
+    /// Fields that have the same fixed value in all trials of the question, each with this value.
     pub set: Vec<(String, toml::Value)>,
     /// Largest share of trials that may fail at a value that meets the target, above 0 and at most 1. If it is 1,
     /// failed trials are ignored.
@@ -48,7 +48,7 @@ pub struct Sought {
     pub extreme: Extreme,
 }
 
-/// Whether the largest or the smallest of the values that meet the target is the best one.
+/// Whether the best value of a field is the largest or the smallest of the values that meet the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extreme {
     /// The best value of the field is the largest value that meets the target.
@@ -136,7 +136,7 @@ impl Extreme {
         }
     }
 
-    /// The word for the best value (such as `largest`), and the word for values beyond it (such as `larger`).
+    /// The word for the best value (such as `largest`), and the word for values beyond the best value (such as `more`).
     pub(crate) const fn words(self) -> [&'static str; 2] {
         match self {
             Self::Largest => ["largest", "more"],

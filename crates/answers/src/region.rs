@@ -47,13 +47,13 @@ pub struct RegionColumn {
     pub at: Vec<f64>,
     /// Tested values of the searched field, in ascending order. Listed values are in the order of the list.
     pub points: Vec<DesignPoint>,
-    /// Ranges of neighbouring values of the searched field on the same side of the target, in ascending order. For
-    /// listed values, the ranges contain the indices of the values.
+    /// Ranges of neighbouring values of the searched field that all meet or all miss the target, in ascending order.
+    /// For listed values, the ranges contain the indices of the values.
     pub runs: Vec<Run>,
-    /// Number of ends of ranges that fresh trials did not confirm at the first attempt. The ranges were shortened at
-    /// these ends.
+    /// Number of ends of ranges that fresh trials (trials that the search had not used) did not confirm at the first
+    /// attempt. The ranges were shortened at these ends.
     pub narrowed: usize,
-    /// Reason why the search of values at this combination ended.
+    /// Reason why the search at this combination of values ended.
     pub ended: EndReason,
 }
 
@@ -62,11 +62,11 @@ pub struct RegionColumn {
 pub struct DesignPoint {
     /// The tested value of the searched field. For a listed value, its index in the list.
     pub value: f64,
-    /// Side of the target on which the tested value lies; `None` if the trials have not decided this.
+    /// Whether the tested value meets or misses the target; `None` if the trials have not decided this.
     pub side: Option<Side>,
     /// Index of the decisive cell: the cell that meets the target least clearly, or misses it most clearly.
     pub worst: usize,
-    /// Results of each cell from the trials of the search, in the order of the cells.
+    /// Results of each cell from the trials that the search used, in the order of the cells.
     pub searched: Vec<Sample>,
     /// Results of each cell from the fresh trials that verify the answer; empty if no fresh trials were run at this
     /// value.
@@ -97,7 +97,7 @@ pub struct Best<'a> {
 }
 
 impl RegionColumn {
-    /// The ranges of the searched field whose values all lie on this side of the target.
+    /// The ranges of the searched field whose values all meet the target, or all miss it, as `side` states.
     pub fn on(&self, side: Side) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(move |run| run.side == side)
     }
@@ -123,7 +123,7 @@ impl Region {
         if study.cell_count() > MAX_CELLS {
             return Err(AnswerError::TooManyCells(study.cell_count()));
         }
-        // Leave out the fixed fields, which are the last axes and have one value each.
+        // Leave out the fixed fields, which are the last axes of the study and have one value each.
         let axes = study.columns.len() - fixed.len();
         let cells = (0..study.cell_count()).map(|cell| {
             let coordinates = study.cell(cell)?.coordinates;
@@ -243,9 +243,10 @@ impl Region {
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// The tested value of the searched field that comes nearest to meeting the target in any of `columns`, with its
-    /// column and the result of its decisive cell. Among the values with few enough failures, this is the value with
-    /// the best statistic. If there are no such values, it is the value with the fewest failures.
+    /// The tested value of the searched field that comes nearest to meeting the target in any of `columns`. The result
+    /// also contains the column of this value and the result of its decisive cell. Among the values with few enough
+    /// failures, this is the value with the best statistic. If there are no such values, it is the value with the
+    /// fewest failures.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,

@@ -12,7 +12,7 @@ use crate::search::Side;
 use crate::words::settings_in_words;
 
 /// If a study has at most this number of cells, the figure has one line per cell. Otherwise, a single line shows the
-/// statistic of the decisive cell.
+/// statistic of the cell that decides whether a value meets the target.
 const MAX_LINES: usize = 7;
 
 impl Region {

@@ -57,7 +57,8 @@ impl Region {
         lines
     }
 
-    /// Notes about ends of ranges that were not verified, and about searches that reached the limit of time or trials.
+    /// Notes about ends of ranges that fresh trials did not confirm, and about searches that reached the limit of time
+    /// or trials.
     fn notes(&self) -> Vec<String> {
         let narrowed: usize = self.columns.iter().map(|column| column.narrowed).sum();
         let ends = match narrowed {
@@ -150,14 +151,14 @@ impl Region {
         let points = || self.columns.iter().flat_map(|column| &column.points);
         let decided = |cell: &usize| points().filter(|point| point.worst == *cell).count();
         // `max_by_key` returns the last of several equal maxima. The order of the cells is reversed, so that the first
-        // of them is returned.
+        // of these cells is returned.
         let worst = (0..self.cells.len()).rev().max_by_key(decided);
         let settings = settings_in_words(&self.cell_columns, &self.cells[worst.unwrap_or(0)]);
         format!("; the worst cell is mostly {settings}")
     }
 
-    /// The searched field at one combination of the other varied fields' values, in words: which of its values meet the
-    /// target, which miss it, and which are undecided. The text `certainty` is inserted after the first of these
+    /// Text about the searched field at one combination of the other varied fields' values: which of its values meet
+    /// the target, which miss it, and which are undecided. The text `certainty` is inserted after the first of these
     /// statements.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
@@ -194,8 +195,7 @@ impl Region {
         }
     }
 
-    /// Text about a range of values that misses the target because too many trials fail at one of its ends; empty if
-    /// there is no such range.
+    /// Text about the reason why values miss the target, if the reason is that too many trials fail; otherwise empty.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -221,8 +221,8 @@ impl Region {
         })
     }
 
-    /// Text for a combination of the other varied fields' values at which all values of the searched field are on the
-    /// same side of the target.
+    /// Text for a combination of the other varied fields' values at which all values of the searched field meet the
+    /// target, or all miss it.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {
@@ -341,7 +341,7 @@ impl Region {
         }
     }
 
-    /// The values of the other varied fields for which the best value meets the target, in words.
+    /// Text with the values of the other varied fields for which the best value meets the target.
     fn at_best(&self, best: &Best<'_>, sought: Option<usize>) -> String {
         let grid = self.grid.iter().zip(&best.column.at).enumerate();
         let grid = grid.filter(|(place, _)| Some(*place) != sought);

@@ -4,9 +4,9 @@
 //! The trials at all values use the same random numbers. The answer is verified with fresh trials. The probability that
 //! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly
 //! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. Each
-//! attempt to verify an end may be wrong with half the probability of the previous attempt. These bounds are valid for
-//! any curve of the scores. However, if a curve crosses the limit of the target twice between two tested values, the
-//! search does not detect this.
+//! attempt to verify an end may be wrong with half the probability of the previous attempt. These bounds do not depend
+//! on the shape of the curve of scores over values. However, if the curve crosses the limit of the target twice between
+//! two tested values, the search does not detect this.
 
 mod explore;
 mod limits;
@@ -26,9 +26,9 @@ pub use points::Side;
 pub use span::Span;
 pub use verify::Run;
 
-/// Scores of the two conditions of a target in one cell. A score is the number of standard deviations by which the
-/// condition is met; it is negative if the condition is missed. The first condition is for the statistic, the second
-/// for the share of trials that fail.
+/// Scores of one cell for the two conditions of a target. A score is the number of standard deviations by which the
+/// condition is met; it is negative if the condition is missed. The first condition limits the statistic, the second
+/// limits the share of trials that fail.
 pub(crate) type Scores = [f64; 2];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub(crate) struct ScoreRequest {
     pub(crate) fresh: bool,
 }
 
-/// Computes the scores of the cells. The scores of a cell are a function (a curve) of the searched field's value.
+/// Computes the scores of the cells. For each cell, the scores over the values of the searched field form a curve.
 ///
 /// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
 pub(crate) trait Curves {
@@ -95,7 +95,7 @@ pub(crate) struct SearchResult {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TestedValue {
     pub(crate) value: f64,
-    /// Side of the target on which the value lies; `None` if the tests have not decided this.
+    /// Whether the value meets or misses the target; `None` if the tests have not decided this.
     pub(crate) side: Option<Side>,
     /// Index of the cell that has the smallest score at this value.
     pub(crate) worst: usize,

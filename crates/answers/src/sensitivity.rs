@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use crate::distinguish::place_of;
 use crate::error::AnswerError;
 
-/// Number of trials in a block. Each block runs on one thread.
+/// Number of trials in a block. All trials of a block run on the same thread.
 const BLOCK: u64 = 32;
 /// Largest length of a list in a config whose numbers are changed one by one. Longer lists are skipped, because a
-/// designer does not choose their numbers one by one.
+/// designer does not choose each of their numbers separately.
 const LONGEST_LIST: usize = 3;
 /// An rms error counts as a rounding error if it is at most this share of the true value.
 const ROUNDING: f64 = 1e-10;
@@ -283,8 +283,8 @@ impl ErrorRuns<'_> {
     }
 }
 
-/// Squared error and squared true value of a trial, each averaged over the points at which the trial estimates the
-/// quantity; `None` if the trial failed.
+/// Squared error and squared true value of the quantity in a trial, each averaged over the points at which the trial
+/// estimates the quantity; `None` if the trial failed.
 fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
     let (mut errors, mut truths, mut count) = (0.0, 0.0, 0.0);
     let run = scene.trial(trial, |quantity, observed| {

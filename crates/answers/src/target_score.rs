@@ -158,7 +158,7 @@ impl SceneTarget {
             Bound::AtLeast => estimate.at_least(limit),
         };
         // An error statistic is positive, and its logarithm is closer to normally distributed than the statistic
-        // itself. Therefore compare the logarithms of the statistic and of the limit.
+        // itself. Therefore, compare the logarithms of the statistic and of the limit.
         let logs = match statistic.is_size() && limit > 0.0 {
             true => estimate.map(libm::log),
             false => None,
@@ -172,9 +172,9 @@ impl SceneTarget {
         if !(is_share && limit > 0.0 && limit < 1.0) {
             return score;
         }
-        // A share, such as a coverage, may be the same in all batches. Then its standard error estimated from the batches
-        // is 0, although the true share may differ. Therefore a second score is computed from the number of trials, and
-        // the less certain of the two scores is used.
+        // A share, such as a coverage, may be the same in all batches of trials. Then the standard error that is
+        // estimated from the batches is 0, although the true share may differ. Therefore, a second score is computed
+        // from the number of trials, and the less certain of the two scores is used.
         let (share, limit) = match bound {
             Bound::AtMost => (estimate.value, limit),
             Bound::AtLeast => (1.0 - estimate.value, 1.0 - limit),

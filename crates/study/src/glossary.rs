@@ -327,8 +327,9 @@ pub fn meaning(word: &str) -> Option<Term> {
     all().find(|term| spelt(term.name) == word)
 }
 
-/// Term that explains a column or a key. It is the term of the name without its unit, component or `std`, or a term
-/// whose meaning contains this name between backticks.
+/// Term that explains a column or a key: the term with the name `word`, or a term whose meaning contains this name
+/// between backticks. If there is no such term, endings of the name (units, components and `std`) are removed one by
+/// one.
 ///
 /// ```
 /// use palpate_study::glossary::related;
@@ -350,7 +351,7 @@ pub fn related(word: &str) -> Option<Term> {
     }
 }
 
-/// A word counts as similar to every longer word that contains it, if it has at least this number of letters.
+/// Smallest number of letters of a word that counts as similar to every longer word in which it occurs.
 const MIN_PART: usize = 3;
 
 /// Up to five names of terms, quantities or statistics that are similar to `word`, the most similar first.

@@ -122,7 +122,7 @@ impl Measure {
         }
     }
 
-    /// Unit with which the names of columns of this physical quantity end; `None` if they do not end with a unit.
+    /// Unit at the end of the names of columns with this physical quantity; `None` if the names do not end with a unit.
     const fn in_name(self) -> Option<&'static str> {
         match self {
             Self::Length | Self::Plain => None,
@@ -163,7 +163,7 @@ impl Column {
         if QUATERNION.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
         }
-        // The stem of the column is an abbreviation, but files also use the full word "time".
+        // The name of a column of times begins with the abbreviation "t", but files also use the full word "time".
         let is_time = self.measure == Measure::Time && name.starts_with("time");
         let stem = if is_time { "time" } else { self.stem() };
         let rest = name.strip_prefix(stem)?;
@@ -193,7 +193,8 @@ pub const ROLLS: [Column; 5] = [
     Column::of("shift_v", Measure::Length),
 ];
 
-/// Columns of a unit quaternion, which replace the columns of a rotation vector. `qw` is the scalar part.
+/// Columns of a unit quaternion, which a file may have instead of the columns of a rotation vector. `qw` is the scalar
+/// part.
 pub const QUATERNION: [Column; 4] = [
     Column::of("qx", Measure::Plain),
     Column::of("qy", Measure::Plain),

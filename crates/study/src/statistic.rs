@@ -265,7 +265,7 @@ impl Statistic {
     }
 }
 
-/// The last words that the names of all quantities have in common, such as `strain of folding`.
+/// The last words that the names of all these quantities have in common, such as `strain of folding`.
 fn in_common(quantities: &[&str]) -> String {
     let words: Vec<String> = quantities
         .iter()

@@ -17,8 +17,8 @@ pub(crate) enum SearchRange {
 /// Reason why a search for values that meet a target ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EndReason {
-    /// Every gap between values that meet the target and values that miss it is small enough. All tested values outside
-    /// of these gaps either meet or miss the target.
+    /// Every gap between values that meet the target and values that miss it is small enough. For all tested values
+    /// outside of these gaps, it is decided whether they meet the target.
     Known,
     /// The search reached the largest number of trials, or the largest number of tests.
     Trials,
@@ -129,9 +129,10 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
 
 enum Stretch {
     /// Indices of the first and the last of several consecutive undecided values. The decided values before and after
-    /// them are on the same side of the target, or the range ends there.
+    /// them both meet or both miss the target, or the range ends there.
     Open(usize, usize),
-    /// Two values on different sides of the target; all tested values between them are undecided.
+    /// Indices of a value that meets the target and of a value that misses it, in ascending order; all tested values
+    /// between them are undecided.
     Crossing(usize, usize),
 }
 
@@ -238,8 +239,9 @@ fn closer(
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // The undecided range is to become small enough for the requested gap. Its width is inversely proportional to the
-    // square root of the number of trials, so the number of trials is multiplied by the square of a ratio of widths.
+    // Estimate how many trials make the range of undecided values small enough for the requested gap. The width of this
+    // range is inversely proportional to the square root of the number of trials, so the number of trials is multiplied
+    // by the square of a ratio of widths.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

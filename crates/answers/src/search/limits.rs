@@ -1,18 +1,17 @@
-//! Limits of a search: the scores that an answer requires, and the budgets of trials and time.
+//! Limits of a search: the scores that its decisions require, and its budgets of trials and time.
 
 use std::time::Duration;
 
 use palpate_statistics::score_of_tail;
 use palpate_sweep::Clock;
 
-/// Share of a search's allowed error probability that its exploration may use. The rest is for verifying the ends of
-/// ranges.
+/// Share of a search's allowed error probability that its exploration may use. The rest is for the verification of the
+/// ends of ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
 /// Largest number of tests in a search. A test compares the scores at one value with the scores that a decision
 /// requires.
 pub(super) const MAX_LOOKS: usize = 400;
-/// Number of values in the first scan: both ends of the range, and 15 values between them at equal distances. They
-/// include the middle and the quarters.
+/// Number of values in the first scan: both ends of the range, and 15 values between them at equal distances.
 pub(super) const SCANNED: usize = 17;
 /// Number of trials of each cell in the first test of a value.
 pub(super) const FIRST: u64 = 64;
@@ -50,8 +49,8 @@ impl Rules {
         }
     }
 
-    /// Score that fresh trials must reach to confirm one end of a range. The answer has `sides` such ends. Attempts are
-    /// counted from 0; each may be wrong with half the probability of the previous one.
+    /// Score that fresh trials must reach to confirm one end of a range, if the answer has `sides` such ends. Attempts
+    /// are counted from 0; each may be wrong with half the probability of the previous one.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
@@ -76,7 +75,7 @@ impl<'a> Effort<'a> {
         }
     }
 
-    /// Calls `work`, which runs `trials` trials, and stores its duration.
+    /// Calls `work`, which runs `trials` trials, and stores the duration of the call.
     pub(super) fn timed<R>(&mut self, trials: u64, work: impl FnOnce() -> R) -> R {
         if self.budget.is_none() {
             return work();
@@ -89,7 +88,7 @@ impl<'a> Effort<'a> {
         done
     }
 
-    /// Whether `trials` more trials are expected to end before the share `share` of the time budget is used.
+    /// Whether `trials` more trials are expected to end before the share `share` of the time budget is used up.
     pub(super) fn allows(&self, trials: u64, share: f64) -> bool {
         self.budget.is_none_or(|budget| {
             let after = (self.clock)().as_secs_f64() + self.seconds(trials);
@@ -97,7 +96,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share (at most 1) of `trials` more trials that can be run in the remaining time.
+    /// Share of the next `trials` trials for which the remaining time suffices, at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

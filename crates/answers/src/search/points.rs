@@ -3,7 +3,7 @@
 use super::limits::Rules;
 use super::{ScoreRequest, Scores};
 
-/// Side of the target on which a value of the searched field lies.
+/// Whether a value of the searched field meets the target or misses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// At this value, all cells meet the target.
@@ -38,7 +38,8 @@ impl CellScores {
 }
 
 impl Point {
-    /// Indices of the cell and of the condition with the smallest score.
+    /// Index of the cell that has the smallest score at this value, and index of the condition to which this score
+    /// belongs.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();

@@ -16,7 +16,8 @@ pub struct Span {
 
 /// Values are spaced logarithmically if the ratio of the two ends of the range exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Values are rounded to multiples of a step. About this many steps fit into the allowed gap.
+/// Values are rounded to multiples of a step. About this many steps fit into the gap that the answer may leave
+/// undecided.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
@@ -109,7 +110,7 @@ impl Span {
     }
 }
 
-/// The number `value`, rounded to a multiple of the power of ten in the first significant digit of `step`.
+/// Rounds `value` to a multiple of a power of ten. The power is the largest one that is not larger than `step`.
 fn rounded(value: f64, step: f64) -> f64 {
     let place = |number: f64| {
         let text = format!("{:e}", number.abs());

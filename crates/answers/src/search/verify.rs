@@ -5,18 +5,18 @@ use super::limits::{ATTEMPTS, Effort, FRESH, Rules};
 use super::points::{Points, Side};
 use super::{Curves, ScoreRequest};
 
-/// A range of neighbouring values that are on the same side of the target.
+/// A range of neighbouring values that all meet the target, or all miss it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
     /// Lower end of the range: the smallest verified value, or the lower end of the explored range.
     pub from: f64,
     /// Upper end of the range: the largest verified value, or the upper end of the explored range.
     pub to: f64,
-    /// Side of the target on which the values lie.
+    /// Whether the values of the range meet or miss the target.
     pub side: Side,
 }
 
-/// A range of neighbouring values on the same side of the target, which fresh trials must still verify.
+/// A range of neighbouring values that all meet the target, or all miss it. Fresh trials must still verify the range.
 struct Candidate {
     first: usize,
     last: usize,
@@ -133,7 +133,8 @@ fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<Sc
     }
 }
 
-/// The found ranges of neighbouring values on the same side of the target. Each listed value is a range of its own.
+/// The ranges of neighbouring values that all meet the target, or all miss it, according to the search. Each listed
+/// value is a range of its own.
 fn candidates(points: &Points, among: SearchRange, rules: &Rules) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     for (place, side) in points.sides(rules).into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Searches along curves that cross the target at known values, with the noise of real trials.
+//! Tests of the search. The curves of rms errors cross the target at known values, and have the noise of real trials.
 
 use std::collections::HashMap;
 use std::convert::Infallible;
@@ -158,7 +158,8 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// Sides of the ranges that the search found, and whether they are right at both ends of every range.
+/// For each range that the search found, whether it meets or misses the target. Also whether this is right at both ends
+/// of every range.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;
@@ -314,8 +315,8 @@ fn whole_numbers_and_lists() {
 
 #[test]
 fn fresh_trials_that_disagree_narrow_the_answer() {
-    /// Scores that contradict each other: in fresh trials, values below `fresh_below` meet the target; in the trials of
-    /// the search, values below 1 do.
+    /// Scores that differ between search and verification: in fresh trials, values below `fresh_below` meet the target;
+    /// in the trials of the search, values below 1 meet it.
     struct Disagreeing {
         fresh_below: f64,
     }
@@ -400,7 +401,7 @@ fn a_budget_ends_the_search_and_leaves_time_to_verify() {
     assert!(gaps[0].0 > gaps[1].0 && gaps[1].0 > gaps[2].0, "{gaps:?}");
 }
 
-/// A curve that meets its target at values below 1. Its scores grow with the number of trials.
+/// A curve of scores that meets its target at values below 1. Its scores grow with the number of trials.
 struct BelowOne;
 
 impl Curves for BelowOne {

@@ -28,8 +28,8 @@ use toml::Value;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn to_toml(config: &StudyConfig) -> String {
-    // Convert the config to a value first. Otherwise, the compiler would generate the serialisation code once for each
-    // depth of a TOML document.
+    // Convert the config to a TOML table before the text is written. Otherwise, the compiler would generate the code
+    // that writes a config several times, once for each nesting depth of the text.
     let table = toml::Table::try_from(config)
         .expect("strings, numbers, arrays and tables all have a TOML form");
     let paths = config.sweep.iter().flat_map(SweepConfig::targets);

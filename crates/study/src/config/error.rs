@@ -90,8 +90,8 @@ impl ConfigError {
 pub(super) struct Fault {
     pub(super) path: String,
     pub(super) message: String,
-    /// Path of the value that the message shows in an excerpt of the config. It is the field itself, or the swept value
-    /// that sets the field.
+    /// Path of the value that the message shows in an excerpt of the config: the field itself or, if a sweep sets the
+    /// field, the swept value.
     pub(super) location: String,
     /// Whether the excerpt in the message marks the key of the field instead of its value.
     pub(super) is_key: bool,

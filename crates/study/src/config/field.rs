@@ -91,9 +91,9 @@ fn plain(segments: &[&str]) -> String {
     }
 }
 
-/// Splits the header of a swept field's column into the field's name and its unit. The schema of configs determines
-/// which ending of a header is a unit. For a header that belongs to no field of the schema, the form of the header
-/// determines the unit ([`split_unit`]).
+/// Splits the header of a swept field's column into the field's name and its unit. The schema of configs states which
+/// ending of a header is a unit. If the schema has no field for a header, the ending is compared with a list of units
+/// ([`split_unit`]).
 ///
 /// ```
 /// use palpate_study::config::field;
@@ -131,7 +131,7 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
     Some((&header[..end], header.get(end + 1..).unwrap_or_default()))
 }
 
-/// Units with which keys of configs may end.
+/// Units that may be at the end of a config's key.
 const IN_KEYS: [&str; 6] = ["rad_per_s", "rad", "deg", "s", "hz", "px"];
 
 /// Whether the schema defines the name of the field with these `keys`. `false` if the config's author chose the name (a

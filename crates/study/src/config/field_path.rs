@@ -44,8 +44,8 @@ impl Study {
         }
         let refuse = |message| Err(ConfigError::of_field(self.file(), name, message));
         let ending = format!(".{name}");
-        // First search only the fields of the kinds that this config has. If there is no such field, search the fields
-        // of all kinds.
+        // First search only the fields of those kinds of tables that this config states. If none of these fields has
+        // the name, search the fields of all kinds.
         for in_any_kind in [false, true] {
             let mut paths = paths(&tree, in_any_kind);
             paths.retain(|path| path.ends_with(&ending));
@@ -68,9 +68,8 @@ impl Study {
     }
 }
 
-/// Paths of all fields that a scene can have. The tables of the scene have the kinds that the config tree `tree`
-/// states, or any kinds if `in_any_kind` is true. If a table is missing in `tree`, the fields of all kinds of this
-/// table are listed.
+/// Paths of all fields that a scene can have, if its tables have the kinds that the config tree `tree` states, or any
+/// kinds if `in_any_kind` is true. If a table is missing in `tree`, the fields of all kinds of this table are listed.
 fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     fn visit(schema: &Json, node: Option<&Value>, path: &str, any: bool, found: &mut Vec<String>) {
         let kind = node.and_then(|node| node.get("kind")?.as_str());
@@ -100,8 +99,8 @@ fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     }
     let mut found = Vec::new();
     let scene = &SCHEMA["properties"]["scene"];
-    // Even if `in_any_kind` is set, skip the fields of other kinds of scenes. The key `scene.kind` in `tree` states the
-    // kind.
+    // Even if `in_any_kind` is true, skip the fields of other kinds of scenes. The key `scene.kind` in `tree` states
+    // the kind of the scene.
     let kind = tree
         .get("scene")
         .and_then(|scene| scene.get("kind")?.as_str());

@@ -26,8 +26,8 @@ pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     found.filter(|(number, _)| number.is_finite())
 }
 
-/// Unit of a field: a power of the unit of a physical quantity. `around` contains the texts before and after the unit
-/// of the physical quantity, for example `/` and `^2` in `/mm^2`.
+/// Unit of a field: a power of a basic unit, such as the power −2 of mm. `around` contains the texts before and after
+/// the basic unit, for example `/` and `^2` in `/mm^2`.
 struct FieldUnit {
     measure: Measure,
     around: [&'static str; 2],

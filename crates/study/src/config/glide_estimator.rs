@@ -105,7 +105,7 @@ fn twentieth() -> f64 {
 }
 
 impl GlideEstimatorConfig {
-    /// Checks the rules that involve several settings.
+    /// Checks the rules that involve several settings of the estimator.
     ///
     /// # Errors
     /// A message, if `gamma` is stated with a criterion that does not use it.
@@ -135,8 +135,8 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// The estimator with its position noise as a length. If the noise is stated as a fraction of the inter-finger
-    /// distance, it is converted.
+    /// The estimator with its position noise as a length. Noise that is stated as a fraction of the inter-finger
+    /// distance is converted.
     #[must_use]
     pub fn with_length_noise(mut self, inter_finger_distance: f64) -> Self {
         if let Some(noise) = self.noise()

@@ -11,7 +11,7 @@ use super::validate::{self, kinds_with};
 use serde_json::json;
 use toml::Value;
 
-/// The config as a tree of values, without its sections `sweep` and `plot`, and the sweep axes.
+/// The sweep axes, and the config as a tree of values without its sections `sweep` and `plot`.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
     pub(super) base: Value,
@@ -126,8 +126,8 @@ impl Grid {
         (tree, None)
     }
 
-    /// Sets the location of a fault in a field of a cell. If a sweep sets the field, the location is the swept value in
-    /// the `sweep` section, otherwise the field in the scene.
+    /// Sets the location of a fault in a field of a cell. If a sweep sets the field, the location is that of the swept
+    /// value in the `sweep` section; otherwise, it is that of the field in the scene.
     pub(super) fn in_text(&self, cell: usize, mut fault: Fault) -> Fault {
         let path = fault.location.clone();
         for (axis, row) in self.axes.iter().zip(self.rows_of(cell)) {
@@ -147,8 +147,8 @@ impl Grid {
         fault
     }
 
-    /// Whether no swept value is a table, a list or a `kind`. If so, the values of different fields can be validated
-    /// independently.
+    /// Whether no swept value is a table, a list or a `kind`. Then the values of different fields can be validated
+    /// independently of each other.
     pub(super) fn has_plain_values(&self) -> bool {
         let mut targets = self.targets();
         let is_plain =
@@ -217,7 +217,7 @@ fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Message for a key that the kind of its table does not have, but that other kinds have; `None` if no kind has the
+/// Message for a key that exists in other kinds of its table, but not in the stated kind; `None` if no kind has the
 /// key.
 fn other_kind(root: &Value, path: &str) -> Option<String> {
     let (above, key) = path.rsplit_once('.')?;

@@ -33,8 +33,8 @@ pub struct Study {
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// Whether every swept value is a number, a word or a truth value. If so, these values were validated one by one,
-    /// and a cell need not be validated again.
+    /// Whether every swept value is a number, a word or a truth value. If so, these values were validated one by one
+    /// when the study was read, and a cell need not be validated again.
     has_plain_values: bool,
     /// Whether palpate wrote the config. In such a config, the scene contains the first value of every swept field.
     is_resolved: bool,
@@ -286,8 +286,8 @@ pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
     read().map_err(|fault| source.error(fault))
 }
 
-/// Removes the list of tables `key` from a config. Returns the list as TOML and as parsed values. Both are empty if the
-/// config has no such list.
+/// Removes the list of tables at the key `key` from a config. Returns the list as TOML and as parsed values. Both are
+/// empty if the config has no such list.
 fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, Vec<T>), Fault> {
     let written = tree::take(base, key).unwrap_or_else(|| Value::Array(Vec::new()));
     let schema = &SCHEMA["properties"][key];
@@ -325,7 +325,7 @@ fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     Ok(config)
 }
 
-/// Config of a cell of the study. If all swept values are plain, they were validated before, so only the rules that
+/// Config of a cell of the study. If all swept values are plain, they were validated before. Then only the rules that
 /// involve several fields are checked.
 fn cell_config(
     source: &Source,

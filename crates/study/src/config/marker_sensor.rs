@@ -58,8 +58,8 @@ pub struct DiscsConfig {
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,
     /// Share of the skin's strain that the discs follow: 0 for rigid discs, 1 for discs as soft as the skin. A strained
-    /// disc stays a circle, but its area changes. The misalignment of the discs strains with the skin. By default,
-    /// strain of the discs is not simulated. This key requires an incompressible skin.
+    /// disc stays a circle, but its area changes. The misalignment of the discs changes with the strain of the skin. By
+    /// default, strain of the discs is not simulated. This key requires an incompressible skin.
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub strain: Option<f64>,
     /// Share of the skin's strain that the yellow discs follow. The default is `strain`. If this key is stated,
@@ -301,8 +301,8 @@ fn yes() -> bool {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFrom {
-    /// The hue of the marker's summed light. It depends on the difference between the displacements of the marker's two
-    /// discs.
+    /// The hue of the sum of the light of the marker's pixels. It depends on the difference between the displacements
+    /// of the marker's two discs.
     Hue,
     /// The size of the marker in the image. It depends on the marker's distance from the camera.
     Size,

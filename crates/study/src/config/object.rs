@@ -53,10 +53,9 @@ pub enum ObjectConfig {
         #[schemars(extend("x-unit" = "1/length"))]
         c: f64,
     },
-    /// Coefficient of the saddle. At the origin, the curvatures along x and along y have the magnitude 2 |a| and
-    /// opposite signs.
+    /// The saddle z = a (x² − y²).
     Saddle {
-        /// Half the curvature at the origin, along x and along y.
+        /// Coefficient a of the saddle. At the origin, the curvature is −2a along x and 2a along y.
         #[schemars(extend("x-unit" = "1/length"))]
         a: f64,
     },

@@ -48,10 +48,10 @@ pub struct PlotConfig {
     pub scale: Scale,
     /// A second statistic, which is plotted for comparison.
     pub compare: Option<String>,
-    /// Straight lines across the plot, each at a given value.
+    /// Straight reference lines across the plot, each at a given value of one axis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Mark>,
-    /// Numbers from other sources that are added to the plot as open markers, for comparison.
+    /// Points with numbers from other sources, which are drawn as open markers for comparison.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<Points>,
 }

@@ -187,7 +187,7 @@ pub enum PressObjectConfig {
     },
     /// A plane.
     Plane {},
-    /// The outside of a circular cylinder, which the sensor touches at its side. For a cylinder, the model must be a
+    /// The outside of a circular cylinder; the contact is on its curved side. For a cylinder, the model must be a
     /// half-space.
     Cylinder {
         /// Radius of the cylinder.
@@ -200,7 +200,7 @@ pub enum PressObjectConfig {
     /// An ellipsoid. The contact is at the end of its third semi-axis. Unless the first two semi-axes are equal, the
     /// model must be a half-space.
     Ellipsoid {
-        /// Semi-axes: along the x axis of the skin at the contact, along its y axis, and along the normal.
+        /// Semi-axes: along the x axis and the y axis of the skin at the contact, and along the normal.
         #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-unit" = "length"))]
         semi_axes: [f64; 3],
     },
@@ -343,8 +343,9 @@ impl PressModelConfig {
         }
     }
 
-    /// The most accurate model of the same soft body: the bonded layer for a layer, otherwise the half-space. It is the
-    /// reference for the models that `auto` chooses from. Any model other than `auto` is its own reference.
+    /// The most accurate model of the same soft body: the bonded layer for a layer, otherwise the half-space. The
+    /// errors of the models that `auto` chooses from are differences from this model. Any model other than `auto` is
+    /// its own reference.
     pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {
@@ -394,8 +395,8 @@ pub struct PressNoiseConfig {
     /// Error of the red, green and blue value of each pixel in a rendered frame, in grey levels. The brightest level is
     /// 255.
     pub pixel: Option<ReadingNoise<Level>>,
-    /// Error of each marker's hue, in turns. The hue of the summed light and the mean hue have the same error. Only for
-    /// a sensor of the kind `projected`.
+    /// Error of each marker's hue, in turns. Both hues of a marker have the same error: the hue of its summed light,
+    /// and the mean hue of its pixels. Only for a sensor of the kind `projected`.
     pub hue: Option<ReadingNoise<Pure>>,
     /// Error of each coordinate of a marker's centroid, in pixels. Only for a sensor of the kind `projected`.
     pub centroid: Option<ReadingNoise<Pure>>,

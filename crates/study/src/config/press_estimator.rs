@@ -115,8 +115,8 @@ pub struct IndentationPrior {
     pub indentation_std: f64,
 }
 
-/// Assumptions of the estimator about the displacements. All estimators that fit an elastic body to displacements have
-/// these settings; estimators that fit it to images do not.
+/// Assumptions of the estimator about the displacements. Only estimators that fit an elastic body to displacements have
+/// these settings; estimators that fit it to images do not have them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct DisplacementPriors {
@@ -262,7 +262,7 @@ pub enum Baseline {
     Fitted,
 }
 
-/// Where the estimator gets the noise of the displacements.
+/// Source of the noise of the displacements: the scene or the residuals.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKnown {

@@ -207,8 +207,9 @@ pub enum RollModelConfig {
     },
     /// The closed form of the contact's path, if one exists for the two shapes.
     ClosedForm {},
-    /// The relation between angle and path along a meridian, for rolls through the apex of a surface of revolution. If
-    /// the motion has no noise, also for rolls along the axes of ellipsoids, saddles and formulas of degree two.
+    /// The relation between the roll angle and the length of the contact's path, for rolls along a meridian through the
+    /// apex of a surface of revolution. If the motion has no noise, also for rolls along the axes of ellipsoids,
+    /// saddles and formulas of degree two.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
@@ -274,8 +275,8 @@ pub enum RollSensorConfig {
     /// An ideal sensor, whose readings have no error.
     #[default]
     Ideal,
-    /// A force sensor in the wrist. The error of its contact position is Gaussian, and equal in all directions along
-    /// the probe's surface.
+    /// A force sensor in the wrist. The error of the measured contact position is Gaussian, and equal in all directions
+    /// along the probe's surface.
     Wrist {
         /// Standard deviation of the error along each of two perpendicular directions.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
@@ -474,7 +475,8 @@ pub enum RollStart {
 }
 
 impl RollEstimatorConfig {
-    /// Whether the estimator needs time series. Such an estimator cannot use a roll with only one reading, at its end.
+    /// Whether the estimator needs time series. Such an estimator cannot use rolls that are read only once, at their
+    /// end.
     const fn needs_series(&self) -> bool {
         matches!(self, Self::PadEdge { .. } | Self::Trajectory { .. })
     }

@@ -14,7 +14,7 @@ const SPREAD: usize = 2000;
 /// Numbers of the cells that are checked, in ascending order. They depend only on the axes. A small study is checked
 /// completely. The sample of a large study has
 /// - each row of an axis, once with the first rows of the other axes and once with other rows of these axes. Of a long
-///   axis, only [`MOST_ROWS`] rows are used: rows that are spread evenly, and its extremes.
+///   axis, only [`MOST_ROWS`] rows are used: rows that are spread evenly, and its extremes ([`Axis::extremes`]).
 /// - for each pair of axes, the combinations of their extremes, with the first rows of the other axes.
 /// - the last cell, and cells that are spread evenly.
 pub(super) fn sample(grid: &Grid) -> Vec<usize> {
@@ -95,8 +95,8 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
 }
 
 /// Returns a pseudo-random number below `count` that depends on `number`. Consecutive values of `number` result in
-/// numbers that are far apart, and many values of `number` cover the range evenly. The results are multiples of the
-/// golden ratio modulo 1, as fractions of 2⁶⁴.
+/// numbers that are far apart, and many values of `number` cover the range evenly. The results are the fractional parts
+/// of multiples of the golden ratio, scaled to the range.
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((u128::from(fraction) * count as u128) >> 64) as usize

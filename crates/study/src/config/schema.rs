@@ -51,7 +51,7 @@ pub(super) fn variants(schema: &Json) -> &[Json] {
         .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
-/// Removes null from the allowed types of a schema, because TOML has no null, and adds the limits of 32-bit numbers.
+/// Removes null from the types that a schema allows, because TOML has no null, and adds the limits of 32-bit numbers.
 fn tidy(schema: &mut Json) {
     match schema {
         Json::Object(object) => {
@@ -100,7 +100,7 @@ fn flattened(variants: Vec<Json>) -> Vec<Json> {
     variants.into_iter().flat_map(alone).collect()
 }
 
-/// The variant of a table's schema for this `kind`; for `None`, the variant without a kind.
+/// The variant of a table's schema that describes this `kind`; for `None`, the variant of a table without kinds.
 pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Json> {
     variants(schema)
         .iter()

@@ -379,8 +379,9 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
     renamed
 }
 
-/// The table `base` with the `given` settings. Settings that state the same quantity as a given setting in another way
-/// are removed. If another `kind` is given, settings that the old and the new kind both have keep their values.
+/// The table `base` with the `given` settings. Settings of `base` that state the same quantity as a given setting in
+/// another way are removed. If another `kind` is given, settings that the old and the new kind both have keep their
+/// values.
 ///
 /// ```
 /// use palpate_study::config::{GlideEstimatorConfig, with_settings};

@@ -155,8 +155,9 @@ impl SceneConfig {
         }
     }
 
-    /// The scene with another model; `None` if `model` belongs to another kind of scene. Settings of the estimator
-    /// whose default is a value of the scene's model keep the value of the previous model.
+    /// The scene with another model; `None` if `model` belongs to another kind of scene. If a setting of the estimator
+    /// is not stated, and its default is a value of the scene's model, the setting gets the value of the previous
+    /// model.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();

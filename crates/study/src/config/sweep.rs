@@ -46,7 +46,7 @@ pub struct SweepConfig {
 pub struct RangeConfig {
     /// Smallest value of the field.
     pub from: f64,
-    /// Upper end of the range. The values of the field are smaller.
+    /// Upper end of the range. All values of the field are below this end.
     pub to: f64,
     /// Scale on which the points are spread evenly: `linear` or `log`.
     #[serde(default)]
@@ -141,7 +141,7 @@ impl Axis {
         }
     }
 
-    /// Path of the place in the config that determines the value of the axis at `row` and `column`.
+    /// Path of the text in the config that determines the value of the axis at `row` and `column`.
     pub(super) fn location(&self, row: usize, column: usize) -> String {
         let path = &self.path;
         match &self.rows {
@@ -429,7 +429,7 @@ struct Points {
     ranges: Vec<RangeConfig>,
 }
 
-/// Largest number of points for which Sobol's sequence is implemented. `MOST_FIELDS` is the largest number of fields.
+/// Largest numbers of points (`MOST_POINTS`) and of fields (`MOST_FIELDS`) for which Sobol's sequence is implemented.
 const MOST_POINTS: u32 = 65_536;
 const MOST_FIELDS: usize = 256;
 
@@ -472,7 +472,7 @@ fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, 
     })
 }
 
-/// Rejects a field that cannot be swept, or that an earlier axis already sets. The error is a message.
+/// Rejects a field that cannot be swept, or that an earlier axis already sets. The error states the reason in words.
 fn check_target<'a>(
     target: &Target,
     mut before: impl Iterator<Item = &'a Target>,

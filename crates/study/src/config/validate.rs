@@ -73,7 +73,7 @@ pub(super) fn instead_of(field: &Json) -> impl Iterator<Item = &str> {
     names.into_iter().flatten().filter_map(Json::as_str)
 }
 
-/// The words among the variants of a value, that is, the variants that allow a single word.
+/// The words that a value may be, according to the variants of its schema.
 fn words(variants: &[Json]) -> impl Iterator<Item = &str> {
     variants
         .iter()
@@ -199,8 +199,7 @@ pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     found
 }
 
-/// A key that states the same quantity as `key` in another way and is before `key` in the table; `None` if there is
-/// none.
+/// A key before `key` in the table that states the same quantity as `key` in another way; `None` if there is none.
 fn other_of<'a>(property: &'a Json, table: &toml::Table, key: &str) -> Option<&'a str> {
     let before: Vec<&String> = table.keys().take_while(|other| *other != key).collect();
     instead_of(property).find(|other| before.iter().any(|earlier| earlier == other))

@@ -1,4 +1,4 @@
-//! Numbers as text.
+//! Tests the texts of numbers.
 
 use palpate_study::number::{exact, finite, grouped, rounded, significant};
 

@@ -1,4 +1,4 @@
-//! Columns of recorded readings: their names and units.
+//! Tests the columns of recorded readings: their names and units.
 
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{

@@ -1,4 +1,4 @@
-//! Targets: valid texts, and texts that are rejected.
+//! Tests the texts of targets: those that are read, and those that are rejected.
 
 use palpate_study::Target;
 

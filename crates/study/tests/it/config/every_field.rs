@@ -132,7 +132,7 @@ fn values(schema: &Json) -> Vec<Json> {
     found[..2].iter().map(written).collect()
 }
 
-/// A scene in which `field` is valid. Missing tables on the field's path are added if they have no suitable default.
+/// A scene in which `field` is valid. Missing tables on the field's path are added only if the config must state them.
 fn scene(base: &Json, root: &Json, field: &Field) -> Json {
     let kind = |depth: usize| {
         let path = field.path[..depth].join(".");
@@ -140,8 +140,8 @@ fn scene(base: &Json, root: &Json, field: &Field) -> Json {
         let found = kinds.find(|(at, _)| *at == path);
         found.map(|(_, kind)| kind.as_str())
     };
-    // `scene` gets all missing tables on the path of `field`. If an added table has no suitable default, a config must
-    // state this table and the tables before it on the path. Then `needed` becomes a copy of `scene`.
+    // `scene` gets all tables on the path of `field`. `needed` gets only those that a config must state: each added
+    // table without a suitable default, and the tables before it on the path.
     let (mut needed, mut scene) = (base.clone(), base.clone());
     let mut schema = root;
     for depth in 1..field.path.len() {
@@ -235,8 +235,8 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
         };
         let cell = |number| study.cell(number).unwrap().config;
         assert_ne!(cell(0), cell(1), "{name}");
-        // Test what `design` does: it looks up a varied field in the study with all defaults, and sets it to at least
-        // two values.
+        // Test what `design` does: it looks up a varied field in a config that states all defaults, and sets the field
+        // to at least two values.
         let plain = to_toml(&cell(0));
         let plain = parse("study.toml", &plain).unwrap_or_else(|error| panic!("{name}: {error}"));
         let filled = plain.varied(&[]).unwrap();

@@ -47,7 +47,7 @@ fn points_fill_every_part_of_every_range_and_of_every_pair() {
     // Sobol's points form a (0, m, 2) net. Therefore all 64 parts of a range, and all 8 × 8 parts of both ranges,
     // contain 4 points each.
     assert_eq!((of_radii, of_rates, pairs), ([4; 64], [4; 64], [4; 64]));
-    // A larger sample begins with the same points.
+    // The first points of a larger sample equal those of this sample.
     let more = POINTS.replace("count = 256", "count = 1000");
     assert_eq!(column(&more, 1, 256), radii);
     let seeded = parse("study.toml", &format!("seed = 9\n{BASE}{POINTS}")).unwrap();
