@@ -70,9 +70,9 @@ subjects! {
         "valley": "Shape class of a point where the surface is concave in one direction and straight across it, like a cylinder from inside: K = 0, H < 0.";
         "saddle-valley": "Shape class of a saddle that is more concave than convex: K < 0, H < 0.";
         "shape index": "A number for the shape of a surface at a point that does not depend on the size: -1 is a cup, 0 a symmetric saddle, 1 a cap.";
-        "convex": "An object is convex if it bulges towards the sensor; its curvature is positive. As a class by signs: both principal curvatures are positive.";
-        "concave": "An object is concave if it is hollow; its curvature is negative. As a class by signs: both principal curvatures are negative.";
-        "saddle": "Class, by the signs of the principal curvatures alone, of a point where the surface is convex in one direction and concave in another, or flat in some direction.";
+        "convex": "An object is convex if it bulges towards the sensor; its curvature is positive. As the class of a point by signs: both principal curvatures are positive.";
+        "concave": "An object is concave if it is hollow; its curvature is negative. As the class of a point by signs: both principal curvatures are negative.";
+        "saddle": "Class of a point by the signs of the principal curvatures alone: the surface is convex in one direction and concave in another, or it is flat in some direction.";
         "thresholds": "Magnitudes of K and H below which K and H count as 0 for the shape class.";
         "edge": "Regime of a press on a hollow object with a smaller radius than the sensor. The sensor touches only the rim of the object, so its curvature cannot be estimated.";
         "RCR": "Relative curvature ratio: the object's normal curvature divided by the probe's. A relative error of the readings of a roll is amplified by 1 + 1/RCR.";
@@ -87,7 +87,7 @@ subjects! {
     }
     "Sensors and noise" {
         "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal, or uniform, which is a lattice with the same density of pads everywhere on the sphere. If `offset` is random, each roll starts at another place on a pad.";
-        "pad": "Element of a tactile array. If the contact is anywhere on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
+        "pad": "Element of a tactile array. Wherever the contact is on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
         "pitch": "A length: the distance between neighbouring pads or markers.";
         "IFD": "Inter-finger distance: the distance between neighbouring fingers. The 1996 paper states the noise of positions as a fraction of it (`fraction_of_ifd`, `axis_fractions`).";
@@ -116,11 +116,11 @@ subjects! {
         "sphere": "Estimator of glides: it fits a sphere to the contacts and rejects outliers. The contacts may lie anywhere on the sphere.";
         "cylinder": "Estimator of glides: it fits a circular cylinder to the contacts and rejects outliers. The contacts may lie anywhere on the cylinder.";
         "shape": "Estimator of glides. It chooses the most probable of plane, sphere and cylinder (`shape_probabilities`), or finds that `none` of them fits. It states the `centre`, the `axis`, the rms distance of the contacts from the shape (`rms_misfit`) and the p-value of the fit (`shape_p_value`).";
-        "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness, so that its parameters count as fewer (`effective_unknowns`). The weight of the penalty depends on the noise of the readings.";
+        "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness. The penalty reduces the effective number of its parameters (`effective_unknowns`). The weight of the penalty depends on the noise of the readings.";
         "two-pass": "Estimator of glides from the 1996 paper: a smoothing spline, and a second one that also uses \
             tangents. Its lengths are in units of the inter-finger distance (IFD).";
-        "std": "Standard deviation that the estimator states for its estimate, from the stated noise or from the residuals. `normal_std` and `tangential_std` are those of the displacements of a press.";
-        "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is right. If an end is null, the interval is unbounded on this side.";
+        "std": "Standard deviation that the estimator states for its estimate, from the stated noise or from the residuals. `normal_std` and `tangential_std` are the standard deviations of the displacements in a press.";
+        "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is right. If an end is null, the interval has no bound on that side.";
         "verdict": "Shape of a pressed object, from the 95 % interval of its curvature: convex, concave, flat-within-noise or not-resolved.";
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0 and is narrower than the sensor's own curvature.";
         "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing about the object's shape. As a warning about a shape that is fitted to contacts: the contacts do not determine the radius of the shape, so the interval of the radius is open.";
@@ -143,16 +143,16 @@ subjects! {
         "principal_curvature_min": "Smallest normal curvature, estimated from rolls. `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v. The direction's standard deviation is 52° if the two curvatures do not differ significantly.";
         "radius": "Inverse of the mean curvature from rolls and glides. It has two 95 % intervals: for a convex and for a concave object.";
         "residual_rms": "Root mean square of the residuals of the shifts in the fit of rolls.";
-        "contacts": "Number of readings of a glide, by `fingers` fingers (`finger` is the number of a finger); `with_normals` states whether they have normals. `distinct_contacts` counts copies and rests once, `correlated_contacts` consecutive contacts count as one, and `effective_contacts` is the resulting number of independent contacts.";
+        "contacts": "Number of readings of a glide, by `fingers` fingers (`finger` is the number of a finger); `with_normals` states whether they have normals. In `distinct_contacts`, copies of a contact and contacts of a resting finger count once. `correlated_contacts` is the number of consecutive contacts that together count as one, because their noise is correlated. `effective_contacts` is the resulting number of independent contacts.";
         "convex95": "95 % interval of the radius if the object is convex; null if it cannot be convex. `concave95` is the interval if it is concave.";
-        "stroke": "Curvature along the only stroke of a glide (`curvature_along`); across it (`curvature_across`), the curvature is not determined. For rolls in one direction, it is in `single_direction`.";
-        "stiffness": "The product E*√R of a load curve, with the modulus E* = E/(1 − ν²) and the effective radius R. `exponent` is the power of the indentation that fits the forces best; 3/2 by Hertz.";
-        "told_apart": "Probability that one trial of each of two objects puts them in the right order, with its 95 % interval from `low95` to `high95`. `repeats` is the number of trials whose means do so with the required `confidence`, and `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
+        "stroke": "Curvature along the stroke of a glide with only one stroke (`curvature_along`). The readings do not determine the curvature across the stroke (`curvature_across`). For rolls in only one direction, the curvature in this direction is in `single_direction`.";
+        "stiffness": "The product E*√R of a load curve, with the modulus E* = E/(1 − ν²) and the effective radius R. `exponent` is the power of the indentation that fits the forces best; in Hertz contact, it is 3/2.";
+        "told_apart": "Probability that one trial of each of two objects puts the objects in the right order, with its 95 % interval from `low95` to `high95`. `repeats` is the number of trials whose means put the objects in the right order with the required `confidence`, and `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
         "effect": "Relative change of the rms error, divided by the relative change of a field's value. It is 1 if the error is proportional to the field. `rms_errors` are the errors at both changed values, and `skipped` lists fields without a result.";
-        "meets": "Ranges of values that meet the `target` of `design`; `misses` are those that do not. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
+        "meets": "Ranges of values that meet the `target` of `design`; `misses` are the ranges of values that miss it. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
         "main_failure": "Most frequent kind of failure of the trials. `first_trial` in failures.csv is the number of the first trial that failed in this way.";
-        "std_from": "Source of the standard deviations of rolls: stated noise, the pitch of the pads, or the residuals.";
-        "terms": "Number of terms of the curvature along a roll, from time series: 1 if the curvature is constant.";
+        "std_from": "Source of the standard deviations of estimates from rolls: stated noise, the pitch of the pads, or the residuals.";
+        "terms": "Number of terms that describe the curvature along a roll in a fit of time series; 1 means that the curvature is constant.";
         "bounds": "Smallest and largest curvatures that agree with all samples of rolls as time series, if the rotations are exact. An end is null if there is no bound.";
         "unresolved_probes": "Rolls during which the contact stayed on one pad, with a bound on the \
             object's radius if possible.";
@@ -188,8 +188,8 @@ subjects! {
         "moved-camera": "All markers moved by the same shift between the frames. The camera may have moved.";
         "swapped-frames": "The markers became smaller. The frame at rest and the pressed frame may be swapped.";
         "lost-markers": "Many markers were not found again in the pressed frame.";
-        "failed-pilot": "All pilot trials of a cell failed, so this cell does not influence the chosen number of trials.";
-        "heavy-tails": "A few trials with large errors determine the root mean square error, so its stated uncertainty is rough.";
+        "failed-pilot": "All trials of a cell that were run to choose the number of trials failed, so this cell does not influence this number.";
+        "heavy-tails": "A few trials with large errors determine the root mean square error, so its stated uncertainty is inaccurate.";
         "failed-map": "The map has no estimates for a cell, because trial 0 of this cell failed.";
         "unknown-noise": "The noise is estimated from few readings, so the estimated noise is uncertain.";
         "unknown-fit": "The goodness of fit of the surface could not be computed.";
@@ -208,7 +208,7 @@ subjects! {
         "biased-estimate": "Even without noise, the estimated curvature of a simulated press differs from the true one, because the estimator's model differs from the simulated one.";
         "unchecked-indentation": "The readings alone do not determine an indentation, so the stated indentation cannot be checked.";
         "grid-beyond-contacts": "The grid of a glide extends beyond the contacts, so the fit is extrapolated there.";
-        "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
+        "flat-object": "The object is so flat that rounding errors of double precision change its curvature noticeably.";
         "few-crossings": "The contacts cross few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of a wide range.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
@@ -239,7 +239,7 @@ subjects! {
     "Failures of rolls" {
         "too-few-probes": "There are fewer than two rolls. A curvature has three components, and one roll determines two of them. Roll in at least two directions.";
         "unresolvable-set": "All rolls have nearly the same direction, so the curvature across this direction is undetermined. Add a roll in another direction.";
-        "noisy-rotations": "Measurement errors are at least half of the squared rotations. Use longer rolls or a finer encoder.";
+        "noisy-rotations": "In some direction, measurement errors cause more than half of the squared rotations. Use longer rolls or a finer encoder.";
         "unresolved": "The contact did not move in some direction although the probe rolled. The object is too sharp for the pads, so the readings give only a bound on its radius. Use finer pads or longer rolls.";
         "not-rolling": "The contact moved against the direction of the roll, which is impossible in a rolling contact. The noise is larger than the movement, or a sign of the readings is wrong. Use longer rolls or less noise. In recorded readings, a contact that moves to +u has rotation_y < 0.";
         "too-few-rolls": "There are fewer than two usable time series of rolls. A roll is not usable if it has fewer than two samples, does not rotate or stays on one pad.";
