@@ -46,20 +46,20 @@ pub struct Score {
     /// The claim in at most six words. The fields `title`, `published` and `paper_says` are empty if no claim has this
     /// number.
     pub title: String,
-    /// The paper's value, as a short text.
+    /// The value that the paper states, as a short text.
     pub published: String,
     /// The paper's statement, in one sentence.
     pub paper_says: String,
-    /// The value from the tables that the scorecard shows beside the paper's value `published`. Empty if the claim is
-    /// not testable.
+    /// The measured value that the scorecard shows beside the paper's value `published`. Empty if the claim is not
+    /// testable.
     pub headline: String,
     /// All numbers that the claim's checks compute from the tables, as sentences with units. Empty if the claim is not
     /// testable.
     pub measured: String,
     /// Verdict on the claim.
     pub verdict: Verdict,
-    /// Text with the bounds that decide the verdict, and with further remarks. If the claim is not testable, the text
-    /// states the reason.
+    /// Text that states the bounds on which the verdict depends, with further remarks. If the claim is not testable,
+    /// the text states the reason.
     pub why: String,
 }
 

@@ -5,8 +5,8 @@ use crate::records::by_key;
 use crate::{Study, Table};
 use palpate_study::Statistic;
 
-/// The statistics `coverage50`, `coverage80` and `coverage95` of `cells.csv`, each with the share that its intervals
-/// state.
+/// The statistics `coverage50`, `coverage80` and `coverage95` of `cells.csv`, each with the probability that its
+/// intervals state.
 pub(crate) const STATED: [(Statistic, f64); 3] = [
     (Statistic::Coverage50, 0.50),
     (Statistic::Coverage80, 0.80),
@@ -71,7 +71,8 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// `kind` of the part of the row's scene at `path`. If a sweep sets this part, its label is returned.
+/// The `kind` of the part of the scene at `path`, such as `scene.sensor`, for the cell of `row`. If a sweep sets this
+/// part, its label is returned.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))

@@ -1,4 +1,4 @@
-//! Sections at the end of the page, which are about all studies: coverage of the intervals, measurements, and
+//! Sections at the end of the page, which do not belong to a single study: coverage of the intervals, measurements, and
 //! glossary.
 
 use crate::interval_coverage::{Coverage, Estimator, mean_shares};
@@ -153,7 +153,7 @@ fn answer(answer: &Answer) -> Value {
 
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
-/// The table `peers.csv` of the programs that palpate is compared with. The column of verdicts is moved to the second
+/// The table `peers.csv`, which compares palpate with other programs. The column of verdicts is moved to the second
 /// place. If all rows were measured on the same machine, the machine's name is returned separately.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
@@ -189,7 +189,7 @@ fn shown((header, rows): Parts) -> Value {
     context! { header, rows }
 }
 
-/// Readable text of a column name, with the unit of time in brackets.
+/// Column name as readable text, with the unit of time in brackets.
 fn heading(name: &str) -> String {
     let units = [("_us", "µs"), ("_ns", "ns")];
     let split = |(suffix, unit)| Some((name.strip_suffix(suffix)?, unit));

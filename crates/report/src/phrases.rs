@@ -42,7 +42,8 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     }
 }
 
-/// A sentence that begins with the settings in `shared`, which are the same for all points, and ends with `then`.
+/// A sentence that begins with the settings in `shared`, which are the same for all points of a plot, and ends with
+/// `then`.
 pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     let shared = match shared {
         [] => String::new(),

@@ -123,7 +123,8 @@ impl Records {
         &self.rows[row][self.places[column]]
     }
 
-    /// The finite number in a cell of the table. Returns an error if the number is too large to be drawn.
+    /// The finite number in a cell of the table. Returns an error if the cell has no number, or a number that is too
+    /// large to be drawn.
     pub(crate) fn number(&self, row: usize, column: usize) -> Result<f64, ReportError> {
         finite(self.text(row, column))
             .filter(|number| number.abs() <= LARGEST)

@@ -153,9 +153,9 @@ impl Study {
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// Number at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of the scene
-    /// that contains the field, this is the swept value; otherwise it is the value in the config. `None` if the value
-    /// is not a finite number.
+    /// Number in the field at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of
+    /// the scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None` if
+    /// the value is not a finite number.
     pub(crate) fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -163,9 +163,9 @@ impl Study {
         }
     }
 
-    /// Text at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of the scene that
-    /// contains the field, this is the swept value; otherwise it is the value in the config. `None` if the value is not
-    /// a text.
+    /// Text in the field at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of
+    /// the scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None` if
+    /// the value is not a text.
     pub(crate) fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),
@@ -213,7 +213,8 @@ impl Study {
     }
 }
 
-/// Values that a sweep of the study sets at `path`, either of this field alone or of several fields together.
+/// Values that a sweep of the study sets for the field at `path`. The sweep varies this field alone, or several fields
+/// together.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();

@@ -35,7 +35,7 @@ impl Axis {
         &self.cells[row]
     }
 
-    /// The value in `row` as a number; `None` if it is not a finite number.
+    /// The value of the field in `row` as a number; `None` if it is not a finite number.
     pub(crate) fn number(&self, row: usize) -> Option<f64> {
         self.numbers[row]
     }
@@ -44,7 +44,7 @@ impl Axis {
         self.numbers.iter().all(Option::is_some)
     }
 
-    /// The different values in `rows`, in the order of the study's sweep.
+    /// The different values of the field in `rows`, in the order of the study's sweep.
     pub(crate) fn among(&self, rows: &[usize]) -> Vec<&str> {
         let occurs = |value: &&String| rows.iter().any(|row| self.text(*row) == **value);
         let values = self.values.iter().filter(occurs);
@@ -114,7 +114,8 @@ impl Table {
         &self.axes
     }
 
-    /// The swept field with this path, with or without its unit; `None` if it is not swept.
+    /// The swept field with this path; `None` if the field is not swept. The unit of the field may be missing from the
+    /// path.
     pub(crate) fn axis(&self, path: &str) -> Option<&Axis> {
         self.axes.iter().find(|axis| axis.is(path))
     }

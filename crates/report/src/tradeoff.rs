@@ -9,22 +9,22 @@ use palpate_study::number::finite;
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
     pub(crate) auto_models: Vec<AutoModel>,
-    /// Whether the instructions of every model were counted. If so, costs are numbers of instructions; otherwise they
-    /// are times.
+    /// Whether the instructions of every model were counted. If so, the costs of models are numbers of instructions;
+    /// otherwise, they are times.
     pub(crate) counted: bool,
     pub(crate) machine: String,
 }
 
-/// A comparison of several models, sensors or settings for the same task. Each of them is called a rung. Their costs
-/// and errors were measured on several scenes.
+/// A comparison of several models, sensors or settings for the same task. Each model, sensor or setting is called a
+/// rung. The costs and errors of the rungs were measured on several scenes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// What the error of a rung is: the quantity that is computed with the error, and the scale by which the error is
-    /// divided.
+    /// Definition of the error of a rung: the quantity that is computed with this error, and the scale by which the
+    /// error is divided.
     pub(crate) error_of: String,
-    /// What was computed when the cost of a rung was measured.
+    /// The computation whose cost was measured for each rung.
     pub(crate) evaluation: String,
     pub(crate) scenes: Vec<LadderScene>,
 }

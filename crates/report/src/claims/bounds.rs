@@ -3,7 +3,7 @@
 use super::row::Row;
 use palpate_study::number;
 
-/// A bound on a number. A number counts as equal to a limit of the bound if they differ only by rounding.
+/// A bound on a number. A number that differs from a limit of the bound only by rounding counts as equal to the limit.
 #[derive(Clone, Copy)]
 pub(super) enum Bound {
     AtLeast(f64),

@@ -1,4 +1,5 @@
-//! A check of a claim. It computes values from rows, compares them with a bound, and describes both in sentences.
+//! A check of a claim. It computes values from the rows of a table, compares them with a bound, and describes values
+//! and bound in sentences.
 
 use super::bounds::{Bound, percent, range, short, span};
 use super::row::Row;
@@ -28,11 +29,12 @@ pub(super) enum Portion {
 pub(super) type Keep = Box<dyn Fn(&Row<'_>) -> bool>;
 pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 
-/// A check of a claim: values from the study's table, and the bound that they must meet.
+/// A check of a claim. It contains a function that computes values from the study's table, and the bound that the
+/// values must meet.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
     /// Computes the checked values from the rows of the table. Each value is returned with one row: the row from which
-    /// it was computed, or one row of a group.
+    /// it was computed or, for a value of a group of rows, one row of this group.
     pub(super) values: Values,
     /// Returns a name for the checked value of a row. All values with the same name are compared and printed as one
     /// range.
@@ -58,13 +60,13 @@ pub(super) struct Outcome {
     pub(super) rule: String,
     /// The measured value that the scorecard shows for this check; may be empty.
     pub(super) headline: String,
-    /// Names of the checked values that are within 1 % of a limit of the bound. A small change of such a value would
-    /// change the verdict.
+    /// Names of the checked values that are within 1 % of a limit of the bound, so that a small change of the value
+    /// could change the verdict.
     pub(super) close: Vec<String>,
 }
 
-/// Range of all values with the same name. `compared` states whether the range is compared with the bound, and `met`
-/// whether it meets the bound.
+/// Range of all checked values with the same name. `compared` states whether the range is compared with the bound, and
+/// `met` whether it meets the bound.
 struct Item {
     name: String,
     range: (f64, f64),
@@ -73,8 +75,8 @@ struct Item {
 }
 
 impl Check {
-    /// Applies the check to the rows of a claim. Returns an error if the check needs rows that are missing, and `None`
-    /// if a check that may be skipped has no values.
+    /// Applies the check to the rows of a claim. The result is an error if the check needs rows that are missing, and
+    /// `None` if the check may be skipped and has no values.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
@@ -191,7 +193,8 @@ fn shown(
     }
 }
 
-/// Replaces each `{key}` of a sentence by `text(key)`. A number in a placeholder `{key%}` is formatted in percent.
+/// Replaces each placeholder `{key}` of a sentence by `text(key)`. In a placeholder `{key%}`, numbers are formatted in
+/// percent.
 fn filled(sentence: &str, text: impl Fn(&str, fn(f64) -> String) -> Option<String>) -> String {
     let mut parts = sentence.split('{');
     let mut filled = parts.next().unwrap_or_default().to_owned();

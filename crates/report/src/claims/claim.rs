@@ -1,4 +1,5 @@
-//! Description of a claim as data: the rows of a table to which it applies, and the checks that decide on it.
+//! Description of a claim as data: the rows of a table to which the claim applies, and the checks that decide on the
+//! claim.
 
 use super::bounds::{Bound, near, within};
 use super::check::{Check, Keep, Outcome, Portion, Role};
@@ -14,7 +15,7 @@ pub(super) struct Claim {
     pub(super) published: &'static str,
     pub(super) paper_says: &'static str,
     rows: Keep,
-    /// Which rows the claim is about, in words, for error messages.
+    /// Words that describe the claim's rows in error messages.
     what: &'static str,
     numbers: &'static [&'static str],
     needs: Vec<(String, Keep)>,
@@ -72,7 +73,8 @@ impl Claim {
         Self { remark, ..self }
     }
 
-    /// Adds a check. `values` computes its values from the rows, each with one row to which the value belongs.
+    /// Adds a check. `values` computes its values from the rows, and returns each value with one row to which it
+    /// belongs.
     pub(super) fn values(
         mut self,
         values: impl for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)> + 'static,
@@ -93,7 +95,7 @@ impl Claim {
         self
     }
 
-    /// Adds a check with one value per row: `value(row)`.
+    /// Adds a check with one value per row of the table: `value(row)`.
     pub(super) fn rows(self, value: impl Fn(&Row<'_>) -> Option<f64> + 'static) -> Self {
         self.values(move |rows| {
             let values = rows.iter().filter_map(|row| Some((*row, value(row)?)));
@@ -116,7 +118,7 @@ impl Claim {
     }
 
     /// Adds a check of the ratios y₂/y₁, where y₁ and y₂ are the values `y` of successive rows, sorted by `x`. Two rows
-    /// are compared only if all swept fields in which they differ have paths in `free`.
+    /// are compared only if they differ only in swept fields whose paths begin with one of `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -141,7 +143,7 @@ impl Claim {
     }
 
     /// Adds a check of the ratios `value(one) / value(other)` for all pairs of rows that `is_pair` accepts and that
-    /// differ only in swept fields whose paths are in `free`. Each ratio belongs to the row `other`.
+    /// differ only in swept fields whose paths begin with one of `free`. Each ratio belongs to the row `other`.
     pub(super) fn pairs(
         self,
         free: &'static [&'static str],
@@ -248,7 +250,8 @@ impl Claim {
         self.last(|check| check.headline = headline)
     }
 
-    /// Tests the claim with a study. Returns an error that names the rows or numbers that the study lacks.
+    /// Tests the claim with the tables of a study. Returns an error that names the rows or numbers that the study
+    /// lacks.
     pub(super) fn finding(&self, study: &Study) -> Result<Finding, String> {
         let rows: Vec<Row<'_>> = Row::all(study).filter(|row| (self.rows)(row)).collect();
         if rows.is_empty() {

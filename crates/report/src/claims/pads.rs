@@ -21,7 +21,7 @@ fn pitch(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.sensor.pitch")? / probe_radius(row)?)
 }
 
-/// The rms error of a row. `None` if trials failed: without the failed trials, the rms error would be too small.
+/// The rms error of a row. `None` if trials failed, because the rms error of the remaining trials is too small.
 fn complete_error(row: &Row<'_>) -> Option<f64> {
     rms_error(row).filter(|_| row.statistic("failures") == Some(0.0))
 }
@@ -30,8 +30,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the error of a row is a mean over random offsets of the pads. If no row of the study has
-/// random offsets, the result is true for all rows.
+/// Whether the error of a row is a mean over random offsets of the pads. If no row of the study has random offsets, the
+/// result is true for all rows.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))

@@ -76,8 +76,9 @@ fn share(row: &Row<'_>) -> Option<f64> {
     is_share.then_some(mean)
 }
 
-/// Largest principal curvature of an object. If the true curvatures are the same in the whole patch, it is
-/// computed from them. Otherwise the result is 1/radius, or 2|a| in the middle of a saddle z = a (x² − y²).
+/// Largest principal curvature of an object. If the true curvatures are the same in the whole patch, the table states
+/// them, and the result is computed from them. Otherwise, the result is 1/radius, or 2|a| in the middle of a saddle z =
+/// a (x² − y²).
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {

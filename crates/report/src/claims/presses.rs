@@ -27,8 +27,8 @@ fn gaussian_profile() -> Claim {
             && is_kind(row, "scene.model", "half-space")
     })
     .rows(|row| row.statistic("mean"))
-    // Name the swept fields on which R² depends: the layout of the profile's samples determines their weights, and the
-    // estimator determines which samples are fitted.
+    // Name the swept fields on which R² depends. The layout of the markers determines how much each part of the
+    // displacement profile counts, and the estimator determines which markers are fitted.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()
@@ -42,8 +42,8 @@ fn gaussian_profile() -> Claim {
 
 // ---- The effective radius at increasing indentations
 
-/// Effective radii of the contact in the paper, mm: a sensor of radius 20 mm pressed onto a dish of radius 80 mm, a
-/// plane, and a ball of radius 80 mm.
+/// Effective radii that the paper states, mm: for a sensor of radius 20 mm that is pressed onto a dish of radius 80 mm,
+/// onto a plane, and onto a ball of radius 80 mm.
 const RADII: [f64; 3] = [26.7, 20.0, 16.0];
 /// Largest indentation in the paper, mm.
 const DEEPEST: f64 = 1.4;
@@ -184,7 +184,7 @@ fn effective_radius() -> Claim {
 
 // ---- Regimes of contact, as a function of the relative curvature
 
-/// A relative curvature counts as zero below this share of the sensor's curvature.
+/// A relative curvature counts as zero if its ratio to the sensor's curvature is below this number.
 const ZERO: f64 = 1e-9;
 
 fn relative_curvature(row: &Row<'_>) -> Option<f64> {
@@ -209,7 +209,8 @@ fn sensed(row: &Row<'_>) -> Option<f64> {
     }
 }
 
-/// For each sensor: one of its rows, and the number of objects that it can sense. The sensors are sorted by radius.
+/// For each sensor, one of its rows and the number of objects that the sensor can sense. The sensors are sorted by
+/// radius.
 fn by_radius<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let mut rows: Vec<(f64, Row<'a>)> = rows
         .iter()

@@ -246,15 +246,15 @@ fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Relative error, without noise, of the curvature at the apex of z = −c r² that is estimated from a roll. The estimate
-/// is the mean curvature along the roll: the slope angle atan(2 c r), divided by the arc length. `share` is the product
-/// of c and the arc length.
+/// Relative error, without noise, of the curvature at the apex of z = −c r² that is estimated from a roll from the
+/// apex. The estimate is the mean curvature along the roll: the slope angle atan(2 c r) at its end, divided by the arc
+/// length. `share` is the product of c and the arc length.
 fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// Arc length, multiplied by the coefficient c of the paraboloid, at which the estimated curvature of the apex has a
-/// relative error of 15 % without noise.
+/// Arc length at which the estimated curvature of the apex of a paraboloid has a relative error of 15 % without noise.
+/// It is multiplied by the coefficient c of the paraboloid.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
@@ -350,7 +350,7 @@ fn edge() -> Claim {
 
 // ---- Comparison of a wrist force sensor with pads
 
-/// Largest ratio at which the errors of a wrist sensor and of pads count as similar.
+/// The errors of a wrist sensor and of pads count as similar if their ratio is at most this number.
 const ALIKE: f64 = 1.5;
 
 /// Number after `word` in the label of a sensor, such as 0.5 in the label `pads 0.5 mm` for the word `pads `.
@@ -360,15 +360,15 @@ fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
     (size > 0.0).then_some(size)
 }
 
-/// Whether the stated error of a wrist sensor is approximately equal to the size of the pads. Both numbers are read
-/// from the labels of the sensors.
+/// Whether the stated error of a wrist sensor is approximately equal to the size of the pads. Error and size are read
+/// from the labels of the two sensors.
 fn is_wrist_and_pads(wrist: &Row<'_>, pads: &Row<'_>) -> bool {
     let sizes = labelled_size(wrist, "wrist ").zip(labelled_size(pads, "pads "));
     sizes.is_some_and(|(wrist, pads)| libm::log(pads / wrist).abs() <= libm::log(ALIKE) / 2.0)
 }
 
-/// Pad size that has the same rms error as the wrist sensor, interpolated between two pad sizes. `None` if the wrist
-/// sensor's error is outside the range of the pads' errors.
+/// Size of the pads that would have the same rms error as the wrist sensor, interpolated between two pad sizes. `None`
+/// if the wrist sensor's error is outside the range of the pads' errors.
 fn equal_pads(group: &[Row<'_>]) -> Option<f64> {
     let is_compared = |wrist: &&Row<'_>| group.iter().any(|pads| is_wrist_and_pads(wrist, pads));
     let error = group.iter().find(is_compared).and_then(rms_error)?;

@@ -55,7 +55,7 @@ impl<'a> Row<'a> {
         cell.find(|row| row.quantity() == quantity)
     }
 
-    /// Share of the cell's trials whose kind of failure `is_it` accepts.
+    /// Share of the cell's trials that failed with a kind of failure that `is_it` accepts.
     pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
         let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
         let cell = self.study.cells().cell(self.at);
@@ -76,7 +76,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Groups of rows. The rows of a group differ only in swept fields whose paths begin with one of `free`.
+/// Groups of rows. The rows of a group differ only in swept fields whose paths begin with one of the texts in `free`.
 pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     let Some(first) = rows.first() else {
         return Vec::new();

@@ -36,7 +36,7 @@ fn read(row: &Row<'_>) -> Option<(f64, f64)> {
 /// Straight lines that were fitted to groups of rows, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
-/// Both hues of a marker: name of the quantity, and name of the hue in sentences. The paper uses the mean hue.
+/// The two hues of a marker: name of the quantity, and name of the hue in sentences. The paper uses the mean hue.
 const HUES: [(&str, &str); 2] = [
     ("hue_change", "hue of the summed light"),
     ("mean_hue_change", "mean hue"),
@@ -190,8 +190,8 @@ fn is_rigid(row: &Row<'_>) -> bool {
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// Relative deviations of slopes from the published slopes, one number per line through hues: the larger of the
-/// deviation of this line, and the smallest deviation of the lines through centroids for the same sensor.
+/// For each line through hues, the larger of two relative deviations from the published slopes. The first is the
+/// deviation of this line. The second is the smallest deviation among the lines through centroids of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -327,7 +327,7 @@ fn fisheye() -> Claim {
     claim
 }
 
-/// Mean and standard deviation of all measured y at the same x.
+/// Mean and standard deviation of all values of y that were measured at the same x.
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     x: f64,
@@ -338,7 +338,7 @@ struct Reading {
 #[derive(Debug, Clone, Copy)]
 struct StraightLine {
     slope: f64,
-    /// Share of the variance of the single measured y that the line explains (R²); 0 if the readings have no variance.
+    /// Share of the variance of the single readings that the line explains (R²); 0 if the readings have no variance.
     r_squared: f64,
 }
 

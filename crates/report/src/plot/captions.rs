@@ -13,14 +13,15 @@ pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// Text of a swept value with the name and the unit of its field. For some labels, the text is the label alone.
+/// Text of a swept value, with the name and the unit of its field. If the value is a label that is clear by itself, the
+/// text is the label alone.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {
         ("quantity", _) => label::quantity(value),
         (_, Some(_)) => format!("{} {}", field.words, field.value(value)),
-        // The name of an object or an estimator, and a label of several words, are clear by themselves. Print the name
-        // of the field before any other word.
+        // The label of an object or an estimator, and a label of several words, are clear by themselves. Print the name
+        // of the field before any other label.
         ("scene.object" | "scene.estimator", None) => value.to_owned(),
         (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),
@@ -74,8 +75,8 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     ))
 }
 
-/// Text with the values `absent`, which the key `where` of a plot names but the table does not contain; `None` if there
-/// are none.
+/// Text that lists the values `absent`, which the key `where` of a plot names but the table does not contain; `None` if
+/// there are no such values.
 pub(crate) fn absent(absent: &[String]) -> Option<String> {
     let none = absent.is_empty();
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))

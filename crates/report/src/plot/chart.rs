@@ -18,10 +18,10 @@ use plotters::style::text_anchor::HPos;
 /// Gap between panels, and between the panels and the legend, in drawing units (1/3 px).
 const GAP: i32 = 90;
 const PANEL_HEIGHT: i32 = 1170;
-/// Largest width of a row of panels, in drawing units. Panels with long names below the x axis may be widened up to
-/// this width.
+/// Largest width of a row of panels, in drawing units. If long names below the x axis need space, panels are widened up
+/// to this width.
 const LARGEST_WIDTH: i32 = 4500;
-/// Gap between neighbouring names below the x axis, in drawing units.
+/// Gap between neighbouring names of values below the x axis, in drawing units.
 const BESIDE: i32 = 36;
 /// Length of the symbol beside each text of the legend, in drawing units.
 const SAMPLE: i32 = 120;
@@ -97,7 +97,7 @@ impl Chart<'_> {
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
-        // Four panels are arranged as a square, because each panel is then larger than in a single row.
+        // Four panels are arranged in two rows of two, because each panel is then larger than in a single row.
         let most = match count {
             0..=3 => count,
             4 => 2,

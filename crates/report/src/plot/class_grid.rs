@@ -1,5 +1,5 @@
-//! Reads the shape class of each point from `map.csv`, and converts the classes of a cell's map to rectangles and
-//! lines.
+//! Reads the shape class of each point from `map.csv`. Converts the classes in a cell's map to coloured rectangles, and
+//! to lines between them.
 
 use super::selection::Request;
 use super::style::CLASSES;
@@ -102,8 +102,8 @@ fn class(table: &Records, row: usize, column: usize) -> Result<Class, ReportErro
     }
 }
 
-/// A rectangle of grid squares that have the same class. Its corners are on the grid lines `x.0` and `x.1`, `y.0` and
-/// `y.1`.
+/// A rectangle of grid squares that have the same class. It extends from the grid line `x.0` to `x.1` along x, and from
+/// `y.0` to `y.1` along y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) class: Class,

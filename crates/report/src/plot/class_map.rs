@@ -1,5 +1,5 @@
-//! Figures of kind `class-map`: a map of the true shape classes beside maps of the estimated classes, one for each
-//! cell.
+//! Figures of kind `class-map`: a map of the true shape classes beside maps of the estimated classes. There is one map
+//! of estimated classes for each cell.
 
 use super::captions::full_value;
 use super::chart::{Panel, Place, mesh, outline};
@@ -304,9 +304,9 @@ struct Shown<'a> {
 
 struct CellRow<'a> {
     heading: String,
-    /// Map of the true classes; `None` if a row above already shows the same map.
+    /// Map of the true classes; `None` if a row of panels above already shows the same map.
     truth: Option<&'a CellMap>,
-    /// Map of each cell, with the text of the swept values in which the cells of a row differ.
+    /// Text and map of each cell. The text states the swept values in which the cells of a row of panels differ.
     cells: Vec<(String, &'a CellMap)>,
 }
 
@@ -353,8 +353,9 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     rows_of_cells
 }
 
-/// The swept field whose values are side by side in a row of panels: among the fields whose values fit into one row,
-/// the last of those with the most values. If the values of no field fit, it is the last field.
+/// The swept field whose values are side by side in a row of panels. Of the fields whose values fit into one row, this
+/// is the field with the most values, or the last of several such fields. If the values of no field fit, it is the last
+/// field.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

@@ -36,7 +36,7 @@ pub(crate) struct Contacts {
     /// The fingers in order of appearance. There is at least one finger, and each finger has at least one contact.
     pub(crate) fingers: Vec<Finger>,
     /// Root-mean-square distance between readings and true contacts. `None` if the readings equal the contacts, or if
-    /// their numbers differ.
+    /// there are not as many readings as contacts.
     pub(crate) off: Option<f64>,
     /// Whether the centres of the fingertips are at other positions than the contacts.
     pub(crate) tips_apart: bool,

@@ -132,7 +132,8 @@ struct Scene<'a> {
 impl Scene<'_> {
     fn draw(&self) -> Drawn {
         let area = self.space.plotting_area();
-        // Draw the projections of the paths onto the floor first, so that they are behind everything else.
+        // Draw the projections of the fingers' paths onto the floor of the chart first, so that they are behind
+        // everything else.
         for finger in &self.contacts.fingers {
             let places = finger.touches.iter().map(|touch| touch.place);
             let down = places.map(|[x, y, _]| at([x, y, self.floor]));

@@ -81,7 +81,7 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     }))
 }
 
-/// Whether rows that have the same values on all axes `others` have different values on the axis `axis`.
+/// Whether the axis `axis` has different values in rows that have the same values on all axes `others`.
 fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     let mut known: BTreeMap<Vec<&str>, BTreeSet<&str>> = BTreeMap::new();
     for &row in rows {

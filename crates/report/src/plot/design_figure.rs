@@ -44,7 +44,7 @@ pub struct FieldAxis {
     pub names: Vec<String>,
 }
 
-/// The plot of an answer: of one or of several varied fields.
+/// The plot of an answer. Its kind depends on whether one field or several fields were varied.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DesignChart {
     /// Plot for one varied field: the target's statistic over the searched field.
@@ -92,7 +92,7 @@ pub struct CurvePoint {
 /// Plot of the searched field over another field, as a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignMap {
-    /// The field on the other axis than the searched field.
+    /// The varied field on the map's second axis; the first axis shows the searched field.
     pub other: FieldAxis,
     /// Panels of the map. There is at least one panel.
     pub panels: Vec<MapPanel>,
@@ -125,8 +125,8 @@ pub struct Stretch {
 }
 
 const MEETS: Colour = Colour(190, 220, 242);
-/// Background colour where it is undecided whether values meet the target. This grey is darker or lighter than the
-/// other backgrounds, so it differs from them also if the figure is printed in grey.
+/// Background colour where it is undecided whether values meet the target. The lightness of this grey differs from that
+/// of the other background colours, so it can be distinguished also in a grey print.
 const OPEN: Colour = Colour(226, 226, 226);
 const MISSES: Colour = WHITE;
 /// Width of the line that shows the target's limit, in drawing units (1/3 px).
@@ -141,10 +141,10 @@ const BEST: Style = Style {
     marker: Marker::Diamond,
 };
 const BEST_SIZE: f64 = 36.0;
-/// Half the width of the background area of a single tested value, relative to the panel. An area without width would
-/// not be visible.
+/// Half the width of the background area of a single tested value, relative to the width of the panel. An area without
+/// width would not be visible.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of the area that is drawn if the other field has only one value, relative to the width of the panel.
+/// Half the width of the background area if the other field has only one value, relative to the width of the panel.
 const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
@@ -372,8 +372,8 @@ impl FieldAxis {
     }
 }
 
-/// Converts ranges of the searched field to areas and lines in a panel. `along` is the scale of the searched field, and
-/// `across` that of the other field. Positions on both scales run from 0 to 1.
+/// Converts ranges of values of the searched field to areas and lines in a panel. `along` is the scale of the searched
+/// field, and `across` is the scale of the other field. Positions on both scales run from 0 to 1.
 struct Bands<'a> {
     field: &'a FieldAxis,
     along: Scale,
@@ -410,14 +410,14 @@ impl Bands<'_> {
         [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
     }
 
-    /// Whether two columns have the same sequence of ranges that meet and ranges that miss the target. Only such
-    /// columns are connected by areas and contours.
+    /// Whether the ranges that meet and the ranges that miss the target follow each other in the same order in two
+    /// columns. Only such columns are connected by areas and contours.
     fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }
 
-    /// Background areas of all columns. If a column and its neighbour have the same sequence of ranges, the areas
-    /// connect both columns. Otherwise, the areas of a column end halfway to its neighbour.
+    /// Background areas of all columns. If a column and its neighbour have ranges in the same order, the areas connect
+    /// both columns. Otherwise, the areas of a column end halfway to its neighbour.
     fn grounds(&self, columns: &[Column], is_named: bool) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let mut grounds = Vec::new();
         let pairs = columns.windows(2);
@@ -479,8 +479,8 @@ impl Bands<'_> {
         }
     }
 
-    /// Contours on which the target is just met. They connect neighbouring columns with the same sequence of ranges.
-    /// At each column, a bar shows the undecided range.
+    /// Contours on which the target is just met. They connect neighbouring columns whose ranges are in the same order.
+    /// At each column, a bar shows the range of undecided values.
     fn contours(&self, columns: &[Column], is_named: bool) -> Vec<Line> {
         let crossings = |column: &Column| -> Vec<[f64; 2]> {
             let sides = column.sides.windows(2);

@@ -93,8 +93,8 @@ enum Form {
     Line(Vec<BackendCoord>, u32),
     Polygon(Vec<BackendCoord>),
     Disc(BackendCoord, u32),
-    /// A line of text, its anchor point, the em of its font, and a share: this share of the text's width is to the left
-    /// of the anchor. The anchor is at half the text's height.
+    /// A line of text, its anchor point, the em of its font, and the share of the text's width that is to the left of
+    /// the anchor. The anchor is at half the text's height.
     Text(String, BackendCoord, f64, f64),
 }
 
@@ -173,7 +173,7 @@ impl Drawing {
         );
         let header = lines.next().and_then(|line| line.split_once(" viewBox"));
         let mut named = header.map_or(String::new(), |(_, rest)| format!("{own} viewBox{rest}\n"));
-        // The first element is the background. After it, each shape has exactly one element.
+        // The first element of the SVG is the background. After it, each shape has exactly one element.
         let titles = self.shapes.iter().map(|shape| shape.title.as_str());
         let mut titles = std::iter::once("").chain(titles);
         for line in lines {
@@ -192,7 +192,7 @@ impl Drawing {
         named
     }
 
-    /// The image as PNG data on a white background. It is drawn `DETAIL` times as large and then reduced.
+    /// The image as PNG data on a white background. It is drawn larger by the factor `DETAIL`, and then reduced.
     #[cfg(feature = "png")]
     fn png(&self) -> Result<Vec<u8>, String> {
         use plotters::backend::BitMapBackend;

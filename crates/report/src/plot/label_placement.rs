@@ -5,7 +5,7 @@ use super::sheet::Point;
 
 /// Font size of a label, in drawing units (1/3 px).
 pub(super) const NAME: i32 = 45;
-/// Distances from its point at which a label may be placed, in drawing units (1/3 px).
+/// Distances between a point and its label that are tried, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
 /// A label that is farther from its point than this gets a line to the point, in drawing units.
 const MAX_WITHOUT_LEADER: i32 = 60;
@@ -17,8 +17,8 @@ const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover, in drawing units.
 const POINT: i32 = 18;
 
-/// Penalty for each other label, and each line from a point to its label (leader), that a label covers. Penalties are
-/// in the same unit as the distance of a label from its point.
+/// Penalty for each other label that a label covers, and for each line from another label to its point (leader) that it
+/// covers. Penalties are in the same unit as the distance of a label from its point.
 const HIDES_NAME: i32 = 3_000_000;
 /// Penalty for each other label that the leader of a label crosses.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
@@ -28,7 +28,7 @@ const HIDES_POINT: i32 = 300_000;
 const OUTSIDE: i32 = 30_000_000;
 /// Penalty for each segment of the Pareto front that a label crosses.
 const CROSSES_FRONT: i32 = 90;
-/// Penalty for each point below the Pareto front that a label covers.
+/// Penalty for each point that a label covers, if the point is not on the Pareto front.
 const HIDES_BEATEN: i32 = 90;
 /// Penalty for each error bar that a label covers.
 const HIDES_BAR: i32 = 90;

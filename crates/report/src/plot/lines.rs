@@ -22,8 +22,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
 /// trials.
 const MAX_FAILED: f64 = 0.05;
 
-/// Points that cannot be drawn. For each reason why points cannot be drawn: the number of these points, and their
-/// series.
+/// Points that cannot be drawn: for each reason, the number of these points and the series to which they belong.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
 struct Lines<'a> {
@@ -130,7 +129,7 @@ impl<'a> Lines<'a> {
                     places.iter().copied().fold(f64::INFINITY, f64::min),
                     places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                 ];
-                // If an error bar ends far beyond all points, its end does not extend the axis.
+                // If an error bar ends far beyond all points, the axis is not extended to this end.
                 let is_near = |end: &f64| match self.spacing[axis] {
                     Spacing::Log => (0.5 * least..=2.0 * most).contains(end),
                     Spacing::Linear => (least - (most - least)..=2.0 * most - least).contains(end),

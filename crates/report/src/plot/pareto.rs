@@ -25,8 +25,8 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
-/// Upper end of the axis of relative errors. Models with a larger error are drawn as arrows at this end, because they
-/// are useless.
+/// Upper end of the axis of relative errors. A model with a larger error is useless; it is drawn at this end, with an
+/// arrow above it.
 const MAX_ERROR: f64 = 10.0;
 
 /// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
@@ -85,7 +85,8 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let left = EDGE + y.widest() + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
     sheet::figure(words, WIDTH, |sheet| {
-        // If each family has only one model, the points have labels, so no key is needed.
+        // A key is needed only if there are several families and one of them has several models. Otherwise, the labels
+        // of the points suffice.
         if (2..choices).contains(&families.len()) {
             sheet.key(SAMPLE, &key)?;
         }
@@ -200,7 +201,7 @@ fn is_off_scale(rung: &Rung) -> bool {
     rung.error > MAX_ERROR
 }
 
-/// Corners of an arrowhead above a marker that points upwards.
+/// Corners of an arrowhead that is above a marker and points upwards.
 fn arrow((x, y): Point) -> [Point; 3] {
     let (size, bottom) = (OTHER as i32, y - MARKER as i32 - 9);
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]

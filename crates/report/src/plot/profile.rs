@@ -168,8 +168,8 @@ impl<'a> Axes<'a> {
                 all.push(Series { name, label, style });
             }
         }
-        // If the series differ in only one field with few values, use the same colour for a value in all plots of the
-        // study.
+        // If the series differ in only one field with few values, each value of the field gets the same colour in all
+        // plots of the study.
         if let [axis] = self.names.as_slice()
             && axis.values().len() <= PLAIN
         {
@@ -207,7 +207,8 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
 
 /// One component of the skin's displacement in every cell, in the order of `map.csv`.
 struct Profiles {
-    /// Units of the distance from the contact and of the displacement, as the headers state them; may be empty.
+    /// Units of the distance from the contact and of the displacement, as the headers of the table state them; may be
+    /// empty.
     units: [String; 2],
     cells: Vec<Profile>,
 }

@@ -43,8 +43,7 @@ impl Spacing {
         if is_log { Self::Log } else { Self::Linear }
     }
 
-    /// Reason why `value` cannot be drawn on an axis with this spacing (linear or logarithmic); `None` if it can be
-    /// drawn.
+    /// Reason why `value` cannot be drawn on an axis with this spacing; `None` if it can be drawn.
     pub(crate) fn refusal(self, value: f64) -> Option<&'static str> {
         match self {
             _ if !value.is_finite() || value.abs() > LARGEST => Some("beyond 1 × 10³⁰⁰"),
@@ -94,7 +93,7 @@ impl Scale {
         }
     }
 
-    /// A linear axis that ends exactly at `min` and `max`. The two numbers must differ.
+    /// A linear axis whose ends are exactly `min` and `max`. The two numbers must differ.
     pub(crate) fn exactly(min: f64, max: f64) -> Self {
         Self {
             spacing: Spacing::Linear,
@@ -106,7 +105,7 @@ impl Scale {
         }
     }
 
-    /// An axis with names. The first name is at 0, the next at 1, and so on.
+    /// An axis with names instead of numbers. The first name is at 0, the next at 1, and so on.
     pub(crate) fn of_names(names: Vec<String>) -> Self {
         let end = names.len() as f64 - 0.5;
         Self {
@@ -230,7 +229,7 @@ impl Scale {
         }
     }
 
-    /// All numbers within the range of the axis that are a digit of `digits` times a power of ten.
+    /// All numbers within the range of the axis that are the product of a number in `digits` and a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -257,7 +256,8 @@ impl Scale {
             let shown = exponents.iter().filter(|e| e.rem_euclid(step) == 0);
             return shown.map(tick).collect();
         }
-        // On an axis of less than three decades, use the finest of these divisions whose labels do not overlap.
+        // On an axis of less than three decades, use the first of these lists of digits (the finest) for which the tick
+        // labels do not overlap.
         let choices: [&[i32]; 3] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5], &[1, 3]];
         let mut choices = choices.map(|digits| self.digits(digits)).into_iter();
         let found = choices.find(|values| (2..=about.max(3)).contains(&values.len()));

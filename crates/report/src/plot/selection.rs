@@ -200,8 +200,8 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // Return an error if two rows belong to the same point. Rows without a value of the statistic on the x axis are
-        // not drawn, so they are not checked.
+        // Return an error if two rows belong to the same point. If a statistic is plotted along x, rows without a value
+        // of this statistic are not drawn, so they are not checked.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {
@@ -244,7 +244,8 @@ pub(crate) struct CellSelection {
     pub(crate) notes: Vec<String>,
 }
 
-/// Selects the cells that the key `where` of a plot accepts and that have a map. `mapped` are the cells with a map.
+/// Selects the cells that have a map and that the key `where` of a plot accepts. `mapped` are the numbers of all cells
+/// with a map.
 pub(crate) fn choose_cells(of: Request<'_>, mapped: &[u64]) -> Result<CellSelection, ReportError> {
     let table = of.study.cells();
     let cells = by_key((0..table.rows()).map(|row| (table.cell(row), row)));

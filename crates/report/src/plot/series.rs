@@ -63,7 +63,7 @@ pub(crate) struct PointSet {
     pub(crate) at: Vec<(f64, f64)>,
 }
 
-/// The points of a line in uninterrupted parts. A missing value ends a part.
+/// The points of a line, as a list of uninterrupted parts. Where a value is missing, the line is interrupted.
 pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 
 /// The line of one series in one panel.
@@ -76,7 +76,7 @@ pub(crate) struct Line {
     pub(crate) runs: Runs,
     /// Points with a circle around their marker.
     pub(crate) circled: Vec<(f64, f64)>,
-    /// Error bars: the x of each bar, and the y of its two ends.
+    /// Error bars: the x of each bar, and the y of both ends of the bar.
     pub(crate) bars: Vec<(f64, [f64; 2])>,
 }
 
@@ -224,7 +224,7 @@ impl Plot {
             let label = if at == 0 { mark.label.as_str() } else { "" };
             mark.draw(label, content, panel)?;
         }
-        // If x has names instead of numbers, do not join their values by lines, because names have no order.
+        // If the x axis shows names instead of numbers, do not join the points by lines, because names have no order.
         for line in &content.lines {
             if line.dashed || !self.x.is_named() {
                 self.stroke(line, panel)?;
@@ -303,8 +303,8 @@ impl Mark {
         let along = |start: i32, end: i32| {
             PLACES.map(|share| start + (share * f64::from(end - start)) as i32)
         };
-        // `ends` are the ends of the reference line, and `places` are possible places of its label on both sides of the
-        // line.
+        // `ends` are the ends of the reference line. `places` are the positions on both sides of the line at which its
+        // label may be placed.
         let (ends, places) = if self.on_x {
             let heights = along(down.end - half, down.start + half);
             let beside = heights.map(|y| [(x + 18, y), (x - 18 - wide, y)]);
@@ -343,8 +343,8 @@ impl Mark {
 }
 
 impl Content {
-    /// How much of the drawn data a label in this box would cover. Each point in the box counts 3. Each line segment is
-    /// sampled at 21 places, and each place in the box counts 1.
+    /// Measures how much of the drawn data a label in this box would cover. Each point in the box counts 3. Each line
+    /// segment is sampled at 21 places, and each of these places in the box counts 1.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

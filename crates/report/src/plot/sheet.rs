@@ -1,5 +1,5 @@
-//! The sheet on which a figure is drawn: the figure's content between title, subtitle and key above and the notes
-//! below.
+//! The sheet on which a figure is drawn. Title, subtitle and key are above the figure's content, and the notes are
+//! below it.
 
 use super::drawing::{Drawing, Figure, LEADING};
 use super::lettering::{width, wrap};
@@ -79,8 +79,8 @@ pub(crate) struct Sheet {
     pub(crate) top: i32,
 }
 
-/// Symbol beside a text of a key. It consists of a filled rectangle, a line on the rectangle and a marker on top. Each
-/// part may be missing.
+/// Symbol beside a text of a key. It consists of a filled rectangle, a line on the rectangle, and a marker on the line.
+/// Each part may be missing.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sample {
     pub(crate) ground: Option<Colour>,

@@ -14,7 +14,7 @@ use plotters::style::{Color, TRANSPARENT};
 /// A point or a direction in three dimensions.
 pub(crate) type Vector = [f64; 3];
 
-/// Horizontal direction from the object to the viewer: angle from +x towards −y, degrees.
+/// Horizontal angle of the direction from the object to the viewer, from +x towards −y, degrees.
 const TURN: f64 = 62.0;
 /// Angle of the viewer's direction above the horizontal plane, degrees.
 const RAISE: f64 = 36.0;
@@ -37,7 +37,7 @@ pub(super) fn around(places: &[Vector], axis: usize) -> Scale {
     Scale::around(Spacing::Linear, places.iter().map(|place| place[axis]))
 }
 
-/// An orthographic view from above. All axes have the same scale.
+/// An orthographic view obliquely from above. All axes have the same scale.
 pub(super) struct View {
     /// Unit vectors of the view: `right`, `up`, and towards the viewer.
     right: Vector,
@@ -89,8 +89,8 @@ impl View {
             [0.0, 0.0, 0.0, 1.0],
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
-        // Plotters draws the labels of an axis on the side that faces away from the middle of the drawing area. So
-        // this drawing area determines on which side the labels are.
+        // The plotters library draws the labels of an axis on the side that faces away from the middle of the drawing
+        // area. So this drawing area determines on which side the labels are.
         let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
             ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;

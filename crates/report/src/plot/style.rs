@@ -11,7 +11,7 @@ pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 
 pub(crate) const FLOOR: Colour = Colour(248, 248, 246);
 
-/// Colour of boundaries between coloured areas. This colour is also dark on a dark page.
+/// Colour of boundaries between coloured areas. It is dark on white pages and on dark pages.
 pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
 
 pub(crate) const DARK: Colour = Colour(27, 29, 31);
@@ -57,7 +57,7 @@ const COLOURS: [Colour; 7] = [
     Colour(0, 0, 0),
 ];
 
-/// Largest number of lines that are distinguished by colour alone.
+/// Largest number of lines in a plot whose lines differ only in colour.
 pub(crate) const PLAIN: usize = COLOURS.len();
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +70,7 @@ pub(crate) enum Marker {
     Ring,
     Plus,
     Cross,
-    /// Small disc for dense points, where larger markers would cover each other. It is always filled.
+    /// Small disc for points that are close together, where larger markers would cover each other. It is always filled.
     Dot,
     /// Horizontal bar. It is longer than a dot, so it is visible even behind a dot. It is always filled.
     Dash,
@@ -106,7 +106,8 @@ pub(crate) struct Style {
 }
 
 impl Style {
-    /// Style of the value with the index `index` among the values of a swept field. The first 56 styles are different.
+    /// Style of the value with the index `index` among the values of a swept field. The first 56 values have different
+    /// styles.
     pub(crate) fn of(index: usize) -> Self {
         Self {
             colour: COLOURS[index % COLOURS.len()],
@@ -122,7 +123,7 @@ impl Style {
     }
 }
 
-/// Paler version of a colour: mixed with the same amount of white.
+/// Paler version of a colour: a mixture of equal parts of the colour and of white.
 pub(crate) fn pale(colour: Colour) -> Colour {
     mixed(colour, WHITE, 0.5)
 }
@@ -145,8 +146,9 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// The eight shape classes with their names in files and their colours. The order is: mean curvature H > 0, then H = 0,
-/// then H < 0; for the same sign of H, Gaussian curvature K > 0, K = 0, K < 0.
+/// The eight shape classes with their names in files and their colours. They are sorted by the sign of the mean
+/// curvature H: H > 0, then H = 0, then H < 0. For the same sign of H, they are sorted by the sign of the Gaussian
+/// curvature K: K > 0, K = 0, K < 0.
 ///
 /// From convex to concave, the colours change from red to blue, which colour-blind readers can distinguish. For grey
 /// prints, all colours have different lightness. No series has one of these colours.
@@ -202,7 +204,8 @@ mod tests {
                 lightness(shown(colour)) > lightness(DARK) + 38.0,
                 "{colour:?}"
             );
-            // A pale colour must be less prominent on both pages: lighter on a white page, and darker on a dark page.
+            // A pale colour must be less prominent on both kinds of pages: lighter on a white page, and darker on a
+            // dark page.
             let pale = shown(pale(colour));
             if COLOURS.contains(&colour) {
                 assert!(lightness(pale) < lightness(shown(colour)), "{colour:?}");

@@ -1,4 +1,5 @@
-//! 95 % intervals of statistics, computed from the Monte Carlo error of their trials.
+//! 95 % intervals of statistics. They are computed from the Monte Carlo error, the error due to the limited number of
+//! trials.
 
 use crate::Table;
 use palpate_study::{Quantity, QuantityKind, Statistic};
@@ -43,8 +44,8 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
                     mean,
                 )
         }
-        // For a share of correctly classified places, the squared error at a place is 0 or 1. So the mean square error
-        // is the share of wrong places, and has the same standard error.
+        // For a share of correctly classified points, the squared error at a point is 0 or 1. So the mean square error
+        // is the share of wrong points, and has the same standard error as the share of correct points.
         Statistic::Mean | Statistic::Bias if is_share => {
             2.0 * of(Statistic::RmsError)? * of(Statistic::RmsErrorStd)?
         }

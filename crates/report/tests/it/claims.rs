@@ -20,8 +20,8 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
         cells.study(&config("sphere", "claims = [1]"))
     };
     differs(&table(|_| 0.1), &["0 of 2 steps"]);
-    // The error grows in both steps to a lower relative curvature, but one of the errors is 1.1 times as large as
-    // predicted. So the claim differs.
+    // The error grows in both steps to a lower relative curvature, but it is 1.1 times as large as predicted. So the
+    // claim differs.
     differs(
         &table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()),
         &["1.1 × the predicted"],
@@ -64,8 +64,8 @@ fn claim_2_compares_lengths() {
 
 // ---- Claims 3 and 4: the length of the roll
 
-/// A study of rolls on paraboloids. `error` returns the relative error without noise from the paraboloid's coefficient
-/// c and the arc length.
+/// A study of rolls on paraboloids. `error` computes the relative error without noise from the paraboloid's coefficient
+/// c and the arc length of the roll.
 fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.object.c_per_cm,scene.motion.arc_length_cm,scene.noise.angular_velocity.fraction",
@@ -109,9 +109,9 @@ fn claims_3_and_4_name_the_cell_they_lack() {
 
 // ---- Claims 5 to 8 and 20: pads
 
-/// A study of rolls on a square grid of pads. If the pads do not have random offsets, a roll starts at the centre of a
-/// pad, and its only error is the rounding of its shift to whole pads. If the pads have random offsets, `random`
-/// returns the relative error for a pitch, an object radius and a rate.
+/// A study of rolls on a square grid of pads. Without random offsets of the pads, a roll starts at the centre of a pad,
+/// and its only error is the rounding of its shift to whole pads. With random offsets, `random` computes the relative
+/// error from the pitch, the object's radius and the rate of rotation.
 fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",

@@ -5,7 +5,8 @@ use palpate_report::{Files, Score, Study, Verdict, figures, score};
 pub(crate) const STATISTICS: &str = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,\
     relative_rms_error,relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
 
-/// A config with a spherical probe of radius 1 and an object of this `kind`. `rest` is inserted before the scene.
+/// A config with a spherical probe of radius 1 and an object of this `kind`. The text `rest` is inserted before the
+/// scene.
 pub(crate) fn config(kind: &str, rest: &str) -> String {
     format!(
         "name = \"study\"\ntitle = \"A question?\"\nsource = \"somewhere\"\nseed = 7\ncrate_version = \"0.1.0\"\n{rest}\n\
@@ -127,7 +128,7 @@ pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, 
     Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
 }
 
-/// A value with exactly one score: the score of a claim itself, or a study with only one claim.
+/// A value from which exactly one score can be computed: a score itself, or a study with only one claim.
 pub(crate) trait Scored {
     fn score(&self) -> Score;
 }
@@ -208,7 +209,8 @@ pub(crate) fn attribute(element: &str, name: &str) -> f64 {
     text.split('"').next().unwrap().parse().unwrap()
 }
 
-/// A study that sweeps radii and noises. Its errors are those that theory predicts. `rest` is added to its config.
+/// A study that sweeps radii and noises. Its errors are those that the theory of the 1996 paper predicts. The text
+/// `rest` is added to its config.
 pub(crate) fn angular_velocity(rest: &str) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
     for radius in [500.0, 50.0, 5.0, 0.5] {

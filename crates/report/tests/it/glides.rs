@@ -27,7 +27,7 @@ pub(crate) const SURFACES: [&str; 4] = ["sphere", "cylinder", "turned cylinder",
 pub(crate) const METHODS: [&str; 3] = ["first pass", "two-pass", "penalised"];
 
 /// A study with all surfaces, methods and noise levels (0, 5 and 10 %). `made(surface, noise, method)` returns the
-/// errors.
+/// invented errors.
 pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> Study {
     let mut text = format!(
         "cell,scene.object,scene.noise.position.fraction_of_ifd,scene.estimator,quantity,unit,{STATISTICS}\n"

@@ -22,7 +22,7 @@ fn a_study_without_plots_gets_the_default_plot() {
         }
         cells.study(&config("sphere", ""))
     };
-    // Two fields that vary together are drawn as one. Fields that do not vary are not drawn.
+    // Two fields that vary together are drawn as one field. Fields that do not vary are not drawn.
     let together = table(
         "scene.object.radius_cm,scene.probe.radius_cm,scene.object.s,scene.motion.duration_s",
         &[

@@ -6,8 +6,8 @@ use palpate_report::{Study, score};
 
 // ---- Claim 15: R² of the Gaussian
 
-/// Table with an R² for each layout of the profile's samples. All rows have the number of trials `trials` and the
-/// estimator `estimator`.
+/// Table with one R² for each layout of the markers. All rows have the number of trials `trials` and the estimator
+/// `estimator`.
 fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
     let mut cells = Cells::new("scene.probe.layout,scene.estimator");
     for (layout, found) in by_layout {
@@ -42,7 +42,7 @@ fn claim_15_holds_if_some_weighting_gives_the_published_value() {
         &study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
         &["0.977 (equal steps, calibrated gaussian), 0.972"],
     );
-    // If one of two table rows with the same layout of samples contradicts the published R², the claim fails.
+    // If one of two rows with the same layout of markers contradicts the published R², the claim fails.
     differs(
         &study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
         &["0.961 to 0.98 (equal steps, calibrated gaussian)"],
@@ -113,7 +113,7 @@ fn claim_16_wants_an_end_near_the_truth_and_a_noisy_start() {
     let study = course(1.15, [1.2, 0.3], 0.1);
     let score = score(&[study]).remove(0);
     assert!(!score.measured.contains("fail"), "{score:?}");
-    // Grid points without an estimate are left out of the claim.
+    // Cells (grid points) without an estimate are left out of the claim.
     holds(
         &radii(|depth| (depth > 0.6).then_some(if depth < 1.0 { [1.0, 0.3] } else { [1.0, 0.1] })),
         &["in 3 of 3 cells"],

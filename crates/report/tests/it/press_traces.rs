@@ -10,7 +10,7 @@ const TRACE: &str = "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,
     3,-4,0,4,0.5,-0.2,0\n\
     4,0,-4,4,0.5,0,-0.2\n";
 /// Text of `readings.csv`. The markers are in another order than in `trace.csv`. The third marker has no reading. The
-/// errors are 0.1 mm inward and 0.05 mm along the skin.
+/// errors are ±0.1 mm along the normal, and 0.05 mm along the skin.
 const READINGS: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm\n\
     0,-4,0.6,0,-0.25\n\
     4,0,0.4,0.25,0\n\

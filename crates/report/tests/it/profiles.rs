@@ -30,8 +30,8 @@ fn cells() -> Cells {
     cells
 }
 
-/// Text of `map.csv` with three positions per cell. The true values differ between objects, the estimates between all
-/// cells.
+/// Text of `map.csv` with three positions per cell. The true values differ between objects, the estimates differ
+/// between all cells.
 fn map() -> String {
     let mut text = HEADER.to_owned();
     for cell in 0..6_u8 {

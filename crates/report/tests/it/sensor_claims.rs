@@ -15,8 +15,8 @@ fn mean(mean: f64) -> Numbers {
 // ---- Claim 14: straight lines
 
 /// Table with the changes of a marker's hue and the shift of its centroid in the image, for all objects, three
-/// indentations and three displacements along the skin. `hue` computes the changes of hue from the number of the object
-/// and the indentation. `centroid` computes the shift from the number of the object and the displacement.
+/// indentations and three displacements along the skin. `hue` computes the changes of hue from the index of the object
+/// and the indentation. `centroid` computes the shift from the index of the object and the displacement.
 fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f64) -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {
@@ -70,8 +70,8 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
         }
     };
     differs(&of_lines(&lines(straight, sagging)), &["shifts is 0.98"]);
-    // Without scatter, the means would lie on a line and have the sum of squares 0.0002. The scatter adds 3 × 0.005² to
-    // this sum, so R² is only 0.73.
+    // Without scatter, the mean hues lie on a line, and the sum of their squared deviations from their mean is 0.0002.
+    // The scatter adds 3 × 0.005² to this sum, so R² is only 0.73.
     let scattered = |_: usize, depth: f64| Numbers {
         std: Some(0.005),
         ..mean(0.025 * depth)

@@ -42,7 +42,7 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let [x, y] = scales(trace);
     let left = EDGE + y.widest() + TICK_GAP + 6;
     let side = WIDTH - left - GAP - KEY - EDGE;
-    // Choose the size of a marker so that neighbouring markers in an even pattern do not touch.
+    // Choose the size of a marker so that neighbouring markers of an evenly spaced layout do not touch.
     let apart = f64::from(side) / (trace.markers.len() as f64).sqrt();
     let moves = trace.markers.iter().flat_map(|marker| {
         let read = marker.reading.and_then(|reading| reading.tangential);
