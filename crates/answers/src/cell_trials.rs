@@ -28,8 +28,8 @@ pub(crate) struct CellTrials<'a> {
     /// Function that receives the progress: the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
     scenes: BTreeMap<Place, Setup>,
-    /// Trials of each cell at each tested value of the searched field. The flag in the key is `true` for the fresh trials
-    /// that verify the answer, and `false` for the trials of the search.
+    /// Trials of each cell of the study at each tested value of the searched field. The flag in the key is `true` for
+    /// the fresh trials that verify the answer, and `false` for the trials of the search.
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
@@ -44,7 +44,7 @@ struct Source<'a> {
 /// Key of a scene: the searched field's value (as the bits of the number), and the index of the cell.
 type Place = (u64, usize);
 
-/// The scene of a cell at a value of the searched field, or the reason why this scene has no estimate.
+/// The scene of a cell of the study at a value of the searched field, or the reason why this scene has no estimate.
 enum Setup {
     Scene(Box<SceneTrial>, SceneTarget),
     /// The readings do not determine an estimate. The text names the kind of failure.
@@ -73,8 +73,8 @@ impl<'a> CellTrials<'a> {
         }
     }
 
-    /// Results of all cells at the value `value` of the searched field, either from the fresh trials (`is_fresh`) or
-    /// from the trials of the search.
+    /// Results of all cells of the study at the value `value` of the searched field, either from the fresh trials
+    /// (`is_fresh`) or from the trials of the search.
     pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self
@@ -230,10 +230,11 @@ impl Curves for CellTrials<'_> {
     }
 }
 
-/// Number of trials of a cell, and number of its failed trials.
+/// Number of trials of a cell of the study, and number of its failed trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrialCounts {
-    /// Number of trials of the cell; 0 if no trial was run because the readings do not determine an estimate.
+    /// Number of trials of the cell of the study; 0 if no trial was run because the readings do not determine an
+    /// estimate.
     pub trials: u64,
     /// Number of failed trials of the cell.
     pub failed: u64,

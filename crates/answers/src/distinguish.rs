@@ -10,8 +10,8 @@ use crate::error::{AnswerError, MAX_CELLS};
 
 /// The classification of a patch counts as correct if more than this share of its points are classified correctly.
 const MAJORITY: f64 = 0.5;
-/// Distance between the first trial numbers of consecutive cells. It is so large that no two cells use the same trial
-/// numbers, because trials with equal numbers have equal random numbers.
+/// Distance between the first trial numbers of consecutive cells of the study. It is so large that no two cells use the
+/// same trial numbers, because trials with equal numbers have equal random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
 /// Computes two results for each pair of objects that a study sweeps. The first is the probability that one trial of
@@ -168,7 +168,7 @@ struct Layout {
     groups: Vec<(Vec<String>, Members)>,
 }
 
-/// The cells of a group: index of each cell, and the values that define the object of this cell.
+/// The cells of a group: index of each cell of the study, and the values that define its object.
 type Members = Vec<(usize, Vec<String>)>;
 
 fn grouped(study: &Study) -> Result<Layout, AnswerError> {

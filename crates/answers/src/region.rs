@@ -64,21 +64,22 @@ pub struct DesignPoint {
     pub value: f64,
     /// Whether the tested value meets or misses the target; `None` if the trials have not decided this.
     pub side: Option<Side>,
-    /// Index of the decisive cell: the cell that meets the target least clearly, or misses it most clearly.
+    /// Index of the decisive cell of the study: the cell that meets the target least clearly, or misses it most
+    /// clearly.
     pub worst: usize,
-    /// Results of each cell from the trials that the search used, in the order of the cells.
+    /// Results of each cell of the study from the trials that the search used, in the order of the cells.
     pub searched: Vec<Sample>,
-    /// Results of each cell from the fresh trials that verify the answer; empty if no fresh trials were run at this
-    /// value.
+    /// Results of each cell of the study from the fresh trials that verify the answer; empty if no fresh trials were
+    /// run at this value.
     pub fresh: Vec<Sample>,
 }
 
-/// Result of the trials of a cell at a tested value of the searched field.
+/// Result of the trials of a cell of the study at a tested value of the searched field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Index of the cell (combination of values that the study itself sweeps).
     pub cell: usize,
-    /// Number of trials of the cell, and number of failed trials.
+    /// Number of trials of the cell of the study, and number of failed trials.
     pub counts: TrialCounts,
     /// The statistic of the target and its standard error; `None` if the statistic is undefined.
     pub statistic: Option<(f64, f64)>,
@@ -236,8 +237,8 @@ impl Region {
         sample.counts.failure_rate() > self.question.max_failures
     }
 
-    /// The result of the decisive cell at a tested value. If too many trials fail in any cell, the decisive cell is
-    /// that with the largest share of failures. Otherwise, it is the cell with the worst statistic.
+    /// The result of the decisive cell of the study at a tested value. If too many trials fail in any cell, the
+    /// decisive cell is that with the largest share of failures. Otherwise, it is the cell with the worst statistic.
     pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
@@ -258,9 +259,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Compares the results of two cells; the worse result is the greater one. Results with too many failures or
-    /// without a statistic are worse than all others, and are ordered by their shares of failures. The other results
-    /// are ordered by their statistics.
+    /// Compares the results of two cells of the study; the worse result is the greater one. Results with too many
+    /// failures or without a statistic are worse than all others, and are ordered by their shares of failures. The
+    /// other results are ordered by their statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),

@@ -150,8 +150,8 @@ impl Region {
         }
         let points = || self.columns.iter().flat_map(|column| &column.points);
         let decided = |cell: &usize| points().filter(|point| point.worst == *cell).count();
-        // `max_by_key` returns the last of several equal maxima. The order of the cells is reversed, so that the first
-        // of these cells is returned.
+        // `max_by_key` returns the last of several equal maxima. Here, the cells are in reverse order, so the first of
+        // these cells is returned.
         let worst = (0..self.cells.len()).rev().max_by_key(decided);
         let settings = settings_in_words(&self.cell_columns, &self.cells[worst.unwrap_or(0)]);
         format!("; the worst cell is mostly {settings}")

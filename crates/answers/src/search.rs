@@ -26,9 +26,9 @@ pub use points::Side;
 pub use span::Span;
 pub use verify::Run;
 
-/// Scores of one cell for the two conditions of a target. A score is the number of standard deviations by which the
-/// condition is met; it is negative if the condition is missed. The first condition limits the statistic, the second
-/// limits the share of trials that fail.
+/// Scores of one cell of the study for the two conditions of a target. A score is the number of standard deviations by
+/// which the condition is met; it is negative if the condition is missed. The first condition limits the statistic, the
+/// second limits the share of trials that fail.
 pub(crate) type Scores = [f64; 2];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,14 +43,15 @@ pub(crate) struct ScoreRequest {
     pub(crate) fresh: bool,
 }
 
-/// Computes the scores of the cells. For each cell, the scores over the values of the searched field form a curve.
+/// Computes the scores of the cells of the study. For each cell, the scores over the values of the searched field form
+/// a curve.
 ///
 /// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
 pub(crate) trait Curves {
     /// Type of error if a score cannot be computed.
     type Error;
 
-    /// Number of cells, at least 1. All cells must meet the target.
+    /// Number of cells of the study, at least 1. All cells must meet the target.
     fn cells(&self) -> usize;
 
     /// Scores for the requests, in the order of the requests.
@@ -68,7 +69,7 @@ pub(crate) struct Search {
     /// Largest gap that may remain between values that meet the target and values that miss it. It is measured by
     /// [`Span::gap`].
     pub(crate) gap: f64,
-    /// Largest number of trials of each cell at one value of the searched field.
+    /// Largest number of trials of each cell of the study at one value of the searched field.
     pub(crate) most_trials: u64,
     /// Time after which the search tests no more values. The first scan and the verification are always done.
     pub(crate) budget: Option<Duration>,
@@ -97,13 +98,13 @@ pub(crate) struct TestedValue {
     pub(crate) value: f64,
     /// Whether the value meets or misses the target; `None` if the tests have not decided this.
     pub(crate) side: Option<Side>,
-    /// Index of the cell that has the smallest score at this value.
+    /// Index of the cell of the study that has the smallest score at this value.
     pub(crate) worst: usize,
-    /// Number of trials at this value in the cell with the most trials.
+    /// Number of trials at this value in the cell of the study with the most trials.
     pub(crate) trials: u64,
 }
 
-/// Searches for the values of a field at which all cells meet the target.
+/// Searches for the values of a field at which all cells of the study meet the target.
 ///
 /// Without a budget, the result depends only on the scores.
 ///

@@ -1,13 +1,13 @@
-//! Computes from the trials of a cell how certainly the cell meets or misses the target. This certainty is called a
-//! score.
+//! Computes from the trials of a cell of the study how certainly the cell meets or misses the target. This certainty is
+//! called a score.
 
 use crate::search::Scores;
 use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
 
-/// If no trial of a cell succeeds, the target's statistic does not exist. The cell then counts as missing the target if
-/// its share of failed trials is significantly larger than this value.
+/// If no trial of a cell of the study succeeds, the target's statistic does not exist. The cell then counts as missing
+/// the target if its share of failed trials is significantly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
 /// Resolution of an estimated quantile, relative to the distance between the quantile and the true value. It is
 /// limited, because quantiles are computed from a histogram.

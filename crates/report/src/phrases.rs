@@ -21,8 +21,8 @@ pub(crate) fn short_statistic(name: &str) -> String {
     known.map_or_else(|| name.replace('_', " "), str::to_owned)
 }
 
-/// Text with the number of trials per point or per cell. `trials` are the numbers of trials of all points or cells, and
-/// `of` is "point" or "cell".
+/// Text with the number of trials per point of a plot, or per cell of a study. `trials` are the numbers of trials of
+/// all points or cells, and `of` is "point" or "cell".
 pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     let mut trials: Vec<u64> = trials.map(|n| n as u64).collect();
     trials.sort_unstable();

@@ -1,4 +1,4 @@
-//! Statistics over the trials of a cell, with their column names in `cells.csv` and their names in words.
+//! Statistics over the trials of a cell of the study, with their column names in `cells.csv` and their names in words.
 
 use crate::label::{self, Label, spoken_unit};
 use crate::quantity::{Quantity, QuantityKind};
@@ -16,7 +16,7 @@ use crate::quantity::{Quantity, QuantityKind};
 pub enum Statistic {
     /// True value of the quantity in the simulated scene.
     Truth,
-    /// Number of trials of the cell, including failed trials.
+    /// Number of trials of the cell of the study, including failed trials.
     Trials,
     /// Number of trials that failed.
     Failures,

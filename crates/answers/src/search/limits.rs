@@ -13,7 +13,7 @@ const EXPLORATION_SHARE: f64 = 0.2;
 pub(super) const MAX_LOOKS: usize = 400;
 /// Number of values in the first scan: both ends of the range, and 15 values between them at equal distances.
 pub(super) const SCANNED: usize = 17;
-/// Number of trials of each cell in the first test of a value.
+/// Number of trials of each cell of the study in the first test of a value.
 pub(super) const FIRST: u64 = 64;
 /// Largest number of attempts to verify an end of a range of values.
 pub(super) const ATTEMPTS: u32 = 5;
@@ -27,9 +27,10 @@ pub(super) struct Rules {
     wrong: f64,
     pub(super) gap: f64,
     pub(super) most_trials: u64,
-    /// A value meets the target if the scores of all cells are at least this large.
+    /// A value meets the target if the scores of all cells of the study are at least this large.
     pub(super) meets: f64,
-    /// A value misses the target if the score of at least one condition in one cell is below this negative number.
+    /// A value misses the target if the score of at least one condition in one cell of the study is below this negative
+    /// number.
     pub(super) misses: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The values that a search has tested, with the scores of all cells at each of these values.
+//! The values that a search has tested, with the scores of all cells of the study at each of these values.
 
 use super::limits::Rules;
 use super::{ScoreRequest, Scores};
@@ -6,9 +6,9 @@ use super::{ScoreRequest, Scores};
 /// Whether a value of the searched field meets the target or misses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// At this value, all cells meet the target.
+    /// At this value, all cells of the study meet the target.
     Meets,
-    /// At this value, at least one cell misses the target.
+    /// At this value, at least one cell of the study misses the target.
     Misses,
 }
 
@@ -38,8 +38,8 @@ impl CellScores {
 }
 
 impl Point {
-    /// Index of the cell that has the smallest score at this value, and index of the condition to which this score
-    /// belongs.
+    /// Index of the cell of the study that has the smallest score at this value, and index of the condition to which
+    /// this score belongs.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();
@@ -67,8 +67,8 @@ impl Point {
         trials.max().unwrap_or(0)
     }
 
-    /// Requests `factor` times as many trials of each cell that is undecided at this value. The requests are added to
-    /// `asks`.
+    /// Requests `factor` times as many trials of each cell of the study that is undecided at this value. The requests
+    /// are added to `asks`.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {

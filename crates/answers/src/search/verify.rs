@@ -110,8 +110,8 @@ fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests for the fresh trials that verify an end of a range. If the range meets the target, trials of all cells are
-/// requested. If it misses the target, only trials of the cell with the smallest score are requested.
+/// Requests for the fresh trials that verify an end of a range. If the range meets the target, trials of all cells of
+/// the study are requested. If it misses the target, only trials of the cell with the smallest score are requested.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];

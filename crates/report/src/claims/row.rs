@@ -55,7 +55,7 @@ impl<'a> Row<'a> {
         cell.find(|row| row.quantity() == quantity)
     }
 
-    /// Share of the cell's trials that failed with a kind of failure that `is_it` accepts.
+    /// Share of the trials of the row's cell (grid point) that failed with a kind of failure that `is_it` accepts.
     pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
         let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
         let cell = self.study.cells().cell(self.at);

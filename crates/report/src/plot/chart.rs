@@ -18,16 +18,17 @@ use plotters::style::text_anchor::HPos;
 /// Gap between panels, and between the panels and the legend, in drawing units (1/3 px).
 const GAP: i32 = 90;
 const PANEL_HEIGHT: i32 = 1170;
-/// Largest width of a row of panels, in drawing units. If long names below the x axis need space, panels are widened up
-/// to this width.
+/// Largest width of a row of panels, in drawing units (1/3 px). If long names below the x axis need space, panels are
+/// widened up to this width.
 const LARGEST_WIDTH: i32 = 4500;
-/// Gap between neighbouring names of values below the x axis, in drawing units.
+/// Gap between neighbouring names of values below the x axis, in drawing units (1/3 px).
 const BESIDE: i32 = 36;
-/// Length of the symbol beside each text of the legend, in drawing units.
+/// Length of the symbol beside each text of the legend, in drawing units (1/3 px).
 const SAMPLE: i32 = 120;
-/// Length of the symbol beside each text in the line of explanations (the key) above the panels, in drawing units.
+/// Length of the symbol beside each text in the line of explanations (the key) above the panels, in drawing units (1/3
+/// px).
 const KEY_SAMPLE: i32 = 78;
-/// Largest width of a line of text in the legend, in drawing units.
+/// Largest width of a line of text in the legend, in drawing units (1/3 px).
 const LIMIT: i32 = 750;
 
 /// Function that draws the content of a panel. Its second argument is the index of the panel.
@@ -210,10 +211,10 @@ impl PanelLayout {
     }
 }
 
-/// Length of a tick mark, and also the gap between the mark and its label, in drawing units.
+/// Length of a tick mark, and also the gap between the mark and its label, in drawing units (1/3 px).
 const TICK: i32 = 15;
-/// Size of the areas that the plotters library reserves for labels, in drawing units. Labels may extend beyond these
-/// areas.
+/// Size of the areas that the plotters library reserves for labels, in drawing units (1/3 px). Labels may extend beyond
+/// these areas.
 const LABELS: i32 = 60;
 
 /// A chart of the plotters library whose axes have the type [`Scale`].
@@ -261,7 +262,7 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
 }
 
 /// Draws a vertical error bar at `x`, between the two `ends`. A bar that is completely behind the point's marker, which
-/// is `hidden` drawing units high, is left out. The bar has no cap at an end that is outside the panel.
+/// is `hidden` drawing units (1/3 px) high, is left out. The bar has no cap at an end that is outside the panel.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

@@ -1,5 +1,5 @@
-//! Reads the shape class of each point from `map.csv`. Converts the classes in a cell's map to coloured rectangles, and
-//! to lines between them.
+//! Reads the shape class of each point from `map.csv`. Converts the classes in the map of a study's cell to coloured
+//! rectangles, and to lines between them.
 
 use super::selection::Request;
 use super::style::CLASSES;
@@ -20,7 +20,7 @@ pub(crate) struct Maps {
     pub(crate) cells: Vec<CellMap>,
 }
 
-/// Map of one cell: a grid of `side` × `side` points, sorted by x; points with the same x are sorted by y.
+/// Map of one cell of the study: a grid of `side` × `side` points, sorted by x; points with the same x are sorted by y.
 #[derive(Debug)]
 pub(crate) struct CellMap {
     pub(crate) cell: u64,

@@ -21,7 +21,7 @@ use plotters::style::text_anchor::HPos;
 const MAX_CELLS: usize = 60;
 /// Gap between panels, in drawing units (1/3 px).
 const GAP: i32 = 66;
-/// Side length of the coloured squares in the key, in drawing units.
+/// Side length of the coloured squares in the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 54;
 const NARROWEST: i32 = 588;
 const WIDEST: i32 = 870;
@@ -30,7 +30,7 @@ const SLIMMEST: f64 = 3.0;
 /// Overlap of neighbouring coloured rectangles, relative to the panel's size. Without an overlap, thin gaps would be
 /// visible between them.
 const OVERLAP: f64 = 0.004;
-/// Width of the boundaries between regions of different classes, in drawing units.
+/// Width of the boundaries between regions of different classes, in drawing units (1/3 px).
 const BOUNDARY: u32 = 5;
 const PALE: Colour = Colour(243, 243, 243);
 
@@ -291,9 +291,9 @@ fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
     Scale::exactly(low, high).with_ticks(2)
 }
 
-/// Largest number of cells in a row of panels.
+/// Largest number of the study's cells in a row of panels.
 const MAX_PER_ROW: usize = 5;
-/// Number of cells in a row if no swept field has so few values that they fit into one row.
+/// Number of the study's cells in a row of panels, if no swept field has so few values that they fit into one row.
 const DEFAULT_PER_ROW: usize = 4;
 
 #[derive(Clone, Copy)]

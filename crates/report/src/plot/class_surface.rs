@@ -1,4 +1,5 @@
-//! Figures of kind `class-surface`: the fitted surface of a cell in three dimensions, coloured by shape class.
+//! Figures of kind `class-surface`: the fitted surface of a cell of the study in three dimensions, coloured by shape
+//! class.
 
 use super::captions::full_value;
 use super::class_grid::{self, CellMap, Class};
@@ -16,7 +17,7 @@ use plotters::style::Color;
 
 /// Largest number of surfaces in a figure.
 const MAX_SURFACES: usize = 6;
-/// Side length of the coloured squares in the key, in drawing units.
+/// Side length of the coloured squares in the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 54;
 /// Share of the ink colour in the colour of the lines between the squares of a surface. The rest is the colour of the
 /// square.

@@ -13,7 +13,7 @@ use crate::interval_coverage::{Estimator, STATED};
 const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 
 /// Draws the measured coverage, that is, the share of intervals that contain the true value. Each point is the median
-/// over the cells of an estimator; its bar extends from the 5 % to the 95 % quantile over these cells.
+/// over all cells of studies with the estimator; its bar extends from the 5 % to the 95 % quantile over these cells.
 pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
     let words = Words::new(
         "calibration-of-intervals",

@@ -67,10 +67,10 @@ pub struct DesignCurve {
     pub runs: Vec<Stretch>,
 }
 
-/// The target's statistic of one cell over the searched field.
+/// The target's statistic of one cell of the study over the searched field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveLine {
-    /// Name of the cell to which the line belongs; empty if there is only one cell.
+    /// Name of the study's cell to which the line belongs; empty if there is only one cell.
     pub label: String,
     /// Points of the line, sorted by x.
     pub points: Vec<CurvePoint>,

@@ -47,16 +47,16 @@ const MAX_THINGS: usize = 40;
 const MAX_PANELS: usize = 24;
 /// Side of a square with a number, in drawing units (1/3 px).
 const LARGE: i32 = 222;
-/// Side of a square without a number, in drawing units.
+/// Side of a square without a number, in drawing units (1/3 px).
 const SMALL: i32 = 66;
 /// Largest number of items in a panel for which the squares contain numbers.
 const MAX_NUMBERED: usize = 12;
-/// Largest width of the name of an item, in drawing units.
+/// Largest width of the name of an item, in drawing units (1/3 px).
 const NAME: i32 = 510;
-/// Gap between panels, in drawing units.
+/// Gap between panels, in drawing units (1/3 px).
 const GAP: i32 = 102;
 const BESIDE: i32 = 12;
-/// Width of the symbol beside each text of the key, in drawing units.
+/// Width of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 78;
 /// If the share of a pair is above this value, its square is so dark that the number in it is written in white.
 const MIN_DARK: f64 = 0.6;

@@ -7,14 +7,14 @@ use super::sheet::Point;
 pub(super) const NAME: i32 = 45;
 /// Distances between a point and its label that are tried, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
-/// A label that is farther from its point than this gets a line to the point, in drawing units.
+/// A label gets a line to its point if it is farther from the point than this distance, in drawing units (1/3 px).
 const MAX_WITHOUT_LEADER: i32 = 60;
 /// Number of [`DISTANCES`] that are tried for the label of a point that is not on the Pareto front, smallest first.
 const BESIDE: usize = 2;
 const DIRECTIONS: usize = 24;
-/// Half the height of a label including the space around it, in drawing units.
+/// Half the height of a label including the space around it, in drawing units (1/3 px).
 const HALF: i32 = 28;
-/// Half the side of the square around a point that labels should not cover, in drawing units.
+/// Half the side of the square around a point that labels should not cover, in drawing units (1/3 px).
 const POINT: i32 = 18;
 
 /// Penalty for each other label that a label covers, and for each line from another label to its point (leader) that it

@@ -104,8 +104,8 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     series::figure(of.words(subtitle, notes), vec![plot])
 }
 
-/// Lines of one panel: first the true displacements, then the estimates. If several cells have the same true
-/// displacement, it is drawn once, in a neutral colour.
+/// Lines of one panel: first the true displacements, then the estimates. If several cells of the study have the same
+/// true displacement, it is drawn once, in a neutral colour.
 fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     let mut truths: Vec<Line> = Vec::new();
     for (style, profile) in shown {
@@ -127,7 +127,7 @@ struct Axes<'a> {
     names: Vec<&'a Axis>,
 }
 
-/// Cells that are drawn in the same colour, one cell per panel.
+/// Cells of the study that are drawn in the same colour, one cell per panel.
 struct Series<'a> {
     /// Values of the swept fields [`Axes::names`] in this series.
     name: Vec<&'a str>,
@@ -205,7 +205,7 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     })
 }
 
-/// One component of the skin's displacement in every cell, in the order of `map.csv`.
+/// One component of the skin's displacement in every cell of the study, in the order of `map.csv`.
 struct Profiles {
     /// Units of the distance from the contact and of the displacement, as the headers of the table state them; may be
     /// empty.

@@ -235,7 +235,7 @@ fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
     }
 }
 
-/// The cells of `map.csv` that a figure shows.
+/// The cells of the study that a figure of `map.csv` shows.
 pub(crate) struct CellSelection {
     /// One row of `cells.csv` for each selected cell. There is at least one row.
     pub(crate) rows: Vec<usize>,
@@ -244,8 +244,8 @@ pub(crate) struct CellSelection {
     pub(crate) notes: Vec<String>,
 }
 
-/// Selects the cells that have a map and that the key `where` of a plot accepts. `mapped` are the numbers of all cells
-/// with a map.
+/// Selects the cells of the study that have a map and that the key `where` of a plot accepts. `mapped` are the numbers
+/// of all cells with a map.
 pub(crate) fn choose_cells(of: Request<'_>, mapped: &[u64]) -> Result<CellSelection, ReportError> {
     let table = of.study.cells();
     let cells = by_key((0..table.rows()).map(|row| (table.cell(row), row)));

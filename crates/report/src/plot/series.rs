@@ -17,7 +17,7 @@ use plotters::style::{Color, ShapeStyle};
 const MANY_POINTS: usize = 25;
 /// Size of open markers, in drawing units (1/3 px).
 pub(crate) const OPEN_MARKER: f64 = 21.0;
-/// Width of the circle around a marker, in drawing units.
+/// Width of the circle around a marker, in drawing units (1/3 px).
 const CIRCLE: f64 = 4.5;
 
 #[derive(Debug, Clone)]
@@ -31,7 +31,7 @@ pub(crate) struct Plot {
     pub(crate) key: Key,
     pub(crate) series: SeriesKey,
     pub(crate) marks: Vec<Mark>,
-    /// Size of the markers on solid lines, in drawing units; 0 for lines without markers.
+    /// Size of the markers on solid lines, in drawing units (1/3 px); 0 for lines without markers.
     pub(crate) marker: f64,
 }
 

@@ -20,33 +20,33 @@ use std::vec;
 
 /// Font size of the title, in drawing units (1/3 px).
 const TITLE: i32 = 75;
-/// Font size of all text except the title, in drawing units.
+/// Font size of all text except the title, in drawing units (1/3 px).
 pub(crate) const TEXT: i32 = 54;
-/// Distance between lines of text, in drawing units.
+/// Distance between lines of text, in drawing units (1/3 px).
 pub(crate) const LINE: i32 = 73;
-/// Margin around the figure, in drawing units.
+/// Margin around the figure, in drawing units (1/3 px).
 pub(crate) const EDGE: i32 = 66;
-/// Gap between a panel and the labels of its ticks, in drawing units.
+/// Gap between a panel and the labels of its ticks, in drawing units (1/3 px).
 pub(crate) const TICK_GAP: i32 = 30;
-/// Gap between a symbol of a key and its text, in drawing units.
+/// Gap between a symbol of a key and its text, in drawing units (1/3 px).
 pub(crate) const SAMPLE_GAP: i32 = 24;
-/// Horizontal gap between entries of a key, in drawing units.
+/// Horizontal gap between entries of a key, in drawing units (1/3 px).
 const ENTRY_GAP: i32 = 78;
-/// Smallest width of a figure, in drawing units.
+/// Smallest width of a figure, in drawing units (1/3 px).
 pub(crate) const WIDTH: i32 = 2880;
-/// Width of thin lines, such as grid lines, in drawing units.
+/// Width of thin lines, such as grid lines, in drawing units (1/3 px).
 pub(crate) const HAIR: u32 = 3;
-/// Width of lines that show data, in drawing units.
+/// Width of lines that show data, in drawing units (1/3 px).
 pub(crate) const STROKE: u32 = 8;
-/// Radius of markers, in drawing units.
+/// Radius of markers, in drawing units (1/3 px).
 pub(crate) const MARKER: f64 = 18.0;
-/// Length of dashes, in drawing units.
+/// Length of dashes, in drawing units (1/3 px).
 const DASH: i32 = 24;
-/// Length of the gaps between dashes, in drawing units.
+/// Length of the gaps between dashes, in drawing units (1/3 px).
 const DASH_GAP: i32 = 15;
 
 pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
-/// A position in drawing units, from the upper left corner.
+/// A position in drawing units (1/3 px), from the upper left corner.
 pub(crate) type Point = (i32, i32);
 
 /// Texts above and below the content of a figure.
@@ -75,7 +75,8 @@ pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Lower edge of everything that is already drawn: its distance from the top of the sheet in drawing units.
+    /// Lower edge of everything that is already drawn: its distance from the top of the sheet in drawing units (1/3
+    /// px).
     pub(crate) top: i32,
 }
 

@@ -20,12 +20,12 @@ const TURN: f64 = 62.0;
 const RAISE: f64 = 36.0;
 /// Space for the labels of the axes to the left and to the right of the box, in drawing units (1/3 px).
 const BESIDE: i32 = 198;
-/// Space for the labels of the axes below the box, in drawing units.
+/// Space for the labels of the axes below the box, in drawing units (1/3 px).
 pub(super) const BELOW: i32 = 48;
-/// Largest height of the box of the three-dimensional chart, in drawing units.
+/// Largest height of the box of the three-dimensional chart, in drawing units (1/3 px).
 const TALLEST: i32 = 1860;
-/// Distance between ticks, in drawing units. The length of an axis divided by this distance is its number of ticks, but
-/// there are at least 2 and at most 6 ticks.
+/// Distance between ticks, in drawing units (1/3 px). The length of an axis divided by this distance is its number of
+/// ticks, but there are at least 2 and at most 6 ticks.
 const APART: f64 = 192.0;
 
 /// A three-dimensional chart of the plotters library. Its x axis points to the right, its y axis up, and its z axis

@@ -5,7 +5,8 @@ use plotters::element::{Drawable, PointCollection};
 use plotters_backend::{BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Width of the white rim around a marker, in drawing units. The rim separates the marker from shapes below it.
+/// Width of the white rim around a marker, in drawing units (1/3 px). The rim separates the marker from shapes below
+/// it.
 const RIM: f64 = 4.5;
 
 /// A marker of approximately the radius `size`, with a white rim.

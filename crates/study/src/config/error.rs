@@ -305,8 +305,8 @@ impl Study {
         self.error_within(cell, path, None, message.into())
     }
 
-    /// Error in a part of the config that does not belong to a cell, for example in a plot (`plot.0.y`) or at the top
-    /// level (`claims.0`).
+    /// Error in a part of the config that does not belong to a cell of the study, for example in a plot (`plot.0.y`) or
+    /// at the top level (`claims.0`).
     pub fn error_beside(&self, path: &str, message: impl Into<String>) -> ConfigError {
         self.source.error(Fault::new(message).under(path))
     }

@@ -400,7 +400,8 @@ impl Study {
         })
     }
 
-    /// Number of trials that the config states for a cell. The cell itself is not computed, so this is fast.
+    /// Number of trials that the config states for a cell of the study. The cell itself is not computed, so this is
+    /// fast.
     pub fn trials_of(&self, cell: usize) -> u64 {
         let swept = self.grid.axis("trials").and_then(|(axis, place)| {
             let faster = self.grid.axes.iter().rev();
@@ -485,8 +486,8 @@ impl Study {
         sample::star(&self.grid, &rows)
     }
 
-    /// Number of trials of all cells together, as the config states it; at most the largest `u64`. Cells without random
-    /// numbers run only one trial each, which is not considered here.
+    /// Number of trials of all cells of the study together, as the config states it; at most the largest `u64`. Cells
+    /// without random numbers run only one trial each, which is not considered here.
     pub fn trials(&self) -> u64 {
         let cells = self.cell_count() as u64;
         let Some((axis, place)) = self.grid.axis("trials") else {

@@ -81,13 +81,15 @@ pub enum PlotKind {
     /// Lines that plot one column of `cells.csv` over another.
     #[default]
     Lines,
-    /// Maps of the estimated shape classes of each cell, beside maps of the true classes.
+    /// For each cell of the study, a map of the estimated shape classes. Maps of the true classes are beside these
+    /// maps.
     ClassMap,
-    /// The estimated shape classes of each cell, drawn on the fitted surface in space.
+    /// For each cell of the study, the estimated shape classes, drawn on the fitted surface in three dimensions.
     ClassSurface,
     /// The contacts of the trial that the output `trace` records, as points in space.
     Contacts,
-    /// The true and the estimated displacements in the press of each cell, over the distance from the contact.
+    /// The true and the estimated displacements over the distance from the contact, for the press in each cell of the
+    /// study.
     Profile,
 }
 

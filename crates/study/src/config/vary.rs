@@ -210,7 +210,8 @@ impl Study {
         read(Source::made(self.file(), &to_toml(&config)))
     }
 
-    /// Type of the values that a field accepts in the first cell; `None` if the first cell has no such field.
+    /// Type of the values that a field accepts in the first cell of the study; `None` if the first cell has no such
+    /// field.
     pub fn takes(&self, path: &str) -> Option<Takes> {
         let keys: Vec<&str> = path.split('.').collect();
         let in_any_kind = || fields_at(&SCHEMA, &keys).into_iter().next();

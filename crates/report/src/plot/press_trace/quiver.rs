@@ -17,18 +17,18 @@ use plotters::style::text_anchor::HPos;
 
 /// Width of the key, in drawing units (1/3 px).
 const KEY: i32 = 720;
-/// Gap between the key and the box that contains the markers, in drawing units.
+/// Gap between the key and the box that contains the markers, in drawing units (1/3 px).
 const GAP: i32 = 90;
 /// Smallest displacement along the skin for which arrows are drawn, in the length unit of the tables.
 const MIN_DISPLACEMENT: f64 = 1e-290;
-/// Width of the arrow of a true displacement, in drawing units.
+/// Width of the arrow of a true displacement, in drawing units (1/3 px).
 const TRUE: f64 = 15.0;
-/// Width of the arrow of a reading, in drawing units. This arrow is narrower, because it is drawn on the arrow of the
-/// true displacement.
+/// Width of the arrow of a reading, in drawing units (1/3 px). This arrow is narrower, because it is drawn on the arrow
+/// of the true displacement.
 const READ: f64 = 6.0;
-/// Length of the symbol beside each text of the key, in drawing units.
+/// Length of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 120;
-/// Width and height of the strip in the key that shows the shades of grey, in drawing units.
+/// Width and height of the strip in the key that shows the shades of grey, in drawing units (1/3 px).
 const STRIP: Point = (78, 570);
 const SHADES: i32 = 95;
 /// Grey of the markers with the smallest normal displacement. It is light enough for arrows to be visible on it.
@@ -104,8 +104,8 @@ struct Quiver<'a> {
     radius: f64,
     /// Largest displacement of a marker along the skin, in the length unit of the tables.
     longest: f64,
-    /// Length of an arrow in drawing units, divided by the displacement that the arrow shows. `None` if no marker moves
-    /// along the skin.
+    /// Length of an arrow in drawing units (1/3 px), divided by the displacement that the arrow shows. `None` if no
+    /// marker moves along the skin.
     stretch: Option<f64>,
 }
 

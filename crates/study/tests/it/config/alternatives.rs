@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::{BASE, edited, error, study};
 
-/// The values of the three fields in a cell: `duration_s`, `arc_length` and `angle_deg`.
+/// The values of the three fields in a cell of the study: `duration_s`, `arc_length` and `angle_deg`.
 fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
     let study = parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"));
     let SceneConfig::Roll(roll) = study.cell(cell).unwrap().config.scene else {
