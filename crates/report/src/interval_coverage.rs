@@ -62,8 +62,8 @@ fn measured(table: &Table, row: usize) -> Option<Coverage> {
     (successes >= 2.0).then_some(Coverage { row, shares })
 }
 
-/// Kinds of the scene, the estimator and the sensor of a row, as text. A kind that the study does not state is left
-/// out.
+/// Kinds of the scene, the estimator and the sensor of the table row `row`, as text. A kind that the study does not
+/// state is left out.
 fn name(study: &Study, row: usize) -> Option<String> {
     let scene = study.text(row, "scene.kind")?;
     let others = ["scene.estimator", "scene.sensor"].into_iter();
@@ -78,7 +78,7 @@ fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     kind.or_else(|| study.text(row, path))
 }
 
-/// Means of the coverages of the 50 %, 80 % and 95 % intervals over the rows.
+/// Means of the coverages of the 50 %, 80 % and 95 % intervals over the table rows `rows`.
 pub(crate) fn mean_shares<'a>(rows: impl Iterator<Item = &'a Coverage> + Clone) -> [f64; 3] {
     let count = rows.clone().count().max(1) as f64;
     [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)

@@ -56,8 +56,8 @@ fn estimator(estimator: &Estimator, studies: &[Study]) -> Value {
     context! { name => &estimator.name, studies => of_studies, ..counted(&rows) }
 }
 
-/// Values for the page template: number of rows, mean coverage over the rows, and number of rows whose intervals are
-/// too narrow.
+/// Values for the page template: number of table rows, mean coverage over these rows, and number of rows whose
+/// intervals are too narrow.
 fn counted(rows: &[&Coverage]) -> Value {
     let shares = mean_shares(rows.iter().copied()).map(percent);
     let short = rows

@@ -13,7 +13,7 @@ pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,
     rows: Vec<Vec<String>>,
-    /// Line number of each row in the file, counted from 1.
+    /// Line number in the file of each row of the table, counted from 1.
     lines: Vec<u64>,
     places: Vec<usize>,
 }
@@ -131,7 +131,7 @@ impl Records {
             .ok_or_else(|| self.bad(row, column, "a number between −1e100 and 1e100"))
     }
 
-    /// Finite number in a cell; `None` if the cell is empty.
+    /// Finite number in a cell of the table; `None` if the cell is empty.
     pub(crate) fn number_or_none(
         &self,
         row: usize,
@@ -154,12 +154,12 @@ impl Records {
         parsed.map_err(|_| self.bad(row, column, expected))
     }
 
-    /// Indices of rows, grouped by the text in a column.
+    /// Indices of the table's rows, grouped by the text in a column.
     pub(crate) fn by_text(&self, column: usize) -> Vec<(&str, Vec<usize>)> {
         by_key((0..self.rows()).map(|row| (self.text(row, column), row)))
     }
 
-    /// Indices of rows, grouped by the number of the study's cell (grid point) in a column.
+    /// Indices of the table's rows, grouped by the number of the study's cell (grid point) in a column.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
         let groups = self.by_text(column).into_iter();
         let numbered = |(_, rows): (&str, Vec<usize>)| -> Result<_, ReportError> {

@@ -22,7 +22,8 @@ pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
 }
 
-/// Returns a function that tests whether the number that `number` computes from a row meets the bound `bound`.
+/// Returns a function that tests whether the number that `number` computes from a row of the table meets the bound
+/// `bound`.
 pub(super) fn within(
     number: impl Fn(&Row<'_>) -> Option<f64>,
     bound: Bound,

@@ -36,11 +36,12 @@ pub(super) struct Check {
     /// Computes the checked values from the rows of the table. Each value is returned with one row: the row from which
     /// it was computed or, for a value of a group of rows, one row of this group.
     pub(super) values: Values,
-    /// Returns a name for the checked value of a row. All values with the same name are compared and printed as one
-    /// range.
+    /// Returns a name for the value that was computed from a row of the table. All values with the same name are
+    /// compared and printed as one range.
     pub(super) name: Option<fn(&Row<'_>) -> String>,
     pub(super) merge: Option<fn(&[f64]) -> f64>,
-    /// Selects the rows whose values are compared with the bound. The values of all other rows are only printed.
+    /// Selects the rows of the table whose values are compared with the bound. The values of all other rows are only
+    /// printed.
     pub(super) compared: Option<fn(&Row<'_>) -> bool>,
     /// Values that equal this number are ignored.
     pub(super) without: Option<f64>,
@@ -75,8 +76,8 @@ struct Item {
 }
 
 impl Check {
-    /// Applies the check to the rows of a claim. The result is an error if the check needs rows that are missing, and
-    /// `None` if the check may be skipped and has no values.
+    /// Applies the check to those rows of the table to which its claim applies. The result is an error if the check
+    /// needs rows that are missing, and `None` if the check may be skipped and has no values.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();

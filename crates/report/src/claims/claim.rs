@@ -15,7 +15,7 @@ pub(super) struct Claim {
     pub(super) published: &'static str,
     pub(super) paper_says: &'static str,
     rows: Keep,
-    /// Words that describe the claim's rows in error messages.
+    /// Words that describe, in error messages, the rows of the table to which the claim applies.
     what: &'static str,
     numbers: &'static [&'static str],
     needs: Vec<(String, Keep)>,
@@ -32,7 +32,8 @@ pub(super) struct Finding {
 }
 
 impl Claim {
-    /// Creates a claim about the rows that `rows` accepts. `what` describes these rows in error messages.
+    /// Creates a claim that applies to the rows of the table that `rows` accepts. `what` describes these rows in error
+    /// messages.
     pub(super) fn new(
         number: u32,
         [title, published, paper_says]: [&'static str; 3],
@@ -53,12 +54,13 @@ impl Claim {
         }
     }
 
-    /// Sets the paths of the config fields that must have a numeric value in every row of the claim.
+    /// Sets the config fields that must have a numeric value in every row of the table to which the claim applies.
+    /// `numbers` contains the paths of these fields.
     pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
         Self { numbers, ..self }
     }
 
-    /// Requires at least one row that `is_it` accepts. `what` describes this row in the error message.
+    /// Requires at least one row of the table that `is_it` accepts. `what` describes this row in the error message.
     pub(super) fn needs(
         mut self,
         what: impl Into<String>,
@@ -73,8 +75,8 @@ impl Claim {
         Self { remark, ..self }
     }
 
-    /// Adds a check. `values` computes its values from the rows, and returns each value with one row to which it
-    /// belongs.
+    /// Adds a check. `values` computes its values from the rows of the table, and returns each value with one row to
+    /// which it belongs.
     pub(super) fn values(
         mut self,
         values: impl for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)> + 'static,
@@ -103,8 +105,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check with one value per group of rows. The rows of a group differ only in swept fields whose paths begin
-    /// with one of `free`.
+    /// Adds a check with one value per group of table rows. The rows of a group differ only in swept fields whose paths
+    /// begin with one of the texts in `free`.
     pub(super) fn groups(
         self,
         free: &'static [&'static str],
@@ -117,8 +119,9 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios y₂/y₁, where y₁ and y₂ are the values `y` of successive rows, sorted by `x`. Two rows
-    /// are compared only if they differ only in swept fields whose paths begin with one of `free`.
+    /// Adds a check of the ratios y₂/y₁, where y₁ and y₂ are the values `y` of successive table rows, sorted by `x`.
+    /// Two rows are compared only if they differ only in swept fields whose paths begin with one of the texts in
+    /// `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -142,8 +145,9 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios `value(one) / value(other)` for all pairs of rows that `is_pair` accepts and that
-    /// differ only in swept fields whose paths begin with one of `free`. Each ratio belongs to the row `other`.
+    /// Adds a check of the ratios `value(one) / value(other)` for all pairs of table rows that `is_pair` accepts and
+    /// that differ only in swept fields whose paths begin with one of the texts in `free`. Each ratio belongs to the
+    /// row `other`.
     pub(super) fn pairs(
         self,
         free: &'static [&'static str],
@@ -168,17 +172,17 @@ impl Claim {
         self
     }
 
-    /// Restricts the check that was added last to the rows for which `keep` returns true.
+    /// Restricts the check that was added last to the table rows for which `keep` returns true.
     pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
         self.last(|check| check.keep.push(Box::new(keep)))
     }
 
-    /// Restricts the check that was added last to the rows of the quantity `quantity`.
+    /// Restricts the check that was added last to the table rows of the quantity `quantity`.
     pub(super) fn of(self, quantity: &'static str) -> Self {
         self.when(move |row| row.quantity() == quantity)
     }
 
-    /// Restricts the check that was added last to the rows for which `number(row)` meets a bound.
+    /// Restricts the check that was added last to the table rows for which `number(row)` meets a bound.
     pub(super) fn only(
         self,
         number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
@@ -202,8 +206,8 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// In the check that was added last, compares only the values of rows that `compared` accepts with the bound. All
-    /// other values are only printed.
+    /// In the check that was added last, compares only the values of table rows that `compared` accepts with the bound.
+    /// All other values are only printed.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }

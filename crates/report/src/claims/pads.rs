@@ -21,7 +21,8 @@ fn pitch(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.sensor.pitch")? / probe_radius(row)?)
 }
 
-/// The rms error of a row. `None` if trials failed, because the rms error of the remaining trials is too small.
+/// The rms error in a row of the table. `None` if trials failed, because the rms error of the remaining trials is too
+/// small.
 fn complete_error(row: &Row<'_>) -> Option<f64> {
     rms_error(row).filter(|_| row.statistic("failures") == Some(0.0))
 }
@@ -30,8 +31,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the error of a row is a mean over random offsets of the pads. If no row of the study has random offsets, the
-/// result is true for all rows.
+/// Whether the error in a row of the table is a mean over random offsets of the pads. If no row of the study has random
+/// offsets, the result is true for all rows.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))
@@ -100,7 +101,7 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors of the shortest and of the longest roll among the rows of a group. `None` if both rolls have the same length
+/// Errors of the shortest and of the longest roll in a group of table rows. `None` if both rolls have the same length
 /// or the same error.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {

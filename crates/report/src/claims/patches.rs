@@ -43,13 +43,14 @@ fn method(row: &Row<'_>) -> String {
     row.label(ESTIMATOR).to_owned()
 }
 
-/// Whether the row's estimator is the complete method of the 1996 paper, which fits two surfaces one after the other.
+/// Whether the estimator of a table row is the complete method of the 1996 paper, which fits two surfaces one after the
+/// other.
 fn is_two_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR) == "two-pass"
 }
 
-/// Whether the row's estimator uses only the first of the paper's two fits. The label of such an estimator begins with
-/// "first pass".
+/// Whether the estimator of a table row uses only the first of the paper's two fits. The label of such an estimator
+/// begins with "first pass".
 fn is_first_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR).starts_with("first pass")
 }
@@ -165,8 +166,8 @@ fn moderate_noise() -> Claim {
 }
 
 impl Claim {
-    /// Restricts the check that was added last to rows of the paper's two-pass method with 10 % noise, on all surfaces
-    /// except the sphere.
+    /// Restricts the check that was added last to table rows of the paper's two-pass method with 10 % noise, on all
+    /// surfaces except the sphere.
     fn off_sphere(self) -> Self {
         self.only(noise, is(0.1))
             .when(|row| is_two_pass(row) && !is_sphere(row))

@@ -20,7 +20,7 @@ fn gaussian_profile() -> Claim {
             R² of 0.96.",
     ];
     Claim::new(15, says, "r_squared of a gaussian on a half-space press without noise", move |row| {
-        // A press without noise runs only one trial. Therefore a row with one trial is a press without noise.
+        // A press without noise runs only one trial. Therefore, a table row with one trial is a press without noise.
         row.quantity() == "r_squared"
             && row.statistic("trials") == Some(1.0)
             && is_kind(row, ESTIMATOR, "gaussian")
@@ -73,8 +73,8 @@ fn scatter(row: &Row<'_>) -> Option<f64> {
     Some((row.statistic("q95")? - row.statistic("q05")?) / (2.0 * row.statistic("truth")?))
 }
 
-/// Whether a row belongs to the paper's estimator and to a sensor that reads displacements directly. Rows of camera
-/// sensors are excluded, because they use another elastic model.
+/// Whether a table row belongs to the paper's estimator and to a sensor that reads displacements directly. Rows of
+/// camera sensors are excluded, because they use another elastic model.
 fn is_paper(row: &Row<'_>) -> bool {
     is_direct(row)
         && row.text("scene.estimator.kind") == Some("gaussian")
@@ -90,7 +90,7 @@ fn is_direct_fit(row: &Row<'_>) -> bool {
 }
 
 impl Claim {
-    /// Adds sentences about the rows that `is_it` accepts: the scatter of the estimates, and the share of failed
+    /// Adds sentences about the table rows that `is_it` accepts: the scatter of the estimates, and the share of failed
     /// trials.
     fn scatter(self, is_it: fn(&Row<'_>) -> bool) -> Self {
         self.rows(scatter)
@@ -199,8 +199,8 @@ fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     Some(sensor * relative.or_else(|| Some(1.0 / sensor + object()?))?)
 }
 
-/// 1 if the sensor of the row can sense the object of the row, otherwise 0. A sensor can sense an object if at most 10
-/// % of the trials fail and at least 90 % of the 95 % intervals contain the true value.
+/// 1 if the sensor in the table row can sense the object in this row, otherwise 0. A sensor can sense an object if at
+/// most 10 % of the trials fail and at least 90 % of the 95 % intervals contain the true value.
 fn sensed(row: &Row<'_>) -> Option<f64> {
     let failed = row.failed(|_| true)?;
     match row.statistic("coverage95") {
@@ -209,8 +209,8 @@ fn sensed(row: &Row<'_>) -> Option<f64> {
     }
 }
 
-/// For each sensor, one of its rows and the number of objects that the sensor can sense. The sensors are sorted by
-/// radius.
+/// For each sensor, one of its table rows and the number of objects that the sensor can sense. The sensors are sorted
+/// by radius.
 fn by_radius<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let mut rows: Vec<(f64, Row<'a>)> = rows
         .iter()

@@ -90,8 +90,8 @@ fn relative_curvature() -> Claim {
         .says("up to 1 % noise the rms error is {range} × the predicted noise × (1 + 1/RCR)/√12")
 }
 
-/// Whether the row has the paper's noise and directions: the noise is uniform and drawn once per probe, and two probes
-/// roll in each of the directions ±u and ±v.
+/// Whether a table row has the paper's noise and directions: the noise is uniform and drawn once per probe, and two
+/// probes roll in each of the directions ±u and ±v.
 fn has_eight_uniform_probes(row: &Row<'_>) -> bool {
     const DIRECTIONS: [f64; 8] = [0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0];
     let word = |path: &str| row.text(path);
@@ -261,13 +261,14 @@ fn crossing() -> f64 {
 
 // ---- Sharp objects, whose contact stays on one pad
 
-/// Share of a row's trials in which the contact stays on one pad. Such a trial gives only an upper bound on the radius.
+/// Share of the trials of a table row in which the contact stays on one pad. Such a trial gives only an upper bound on
+/// the object's radius.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
 
-/// All rows of objects with the same radius. `all` is the number of their trials, and `unresolved` the number of their
-/// trials in which the contact stayed on one pad.
+/// All table rows of objects with the same radius. `all` is the number of their trials, and `unresolved` the number of
+/// those trials in which the contact stayed on one pad.
 struct Trials<'a> {
     rows: Vec<Row<'a>>,
     all: f64,

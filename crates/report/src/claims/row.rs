@@ -45,7 +45,7 @@ impl<'a> Row<'a> {
         texts.join(", ")
     }
 
-    /// The row of another quantity in the same cell (grid point); `None` if there is none.
+    /// The table row of another quantity in the same cell (grid point); `None` if there is none.
     pub(super) fn of(&self, quantity: &str) -> Option<Self> {
         let table = self.study.cells();
         let is_cell = |at: &usize| table.cell(*at) == table.cell(self.at);
@@ -76,7 +76,8 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Groups of rows. The rows of a group differ only in swept fields whose paths begin with one of the texts in `free`.
+/// Groups of table rows. The rows of a group differ only in swept fields whose paths begin with one of the texts in
+/// `free`.
 pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     let Some(first) = rows.first() else {
         return Vec::new();
@@ -94,7 +95,7 @@ pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// The pairs (`x(row)`, `y(row)`) of all rows, sorted by x. Rows without x or y are left out.
+/// The pairs (`x(row)`, `y(row)`) of the table rows `rows`, sorted by x. Rows without x or y are left out.
 pub(super) fn sorted(
     rows: &[Row<'_>],
     x: impl Fn(&Row<'_>) -> Option<f64>,

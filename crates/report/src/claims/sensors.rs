@@ -33,7 +33,7 @@ fn read(row: &Row<'_>) -> Option<(f64, f64)> {
     Some((mean(row)?, row.statistic("std").unwrap_or(0.0)))
 }
 
-/// Straight lines that were fitted to groups of rows, each with the first row of its group.
+/// Straight lines that were fitted to groups of table rows, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
 /// The two hues of a marker: name of the quantity, and name of the hue in sentences. The paper uses the mean hue.
@@ -82,8 +82,9 @@ fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     )
 }
 
-/// Fits one straight line to each group of rows. The rows of a group differ only in the paths `free`. For each row,
-/// `along` returns x, and `read` returns the mean and the standard deviation of the measured y.
+/// Fits one straight line to each group of table rows. The rows of a group differ only in swept fields whose paths
+/// begin with one of the texts in `free`. For each row, `along` returns x, and `read` returns the mean and the standard
+/// deviation of the measured y.
 fn through<'a>(
     rows: Vec<Row<'a>>,
     free: &[&str],

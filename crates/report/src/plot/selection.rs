@@ -286,8 +286,8 @@ fn place(study: &Study, row: usize) -> String {
     }
 }
 
-/// Texts of the settings that are the same in all `rows`: the object, unless it is swept, and each swept field that has
-/// the same value in all these rows.
+/// Texts of the settings that are the same in all table rows `rows`: the object, unless it is swept, and each swept
+/// field that has the same value in all these rows.
 pub(crate) fn in_common(study: &Study, rows: &[usize]) -> Vec<String> {
     let axes = study.cells().axes();
     let of_object = |header: &str| header.starts_with("scene.object");

@@ -170,7 +170,8 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws the entries of a key side by side, in as many rows as necessary. Each symbol is `sample` wide.
+    /// Draws the entries of a key side by side, in as many lines as necessary. The symbol of each entry is `sample`
+    /// wide.
     pub(crate) fn key(&mut self, sample: i32, entries: &Key) -> Drawn {
         self.top += 36;
         let mut x = EDGE;

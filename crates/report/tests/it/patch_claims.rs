@@ -53,7 +53,7 @@ fn claim_10_is_about_the_worst_surface() {
                     failures,
                     ..GOOD
                 },
-                // The claim must ignore rows with more noise, and rows whose method is only the first pass.
+                // The claim must ignore table rows with more noise, and rows whose method is only the first pass.
                 (_, 0.1, _) | (_, _, "first pass") => Made { share: 0.1, ..GOOD },
                 _ => GOOD,
             }
