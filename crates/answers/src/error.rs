@@ -8,7 +8,7 @@ use crate::grid::MAX_COLUMNS;
 
 pub(crate) const MAX_CELLS: usize = 1000;
 
-/// Reason why a question has no answer.
+/// Reason why a question about a study has no answer.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AnswerError {
     /// The config of the study is invalid, or becomes invalid with some values of a varied field.
@@ -50,7 +50,7 @@ pub enum AnswerError {
         /// The value of this field that is not a number, as text.
         text: String,
     },
-    /// No field of the object is swept.
+    /// No field of the object is swept, so there are no objects to distinguish.
     #[error(
         "no field of `scene.object` is swept, so there are no objects to compare: vary one, such as \
          scene.object.radius=20,25,30"

@@ -42,7 +42,7 @@ pub struct Question {
 /// The optimised field of a question. The answer is the largest or the smallest of its values that meet the target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sought {
-    /// Path of the optimised field.
+    /// Path of the optimised field in the config.
     pub path: String,
     /// Whether the answer is the largest or the smallest value that meets the target.
     pub extreme: Extreme,

@@ -82,7 +82,7 @@ pub(crate) struct Search {
 /// Result of a search: the values that meet the target, and the values that miss it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SearchResult {
-    /// Tested values in ascending order.
+    /// Tested values of the searched field, in ascending order.
     pub(crate) tested: Vec<TestedValue>,
     /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. It is undecided whether
     /// values between two ranges meet the target.

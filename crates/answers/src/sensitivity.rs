@@ -24,7 +24,7 @@ const MAX_BARS: usize = 12;
 pub struct Sensitivity {
     /// The estimated quantity whose rms error is examined.
     pub quantity: Quantity,
-    /// Unit of this quantity, as in `cells.csv`.
+    /// Unit of the estimated quantity, as in `cells.csv`.
     pub unit: &'static str,
     /// Number of trials for each value of a field.
     pub trials: u64,

@@ -1,4 +1,4 @@
-//! Numbers and lists in words.
+//! Converts numbers and lists to words for sentences.
 
 use palpate_study::{Label, number};
 

@@ -41,7 +41,7 @@ impl fmt::Display for Verdict {
 pub struct Score {
     /// Number of the claim in the list of both papers' claims.
     pub claim: u32,
-    /// Name of the study.
+    /// Name of the study whose tables were used to test the claim.
     pub study: String,
     /// The claim in at most six words. The fields `title`, `published` and `paper_says` are empty if no claim has this
     /// number.
@@ -56,7 +56,7 @@ pub struct Score {
     /// All numbers that the claim's checks compute from the tables, as sentences with units. Empty if the claim is not
     /// testable.
     pub measured: String,
-    /// Verdict on the claim.
+    /// Whether the claim holds, differs or cannot be tested.
     pub verdict: Verdict,
     /// Text that states the bounds on which the verdict depends, with further remarks. If the claim is not testable,
     /// the text states the reason.

@@ -10,7 +10,7 @@ pub enum ReportError {
     /// A file could not be read, written or renamed.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Path of the file.
+        /// Path of the file that could not be read, written or renamed.
         path: PathBuf,
         /// Cause, as the operating system reports it.
         source: std::io::Error,
@@ -19,7 +19,7 @@ pub enum ReportError {
     /// UTF-8.
     #[error("{}: {source}", path.display())]
     Csv {
-        /// Path of the file.
+        /// Path of the invalid CSV file.
         path: PathBuf,
         /// Error of the CSV parser. The text of this error contains the line number.
         source: csv::Error,
@@ -27,7 +27,7 @@ pub enum ReportError {
     /// A table is empty, a column is missing or occurs twice, or a cell has a value of the wrong type.
     #[error("{}: {problem}", path.display())]
     BadTable {
-        /// Path of the file.
+        /// Path of the file that contains the table.
         path: PathBuf,
         /// Description of the problem. If a cell of the table is wrong, the text states the line, the column and the
         /// value.
@@ -36,7 +36,7 @@ pub enum ReportError {
     /// `run.toml` is not valid TOML.
     #[error("{}: {source}", path.display())]
     Toml {
-        /// Path of the file.
+        /// Path of the invalid `run.toml`.
         path: PathBuf,
         /// Error of the TOML parser. The text of this error contains the line and the column.
         source: Box<toml::de::Error>,
@@ -47,7 +47,7 @@ pub enum ReportError {
     /// A key of `run.toml` is missing, unknown or of the wrong type.
     #[error("{}: {key}: {problem}", path.display())]
     BadKey {
-        /// Path of the `run.toml`.
+        /// Path of the `run.toml` that contains the key.
         path: PathBuf,
         /// Path of the key, with dots between its parts.
         key: String,

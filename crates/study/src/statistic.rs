@@ -81,7 +81,7 @@ impl Statistic {
         Self::Coverage95,
     ];
 
-    /// Name of the statistic's column.
+    /// Name of the column of `cells.csv` that contains the statistic.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Truth => "truth",

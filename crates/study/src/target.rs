@@ -102,7 +102,7 @@ pub enum TargetError {
     /// The limit of the target is a value that the statistic can never have.
     #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
     OutOfRange {
-        /// Name of the statistic.
+        /// Name of the target's statistic.
         statistic: &'static str,
         /// Range of the statistic's possible values.
         range: &'static str,

@@ -1,4 +1,4 @@
-//! Warnings about results.
+//! Warnings that a result may be wrong.
 
 use std::collections::BTreeMap;
 use std::fmt;

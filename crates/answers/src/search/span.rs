@@ -3,9 +3,9 @@
 /// A range of a field's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Smallest value of the range.
+    /// Smallest value of the field in the range.
     pub from: f64,
-    /// Largest value of the range.
+    /// Largest value of the field in the range.
     pub to: f64,
     /// Whether values of the range are spaced evenly on a logarithmic scale. They are if both ends are positive and
     /// their ratio exceeds 8.

@@ -43,7 +43,7 @@ pub(super) struct Check {
     /// Selects the rows of the table whose values are compared with the bound. The values of all other rows are only
     /// printed.
     pub(super) compared: Option<fn(&Row<'_>) -> bool>,
-    /// Values that equal this number are ignored.
+    /// Computed values that equal this number are ignored.
     pub(super) without: Option<f64>,
     pub(super) bound: Option<Bound>,
     pub(super) portion: Portion,
@@ -55,9 +55,9 @@ pub(super) struct Check {
 pub(super) struct Outcome {
     pub(super) decides: bool,
     pub(super) holds: bool,
-    /// Sentence with the measured values.
+    /// Sentence with the values that were computed from the table.
     pub(super) measured: String,
-    /// Sentence that states the bound for the values.
+    /// Sentence that states the bound which the values must meet.
     pub(super) rule: String,
     /// The measured value that the scorecard shows for this check; may be empty.
     pub(super) headline: String,

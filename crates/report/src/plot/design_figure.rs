@@ -116,9 +116,9 @@ pub struct MapPanel {
 /// A range of values that all meet the target, or all miss it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Smallest value of the range.
+    /// Smallest value of the searched field in the range.
     pub from: f64,
-    /// Largest value of the range.
+    /// Largest value of the searched field in the range.
     pub to: f64,
     /// Whether the values meet the target (true) or miss it.
     pub meets: bool,

@@ -31,7 +31,7 @@ const MAX_BYTES: u64 = 1 << 31;
 /// A figure with its name, its title and its image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// File name without extension.
+    /// Name of the figure's files, without extension.
     pub name: String,
     /// Title, which is also drawn in the image.
     pub title: String,

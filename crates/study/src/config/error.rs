@@ -279,7 +279,7 @@ impl Source {
 pub struct FieldError {
     /// Path of the field that has the problem, such as `scene.object.radius`.
     pub path: String,
-    /// Description of the problem.
+    /// Description of the problem in words.
     pub message: String,
     /// Byte range of the wrong part within the field's text; `None` if the whole field is wrong.
     pub part: Option<Range<usize>>,

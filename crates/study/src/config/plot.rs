@@ -155,7 +155,7 @@ pub enum Component {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// Both axes are linear.
+    /// Both axes of the plot are linear.
     #[default]
     Linear,
     /// Only the x axis is logarithmic.

@@ -449,7 +449,7 @@ pub struct SensorNoise {
 pub enum ReadingNoise<S> {
     /// Gaussian error with mean 0.
     Gaussian {
-        /// Standard deviation of the error.
+        /// Standard deviation of the reading's error.
         std: S,
     },
 }

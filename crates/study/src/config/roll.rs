@@ -163,7 +163,7 @@ pub struct RollMotionConfig {
 }
 
 impl RollMotionConfig {
-    /// Directions of the rolls, degrees.
+    /// Directions of the rolls, in degrees from +x.
     pub fn directions(&self) -> Vec<f64> {
         let Some(rolls) = self.rolls else {
             return self.directions_deg.clone();

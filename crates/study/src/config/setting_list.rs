@@ -328,7 +328,7 @@ fn text(json: &Json) -> String {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("setting `{key}` {reason}")]
 pub struct SettingError {
-    /// Key of the setting.
+    /// Key of the setting to which the error applies.
     pub key: String,
     /// Value of the setting, if it is a number.
     pub value: Option<f64>,

@@ -44,7 +44,7 @@ pub struct SweepConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RangeConfig {
-    /// Smallest value of the field.
+    /// Smallest value of the sampled field.
     pub from: f64,
     /// Upper end of the range. All values of the field are below this end.
     pub to: f64,

@@ -29,7 +29,7 @@ use std::str::FromStr;
 pub struct Vary {
     /// Path of the field: keys and array indices joined by dots.
     pub path: String,
-    /// Values of the field.
+    /// Values that the field gets instead of its value in the config.
     pub values: Varied,
 }
 
@@ -39,9 +39,9 @@ pub struct Vary {
 pub enum Varied {
     /// A range of numbers between two finite ends. The second end is not smaller than the first.
     Range {
-        /// Lower end of the range.
+        /// Lower end of the range of the field's values.
         from: f64,
-        /// Upper end of the range.
+        /// Upper end of the range of the field's values.
         to: f64,
     },
     /// A list of at least one value.

@@ -1,4 +1,4 @@
-//! Tests the texts of numbers.
+//! Tests how numbers are written as texts.
 
 use palpate_study::number::{exact, finite, grouped, rounded, significant};
 
