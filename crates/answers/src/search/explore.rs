@@ -128,8 +128,8 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
 }
 
 enum Stretch {
-    /// Indices of the first and the last of several consecutive undecided values. The decided values before and after
-    /// them both meet or both miss the target, or the range ends there.
+    /// Indices of the first and the last of several consecutive undecided values. The decided value before them and the
+    /// decided value after them both meet or both miss the target, or the range ends there.
     Open(usize, usize),
     /// Indices of a value that meets the target and of a value that misses it, in ascending order; all tested values
     /// between them are undecided.
