@@ -18,8 +18,8 @@ use crate::planner::{Pace, spread};
 
 /// Time limit for setting up cells completely, that is, including the camera if a camera reads the press.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for also setting up the remaining cells, now without their cameras. This limit applies only if the sample
-/// contains every cell of the study.
+/// Time limit for setting up the remaining cells without their cameras. They are not set up if the study is so large
+/// that only a sample of its cells is checked.
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
 /// Time limit for running a few trials to measure the time per trial.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);

@@ -183,7 +183,7 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
             }
         })
         .ok()?;
-    // Scale by which the shifts of a quantity are divided if all true values of a quantity are 0: the largest true
+    // If all true values of a quantity are 0, the shifts of its estimates are divided by this scale: the largest true
     // value of all quantities with the same unit.
     let of_unit = |place: usize| {
         let alike = (0..truths.len()).filter(|&one| quantities[one].unit == quantities[place].unit);

@@ -21,16 +21,17 @@ pub const MODEL_ERROR_SHARE: f64 = 0.1;
 const MAX_FOR_TARGET: f64 = 1e8;
 /// Largest number of trials per cell that may be chosen to use a time budget.
 const MAX_FOR_BUDGET: NonZeroU64 = NonZeroU64::MIN.saturating_add(999_999_999_999);
-/// Share of the budget that is used to measure the time per trial.
+/// Share of the time budget that is used to measure the time per trial.
 const TIMING_SHARE: f64 = 0.1;
-/// Share of the budget that is used for the pilot. A pilot is a small run before the actual run.
+/// Share of the time budget that is used for the pilot, a small run before the actual run.
 const PILOT_SHARE: f64 = 0.15;
 /// Share of the remaining budget that the run may use. The rest is a reserve, because the predicted run time is not
 /// exact.
 const RUN_SHARE: f64 = 0.9;
-/// Smallest number of trials per cell of a pilot with a time budget. Fewer trials cannot estimate errors.
+/// Smallest number of trials per cell in the pilot (the small run before the actual run), if there is a time budget.
+/// Fewer trials cannot estimate errors.
 const MIN_PILOT: u64 = 32;
-/// Largest number of trials per cell of a pilot with a time budget.
+/// Largest number of trials per cell in the pilot (the small run before the actual run), if there is a time budget.
 const MAX_PILOT: u64 = 1024;
 
 /// Cells for which the number of trials and the model's tolerance can be chosen.
@@ -81,8 +82,8 @@ pub struct Plan {
     pub chooses_model: bool,
     /// Whether at least one cell uses random numbers. A cell without random numbers needs only one trial.
     pub is_random: bool,
-    /// Number of trials of each cell with random numbers that the target error requires; `None` without a target error,
-    /// or if there was no time for a pilot.
+    /// Number of trials of each cell with random numbers that the target error requires. `None` without a target error,
+    /// or if there was no time for a pilot (a small run before the actual run).
     pub by_target: Option<NonZeroU64>,
     /// Number of trials of each cell with random numbers that the budget allows; `None` without a budget.
     pub by_budget: Option<NonZeroU64>,
@@ -97,12 +98,12 @@ pub struct Plan {
     pub failing: Vec<FailingCell>,
 }
 
-/// A cell in which every trial of the pilot failed.
+/// A cell in which every trial of the pilot (the small run before the actual run) failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FailingCell {
     /// Index of the cell.
     pub cell: usize,
-    /// Number of trials of the cell in the pilot.
+    /// Number of trials of the cell in the pilot, the small run before the actual run.
     pub trials: u64,
     /// Kind of failure of the cell's first trial.
     pub kind: &'static str,
@@ -242,9 +243,9 @@ impl Planner<'_> {
         Ok(trials)
     }
 
-    /// Runs a pilot with the cells in `random`, which use random numbers. With a target error, the pilot estimates how
-    /// many trials are needed; otherwise it predicts the errors of the run. Returns `None` if no cell is random, or if
-    /// the budget is too small.
+    /// Runs a pilot (a small run before the actual run) with the cells in `random`, which use random numbers. With a
+    /// target error, the pilot estimates how many trials are needed; otherwise it predicts the errors of the run.
+    /// Returns `None` if no cell is random, or if the budget is too small.
     fn pilot<T: Trial>(&self, trials: &[T], random: &[usize]) -> Option<Pilot> {
         if random.is_empty() {
             return None;
@@ -263,7 +264,7 @@ impl Planner<'_> {
             return None;
         }
         let cells: Vec<&dyn Trial> = random.iter().map(|&cell| &trials[cell] as _).collect();
-        // Without a target error, only the budget must limit the pilot. A tiny target never ends the pilot early.
+        // Without a target error, the pilot runs as many trials as the budget allows. It does so for a tiny target.
         let target = self.goal.target_error.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(self.runner, &cells, target, most, MAX_FOR_TARGET);
         Some(pilot)

@@ -39,8 +39,8 @@ pub(crate) struct Row<'a> {
     pub(crate) statistics: &'a CellStatistics,
 }
 
-/// Whether `cells.csv` has a column for the lower bound on the standard deviation. It has this column if at least one
-/// cell is a press.
+/// Whether `cells.csv` has a column for the lower bound on the standard deviation of the estimates. It has this column
+/// if at least one cell is a press.
 pub(crate) fn states_bounds(study: &Study) -> bool {
     let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
     // A sweep of one of these two fields may change the kind of the scene. No other field can.
@@ -81,7 +81,7 @@ fn in_unit_of_row(name: &str) -> Column {
 }
 
 /// Table with one row per cell and quantity. If `states_bounds` is true, the last column is the lower bound on the
-/// standard deviation.
+/// standard deviation of the estimates.
 pub(crate) fn cells(study: &Study, ran: &[Row<'_>], states_bounds: bool) -> Table {
     let mut table = Table::new(columns(study, states_bounds));
     let mut add = |fields: &[String]| table.rows.push(fields.to_vec());

@@ -118,8 +118,9 @@ fn name_roll(roll: &mut Json) {
     roll["model"] = Json::Null;
 }
 
-/// Makes the fields of a glide comparable. The number of fingers replaces their positions, standard deviations replace
-/// the other descriptions of noise, and the estimator only states whether its stated noise is right.
+/// Makes the fields of a glide comparable. The number of fingers replaces their positions, and standard deviations
+/// replace the other descriptions of noise. If the noise that the estimator assumes is the simulated noise, only this
+/// fact is compared.
 fn name_glide(glide: &mut Json) {
     let motion = &mut glide["motion"];
     let fingers = motion["finger_positions"].as_array().map_or(0, Vec::len);
@@ -157,8 +158,8 @@ fn name_glide(glide: &mut Json) {
     }
 }
 
-/// Makes the fields of a press comparable. The curvature replaces the object, averaged noise replaces the number of
-/// frames, and the estimator lists only settings that differ from the simulated soft body.
+/// Makes the fields of a press comparable. The curvature replaces a round object, and averaged noise replaces the
+/// number of averaged frames. Of the estimator's settings, only those that differ from the simulated soft body remain.
 fn name_press(press: &mut Json, poisson: f64) {
     // Replace only round objects by a ball of the same curvature. A cylinder or an ellipsoid has no single curvature.
     if !["cylinder", "ellipsoid"]

@@ -5,11 +5,9 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Largest value of the argument `long_enough` of [`seconds_per_trial`], the time that a measurement must take at
-/// least.
+/// Upper limit for the argument `long_enough` of [`seconds_per_trial`]. A measurement must take at least this argument.
 const LONGEST: Duration = Duration::from_millis(10);
-/// Smallest value of the argument `long_enough` of [`seconds_per_trial`], the time that a measurement must take at
-/// least.
+/// Lower limit for the argument `long_enough` of [`seconds_per_trial`]. A measurement must take at least this argument.
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement of trials that takes longer than this time is not repeated: the delay of waking the threads is then
 /// negligible.

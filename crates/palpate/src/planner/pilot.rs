@@ -34,7 +34,7 @@ pub(super) struct CellPilot {
     pub(super) trials: u64,
     /// Kind of the first failure, if a trial failed.
     pub(super) kind: Option<&'static str>,
-    /// Errors of each quantity of the cell; `None` if the quantity was not observed.
+    /// Rms error of each quantity of the cell, with its precision; `None` if no trial estimated the quantity.
     pub(super) figures: Vec<Option<Figure>>,
 }
 
@@ -121,8 +121,8 @@ impl Pilot {
     /// Expected relative standard error of the least precise rms error, if each cell runs `trials` trials. `None` if
     /// all estimates are exact.
     pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
-        // The number of trials that are needed is proportional to 1/target². With the target 1, the expected error is
-        // the square root of needed trials divided by trials.
+        // The number of trials that are needed is proportional to 1/target². So the expected error is √(n/N), where n
+        // is the number that is needed for the target 1, and N the number of trials.
         self.need(1.0)
             .map(|need| (need.trials / trials as f64).sqrt())
     }

@@ -1,7 +1,8 @@
 //! Chooses the tolerance of a model: the largest tolerance at which the model's error shifts the estimates by no more
 //! than an allowed amount.
 
-/// Relative size below which an rms error counts as a rounding error, that is, as 0.
+/// If the ratio of an rms error to the typical magnitude of its quantity is below this value, the rms error is caused
+/// by rounding and counts as 0.
 const ROUNDING: f64 = 1e-12;
 
 /// Estimates and true values of a cell of the study, computed without noise and with an ideal sensor.

@@ -152,7 +152,8 @@ fn reason(plan: &Plan, target: Option<f64>) -> String {
     format!("{rule}; {expected}")
 }
 
-/// The model of a scene as one line of TOML, which begins with the key `kind`.
+/// The contact model of a scene as one line of TOML, which begins with the key `kind`. `None` if the scene has no
+/// model.
 fn shown(scene: &SceneConfig) -> Option<String> {
     let model = serde_json::to_value(scene.model()?).ok()?;
     let (kind, settings): (Vec<_>, Vec<_>) = model

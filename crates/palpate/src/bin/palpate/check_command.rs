@@ -15,7 +15,8 @@ use crate::{output, progress};
 
 /// A progress bar appears only if the check takes longer than this time.
 const QUIET_TIME: Duration = Duration::from_secs(2);
-/// Largest number of groups of cells that are printed one by one.
+/// At most this many groups (cells that need the same models) are printed one by one. The other groups are only
+/// counted.
 const MAX_GROUPS: usize = 50;
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
@@ -106,8 +107,8 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// Groups the coverages in `all` by their kind (measured, outside or not measured). Returns for each kind the number of
-/// its cells, the number of its coverages minus 1, and its lowest coverage.
+/// Groups the measured coverages of 95 % intervals by kind: measured, outside the measured scenes, or not measured.
+/// Returns for each kind the number of its cells, the number of its coverages minus 1, and the lowest of its coverages.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,
@@ -189,7 +190,8 @@ fn errors_of(ladder: &Ladder) -> &'static str {
     }
 }
 
-/// One line per model: its error, its computing time, and this time divided by the computing time of the chosen model.
+/// One line of text per model in `times`: its error, its computing time, and the ratio of this time to the computing
+/// time of the chosen model.
 fn rung_lines(
     ladder: &Ladder,
     times: &[(usize, Option<EvaluationTime>)],

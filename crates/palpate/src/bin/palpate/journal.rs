@@ -20,10 +20,10 @@ use crate::output::names::JOURNAL;
 
 /// The first bytes of every journal. The last of these eight bytes is the version of the journal's format.
 const MAGIC: &[u8; 8] = b"palpate\x05";
-/// Rows are collected in memory, and written to the file when they exceed this size (bytes).
+/// Rows of finished cells are collected in memory. They are written to the journal when they exceed this size (bytes).
 const MAX_PENDING: usize = 1 << 18;
-/// Longest time that collected rows wait before they are written to the file. It is also the shortest time between two
-/// synchronisations of the file with the disk.
+/// Longest time that collected rows wait before they are written to the journal. It is also the shortest time between
+/// two synchronisations of the journal with the disk.
 const INTERVAL: Duration = Duration::from_secs(1);
 /// Largest accepted length of a record, bytes. A larger length means that the journal is damaged.
 const MAX_RECORD: u32 = 1 << 30;
@@ -232,7 +232,7 @@ impl Journal {
         &self.path
     }
 
-    /// Adds a finished cell. The cell is written to the file later, together with other cells.
+    /// Adds a finished cell. The cell is written to the journal later, together with other cells.
     pub(crate) fn cell(&mut self, record: CellRecord) -> io::Result<()> {
         self.pending_bytes += record.rows.iter().map(String::len).sum::<usize>();
         self.pending.push(record);

@@ -224,8 +224,8 @@ impl LockedDir {
         }
         let manifest = self.output.manifest.clone();
         let mut manifest = manifest.unwrap_or_else(|| Manifest::new([].into()));
-        // Before files are renamed, write a manifest that lists the old and the new files. If the process is killed in
-        // between, a mixture of both remains.
+        // First write a manifest that lists the old and the new contents of each file. If the process is killed while
+        // it renames the files, this manifest matches every file, old or new.
         let mut between = manifest.clone();
         for (name, digest) in digests {
             let study = study.cloned();

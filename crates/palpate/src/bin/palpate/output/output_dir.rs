@@ -108,8 +108,8 @@ impl OutputDir {
         if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
-        // Without a manifest, files of palpate are recognised by their header. This is not done for tables of readings,
-        // because readings that a user recorded may have the same header.
+        // Without a manifest, a file that palpate wrote is recognised by its header. This is not done for tables of
+        // readings, because readings that a user recorded may have the same header.
         let is_lone = self.manifest.is_none() && name != names::READINGS;
         match self.entry(name) {
             Some(entry) if entry.is_of(&path) => Ok(()),
