@@ -21,7 +21,8 @@ const REFERENCE_SEED: u64 = 1_000_003;
 /// Number of the first fresh trial. Fresh trials test the probabilities that `distinguish` estimated from trials with
 /// smaller numbers.
 const FRESH: u64 = 1 << 50;
-/// Distance between the first fresh trial numbers of two cells, so large that no two cells use the same random numbers.
+/// Difference between the numbers of the first fresh trials of two cells. It is so large that no two cells use the same
+/// random numbers.
 const APART: u64 = 1 << 40;
 const HALF_WIDTH_95: f64 = 1.96;
 
@@ -149,7 +150,7 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
 }
 
 /// Whether an answer of `design` is correct: it contains a range of values that meet the target and a range of values
-/// that miss it, and the reference answer contradicts it at no end of these ranges.
+/// that miss it, and at both ends of each range, the reference answer does not state the opposite.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {

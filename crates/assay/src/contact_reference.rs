@@ -54,7 +54,8 @@ impl RollEnd {
     }
 }
 
-/// Contact point of a spherical tip (radius `tip`) on a ball (radius `ball`) that is centred at the origin.
+/// Contact point of a spherical tip (radius `tip`) on a ball (radius `ball`) that is centred at the origin. `centre`
+/// has the x and y coordinates of the tip's centre.
 pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let [x, y] = centre.map(|part| part * ball / (ball + tip));
     [x, y, (ball * ball - x * x - y * y).sqrt()]
@@ -67,8 +68,8 @@ pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] 
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
     // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)). On a concave object, s = 1 gives the point
-    // that is farthest from the axis. On a convex object, no contact is farther from the axis than the centre of the
-    // tip.
+    // that is farthest from the z axis. On a convex object, no contact is farther from the z axis than the centre of
+    // the tip.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
@@ -83,7 +84,7 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
         let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
         let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
         let height = 1.0 - x * x / squares[0] - y * y / squares[1];
-        // The larger the unknown g, the farther is the contact from the axis. If g is too large, the contact would be
+        // The larger the unknown g, the farther is the contact from the z axis. If g is too large, the contact would be
         // outside of the ellipsoid, and the result is `None`.
         (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
     };
@@ -100,8 +101,9 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
     at(g).unwrap_or([f64::NAN; 3])
 }
 
-/// Contact point of a tip on z = a sin(x/l) cos(y/l). The surface must be less curved than the tip everywhere. The
-/// point is found by the iteration `p = centre − r n(p)`, starting at the centre.
+/// Contact point of a tip of radius r on z = a sin(x/l) cos(y/l). The surface must be less curved than the tip
+/// everywhere. The point p is found by the iteration `p = centre − r n(p)`, where n(p) is the surface's normal. It
+/// starts at the centre.
 pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let mut contact = centre;
     for _ in 0..100 {

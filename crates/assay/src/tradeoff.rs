@@ -29,14 +29,14 @@ use crate::timing::{self, Evaluation};
 use ladder::{Ladder, SceneRungs};
 use ladder_tables::{MeasuredRung, MeasuredScene};
 
-/// Options of a measurement of all ladders.
+/// Options for measuring all ladders (lists of compared models or settings).
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Folder to which the tables are written.
     pub out: &'a Path,
     /// Description of the machine, for the tables.
     pub machine: &'a str,
-    /// Whether the time of each rung is measured only briefly.
+    /// Whether the time of each model or setting is measured only briefly.
     pub quick: bool,
     /// Whether the program only runs the computations whose instructions valgrind counts; see [`timing::instructions`].
     pub counted: bool,
@@ -55,11 +55,11 @@ fn ladders() -> Result<Vec<Ladder>> {
     ])
 }
 
-/// Measures every ladder and writes `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv`. `report` is called with
-/// the name of each step.
+/// Measures all models and settings of every ladder (list of compared entries). Writes `ladders.csv`, `rungs.csv`,
+/// `answers.csv` and `stages.csv`. `report` is called with the name of each step.
 ///
 /// # Errors
-/// An error if a rung fails on its scene, counting fails, or a table cannot be written.
+/// An error if a model or setting fails on its scene, counting fails, or a table cannot be written.
 pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     let ladders = ladders()?;
     let stages = stages::stages();
@@ -118,7 +118,8 @@ fn measure(
     patience: Duration,
 ) -> Result<Vec<MeasuredRung>> {
     let measure = |rung: ladder::Rung| {
-        // Compute the error before measuring the time, because this computation fails if the rung cannot be evaluated.
+        // Compute the error before measuring the time, because this computation fails if the model cannot compute the
+        // scene.
         let error = (rung.error)().with_context(|| rung.name.clone())?;
         let mut evaluation: Evaluation = rung.evaluation;
         let ns = evaluation.time(patience);
@@ -141,9 +142,10 @@ struct CostError {
     error: f64,
 }
 
-/// The costs of two rungs count as equal if the ratio of the larger to the smaller cost is at most this number.
+/// The costs of two models or settings count as equal if the ratio of the larger to the smaller cost is at most this
+/// number.
 const EQUAL_COST_RATIO: f64 = 1.02;
-/// Errors of rungs below this value are caused by rounding, so they count as equal.
+/// Errors of models or settings below this value are caused by rounding, so they count as equal.
 const ROUNDING: f64 = 1e-14;
 
 /// Whether each rung (model or setting) is on the Pareto front, that is, whether no other rung dominates it. One rung
@@ -168,7 +170,7 @@ fn pareto(rungs: &[CostError]) -> Vec<bool> {
         .collect()
 }
 
-/// Index of the cheapest rung on the Pareto front whose error is at most `target`.
+/// Index of the cheapest rung (model or setting) on the Pareto front whose error is at most `target`.
 fn answer(rungs: &[CostError], target: f64) -> Option<usize> {
     let on_front = pareto(rungs);
     let adequate = |rung: &usize| on_front[*rung] && rungs[*rung].error <= target;

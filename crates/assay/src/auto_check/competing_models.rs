@@ -16,11 +16,11 @@ use palpate_study::config::{
 use crate::contact_reference::{tip_on_ellipsoid, tip_on_quadric, tip_on_waves};
 use crate::paraboloid_reference::{Body, ParaboloidPress};
 
-/// Numbers of steps with which the integrator RK4 competes.
+/// Compared numbers of steps of the integrator RK4.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Tolerances with which DOP853 and Newton's method compete, as negative decimal exponents: 1 means a tolerance of 0.1.
+/// Compared tolerances of DOP853 and Newton's method, as negative decimal exponents: 1 means a tolerance of 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
 /// The distances of two markers from the contact count as equal if they differ by less than this share of the sensor's
 /// radius.
@@ -116,8 +116,8 @@ fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f6
     Ok(ends)
 }
 
-/// Distance that the contact moves on the object per radian of rolling at the start of a roll. Of all directions, it is
-/// the direction with the smallest distance.
+/// Length scale of a roll: 1/(1/R + k), where R is the radius of the probe, and k the largest magnitude of the object's
+/// curvature at the first contact. On a convex object, it is the shortest distance that the contact moves per radian.
 fn length_scale(roller: &Roller) -> Result<f64> {
     let first = roller.first_contact();
     let (_, curvature) = roller

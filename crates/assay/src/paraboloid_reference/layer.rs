@@ -1,6 +1,6 @@
 //! Contact of a paraboloid with a bonded layer. The auxiliary function φ of the pressure satisfies the following
-//! integral equation for 0 ≤ t ≤ α, where α is the contact radius. Lengths are in units of the layer's thickness, and D is the indentation
-//! divided by the relative curvature.
+//! integral equation for 0 ≤ t ≤ α, where α is the contact radius. Lengths are in units of the layer's thickness, and D
+//! is the indentation divided by the relative curvature.
 //!
 //! ```text
 //! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²),   φ(α) = 0

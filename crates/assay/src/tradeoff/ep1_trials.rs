@@ -1,10 +1,10 @@
-//! Ladders for estimates from rolls (EP1): one compares pad arrays; the other compares the number and the length of the
-//! rolls.
+//! Ladders (lists of compared settings) for estimates from rolls (EP1). One ladder compares pad arrays; the other
+//! compares the number and the length of the rolls.
 
 use super::ladder::Ladder;
 use super::scene_trials::{Choice, Measure, relative_rms, scenes};
 
-/// Index of the curvature whose error is measured among the quantities of a roll.
+/// Index, among the quantities of a roll, of the curvature whose error is measured.
 const CURVATURE: usize = 0;
 
 const PITCHES_MM: [f64; 8] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.02];
@@ -30,7 +30,7 @@ const PAD_SCENES: [(&str, &str); 3] = [
     ),
 ];
 
-/// The ladder of pad arrays. Its rungs differ in the pitch and layout of the pads.
+/// The ladder (list of compared settings) of pad arrays, which differ in the pitch and the layout of the pads.
 pub(super) fn pads() -> Ladder {
     let layouts = ["square", "uniform"];
     let choices: Vec<Choice> = layouts
@@ -87,7 +87,8 @@ object_contact = [20.0, 8.0]
     ),
 ];
 
-/// The ladder of estimates from rolls (EP1). Its rungs differ in the number of probes and the length of their rolls.
+/// The ladder (list of compared settings) of estimates from rolls (EP1). The settings differ in the number of probes
+/// and the length of their rolls.
 pub(super) fn probes() -> Ladder {
     let choices: Vec<Choice> = ROLLS_RAD
         .iter()

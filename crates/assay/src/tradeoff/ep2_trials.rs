@@ -1,5 +1,5 @@
-//! The ladder of estimates from contact points (EP2). Its rungs differ in the method, the knots and the number of
-//! contacts.
+//! The ladder (list of compared settings) of estimates from contact points (EP2). The settings differ in the fit
+//! method, the spline's knots and the number of contacts.
 
 use anyhow::Result;
 use palpate_scene::Scene;
@@ -11,7 +11,8 @@ const CONTACTS: [u32; 4] = [5, 10, 30, 100];
 /// Largest number of contacts per finger for the two-pass method, which takes several seconds with more contacts.
 const MAX_OF_TWO_PASS: u32 = 30;
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
-/// The ladder compares all numbers of knot intervals only with these numbers of contacts per finger.
+/// Numbers of contacts per finger with which all numbers of knot intervals are compared. With other numbers of
+/// contacts, the estimator uses its default.
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
 /// Smoothing factors of the two-pass method that are compared. Both passes use the same factor. The method adds knots
 /// until the residuals are below a limit that is proportional to this factor. The default is 1000.
@@ -21,7 +22,7 @@ const MEAN: usize = 1;
 const TRIALS: u64 = 40;
 const TIMED: u32 = 2;
 
-/// Config lines that all scenes share. Each rung adds its motion and its estimator.
+/// Config lines that all scenes share. `$rung` is replaced by the motion and the estimator of a compared setting.
 const COMMON: &str = r#"
 kind = "glide"
 probe = { kind = "point" }
@@ -60,7 +61,8 @@ evaluate = {{ grid = 15, half_width = 1.0, gaussian_threshold = 0.005, mean_thre
     )
 }
 
-/// The ladder of surface fits. Its rungs differ in the method, the knots and the number of contacts.
+/// The ladder (list of compared settings) of surface fits. The settings differ in the fit method, the spline's knots
+/// and the number of contacts.
 pub(super) fn fits() -> Ladder {
     let methods = [
         ("quadric", r#"{ kind = "quadric" }"#),

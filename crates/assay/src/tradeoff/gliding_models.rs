@@ -1,4 +1,4 @@
-//! The ladder of gliding, which compares models that find the contact of a round tip.
+//! The ladder of gliding: a list of compared models that find the contact of a round tip.
 
 use anyhow::{Context, Result};
 use nalgebra::Point3;

@@ -27,9 +27,10 @@ impl Ease {
 /// choose among them.
 pub(super) struct Ladder {
     pub(super) name: &'static str,
-    /// The question that all rungs of this ladder answer, in one line.
+    /// The question that all models or settings of this ladder answer, in one line.
     pub(super) title: &'static str,
-    /// Definition of a rung's error: the quantity that has the error, and the scale to which the error is relative.
+    /// Definition of the error of a model or setting: the quantity that has the error, and the scale to which the error
+    /// is relative.
     pub(super) error: &'static str,
     /// Description of the computation whose cost is measured.
     pub(super) evaluation: &'static str,
@@ -56,7 +57,7 @@ impl SceneRungs {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {
     pub(super) error: f64,
-    /// Standard error of `error`; `None` if the rung's error is not computed from trials.
+    /// Standard error of `error`; `None` if the error is not computed from trials.
     pub(super) std: Option<f64>,
 }
 
@@ -68,14 +69,15 @@ impl From<f64> for RungError {
 
 /// A rung: one way to answer the question of a ladder, such as a model with a setting.
 pub(super) struct Rung {
-    /// Name of the rung, with its setting.
+    /// Name of the model, sensor or method, with its setting.
     pub(super) name: String,
-    /// Setting of the rung if it is a number, for example a number of steps, a tolerance or a pitch.
+    /// Setting that this rung compares, if it is a number, for example a number of steps, a tolerance or a pitch.
     pub(super) setting: Option<f64>,
-    /// Computes the error of the rung. The function is called at most once, and never in the process in which
-    /// instructions are counted.
+    /// Computes the error of this model or setting. The function is called at most once, and never in the process in
+    /// which instructions are counted.
     pub(super) error: Box<dyn FnOnce() -> Result<RungError>>,
-    /// The computation whose cost is measured for this rung. Its first run includes the set-up of the scene.
+    /// The computation whose cost is measured for this model or setting. Its first run includes the set-up of the
+    /// scene.
     pub(super) evaluation: Evaluation,
 }
 

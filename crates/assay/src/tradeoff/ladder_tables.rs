@@ -1,4 +1,4 @@
-//! Writes the tables of the measured ladders.
+//! Writes the tables of the measured ladders, which are lists of compared models or settings.
 
 use std::path::Path;
 
@@ -50,8 +50,8 @@ impl MeasuredRung {
     }
 }
 
-/// Writes three tables to a folder: `ladders.csv` (a description of the ladders, and the machine), `rungs.csv` and
-/// `answers.csv`.
+/// Writes three tables to a folder: `ladders.csv` (descriptions of the ladders, and the machine), `rungs.csv` (all
+/// models and settings) and `answers.csv` (the cheapest model or setting for each target error).
 pub(super) fn write(measured: &[MeasuredScene], machine: &str, folder: &Path) -> Result<()> {
     write_ladders(measured, machine, folder)?;
     write_rungs(measured, folder)?;

@@ -1,4 +1,4 @@
-//! The ladder of press models, which compares models of the soft body under the skin.
+//! The ladder of press models: a list of compared models of the soft body under the skin.
 
 use std::cell::OnceCell;
 

@@ -1,9 +1,9 @@
-//! The ladders of press sensors and of press estimators.
+//! The ladders (lists of compared settings) of press sensors and of press estimators.
 
 use super::ladder::{Ease, Ladder};
 use super::scene_trials::{Choice, Measure, Template, relative_rms, scenes};
 
-/// Index of the effective radius, whose error is measured, among the quantities of a press.
+/// Index, among the quantities of a press, of the effective radius, whose error is measured.
 const EFFECTIVE_RADIUS: usize = 1;
 /// Sizes of the square rendered frames: the number of pixels along one side.
 const SIZES_PX: [u32; 3] = [265, 640, 1024];
@@ -57,9 +57,9 @@ const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
 /// simulated press costs the same with both calibrations.
 const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
-/// The ladder of press sensors: sensors that measure displacements directly, sensors with projected markers, and
-/// sensors with rendered frames. Each rung has its own noise, which the ladder's description of the error states.
-/// Therefore a comparison of two errors does not show which real camera is more accurate.
+/// The ladder (list of compared settings) of press sensors: sensors that measure displacements directly, sensors with
+/// projected markers, and sensors with rendered frames. Each sensor has its own noise, which the ladder's description
+/// of the error states. So two errors do not show which real camera is more accurate.
 pub(super) fn sensors() -> Ladder {
     let mut choices: Vec<Choice> = WITHOUT_PIXELS
         .iter()

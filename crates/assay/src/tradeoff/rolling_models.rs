@@ -1,4 +1,4 @@
-//! The ladder of roll models.
+//! The ladder of roll models, that is, the list of roll models that are compared.
 
 use std::cell::OnceCell;
 use std::f64::consts::FRAC_PI_6;
@@ -160,7 +160,7 @@ fn models() -> Vec<(String, Option<f64>, Model)> {
 
 /// Reference for rolls on objects without a closed-form solution: RK4 on Montana's equations in the charts of both
 /// surfaces, with Richardson extrapolation from two numbers of steps. The reference is independent, because the
-/// compared models use no charts and other equations. As a check, the integrator DOP853 on Montana's equations must
+/// compared models use other equations, without charts. As a check, the integrator DOP853 on Montana's equations must
 /// agree with the reference.
 fn in_charts(roll: &Roll) -> Result<RollEnd> {
     const STEPS: usize = 3000;

@@ -1,5 +1,5 @@
-//! Rungs (entries of a ladder) that differ in the config of a scene. The cost and the error of the scene's trials are
-//! measured.
+//! Models and settings (rungs of a ladder) that differ in the config of a scene. The cost and the error of the scene's
+//! trials are measured.
 
 use std::cell::OnceCell;
 
@@ -37,8 +37,8 @@ impl Template {
     }
 }
 
-/// Three scenes (easy, typical and hard) with the same rungs. The arguments `common` and `own` are those of
-/// [`Template::all`].
+/// Three scenes (easy, typical and hard), each with all of the compared models or settings. The arguments `common` and
+/// `own` are those of [`Template::all`].
 pub(super) fn scenes(
     common: &str,
     own: [(&'static str, &str); 3],
@@ -83,9 +83,9 @@ impl Choice {
 pub(super) struct Measure {
     /// Computes the error of the scene's estimates from `trials` trials.
     pub(super) error: fn(&Scene, trials: u64) -> Result<RungError>,
-    /// Number of trials from which the error of a rung is computed.
+    /// Number of trials from which the error of a model or setting is computed.
     pub(super) trials: u64,
-    /// Number of trials over which the cost of a rung is averaged.
+    /// Number of trials over which the cost of a model or setting is averaged.
     pub(super) timed: u32,
 }
 

@@ -74,7 +74,6 @@ pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
 }
 
 /// A marker finder for the frames from [`frame`]. It searches within the image circle of these frames.
-///
 pub fn finder(size_px: usize) -> Finder {
     let mask = Mask {
         centre_px: [0.5 * size_px as f64; 2],

@@ -20,8 +20,8 @@ const DEPTHS: [f64; 2] = [3.0, 1.0];
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
 /// Standard deviations of the parameters of a [`Departure`], which describes how a real sensor differs from its config.
 /// The parameters are the depths and diameters of the discs, the image centre, the focal length, the position and
-/// rotation of the camera, and colours. The terms k3 and k5 of the lens do not differ, so their standard deviations are
-/// 0.
+/// rotation of the camera, and colours. The coefficients k3 and k5 of the lens have standard deviations of 0, because
+/// they do not differ from the config.
 const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,

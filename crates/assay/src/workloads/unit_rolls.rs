@@ -100,7 +100,7 @@ impl Ep1 {
     }
 
     /// Root mean square of the relative error of the normal curvature over `trials` trials. As in the sweep runner,
-    /// several trials are computed together. `None` if some trials cannot be computed together.
+    /// vector instructions compute several trials at once. `None` if some trials cannot be computed in this way.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let computed =
@@ -119,8 +119,8 @@ impl Ep1 {
         Some((sum / trials as f64).sqrt())
     }
 
-    /// Runs trials without statistics. Trials that can be computed together are computed together, the others one by
-    /// one.
+    /// Runs trials without statistics. Several trials are computed at once with vector instructions; trials for which
+    /// this is not possible are computed one by one.
     fn run(&self, trials: u64) -> Option<()> {
         let roll = self.roll()?;
         let together = roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {

@@ -105,7 +105,7 @@ fn pads_at_random_draw_their_place_only() {
     let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
     let [setup, trial] = work(ROLL, &[SPHERE, ("SENSOR", pads), QUIET]);
     assert_eq!(setup.draws, 0);
-    // For each of the eight rolls, two coordinates and one angle of the pads are drawn at random.
+    // For each of the eight rolls, two coordinates and one angle of the pad array are drawn at random.
     assert_eq!(trial.draws, 24, "{trial:?}");
     let [_, trial] = work(
         ROLL,
@@ -121,7 +121,7 @@ fn pads_at_random_draw_their_place_only() {
     assert_eq!(trial, Tally::default());
 }
 
-/// The counted work of a scene, with the number of random words set to 0.
+/// The counted work of a scene, without the number of drawn random words.
 fn without_draws(tally: Tally) -> Tally {
     Tally { draws: 0, ..tally }
 }
@@ -191,7 +191,7 @@ fn point_tips_search_for_no_contacts() {
         r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05, axis = "z" } }"#;
     let [setup, trial] = work(GLIDE, &[point, ("NOISE", noise)]);
     assert_eq!(setup, Tally::default());
-    // Some normal numbers need two random words instead of one, so the number of draws is a range.
+    // Some normally distributed numbers need two random words instead of one, so the number of draws is a range.
     assert!((30..=40).contains(&trial.draws), "{trial:?}");
 }
 
