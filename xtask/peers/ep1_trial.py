@@ -16,7 +16,7 @@ RATE, SPHERE, NOISE = 0.1, 5.0, 0.01
 direction = 2 * np.pi * np.arange(PROBES) / PROBES
 rotation = RATE * np.stack([np.cos(direction), np.sin(direction)])
 shift = rotation / (1 + 1 / SPHERE)
-# The unknowns are the three components of a symmetric matrix. Each probe adds two equations.
+# The unknowns are the three components of the relative curvature, a symmetric matrix. Each probe adds two equations.
 design = np.zeros((2 * PROBES, 3))
 design[0::2, 0], design[0::2, 1] = shift
 design[1::2, 1], design[1::2, 2] = shift

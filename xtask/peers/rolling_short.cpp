@@ -31,11 +31,11 @@ struct OverSphere {
 
 struct OverParaboloid {
     void operator()(const State& at, State& change, double) const {
-        // p and q are the slopes of z. x1, x2 and y2 are the changes of x and y per unit of velocity along the Gauss frame.
+        // p and q: slopes of the object. x1, x2, y2: changes of x and y per unit of velocity along the Gauss frame.
         const double p = -2 * at[2], q = -2 * at[3], square = 1 + p * p;
         const double first = std::sqrt(square), area = std::sqrt(square + q * q);
         const double x1 = 1 / first, x2 = -p * q / (first * area), y2 = first / area;
-        // k11, k12, k22: curvature of the object in its own frame. r11, r22, r12: relative curvature in the probe's frame.
+        // k11, k12, k22: object's curvature in the object's frame. r11, r22, r12: relative curvature in the probe's frame.
         const double bend = 2 / area, k11 = bend * x1 * x1, k12 = bend * x1 * x2, k22 = bend * (x2 * x2 + y2 * y2);
         const double c = std::cos(at[4]), s = std::sin(at[4]);
         const double r11 = k11 * c * c - 2 * k12 * c * s + k22 * s * s + 1;
@@ -76,11 +76,11 @@ double error_over_sphere(const State& at) {
                     largest(on_unit_sphere(at[0], at[1]), on_unit_sphere(0, length)));
 }
 
-// Length of the meridian z = -r^2 up to r.
+// Length of the meridian z = -r^2 from the apex to the distance r from the axis.
 double meridian(double r) { return r / 2 * std::hypot(1, 2 * r) + std::asinh(2 * r) / 4; }
 
 double error_over_paraboloid(const State& at) {
-    // The probe turns by the angle of the slope plus the length of the meridian. Their sum is the angle of the roll.
+    // The roll angle is the slope angle plus the length of the meridian divided by the probe's radius, 1.
     double r = angle / 3;
     for (int step = 0; step < 60; step++)
         r -= (std::atan(2 * r) + meridian(r) - angle) / (2 / (1 + 4 * r * r) + std::hypot(1, 2 * r));

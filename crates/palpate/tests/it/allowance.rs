@@ -73,9 +73,9 @@ fn budget_and_target_are_refused_if_trials_are_swept() {
     }
 }
 
-/// The errors are sums of eight uniform random numbers, so they are nearly Gaussian. The root mean square of N such
-/// errors has the relative standard error 1/√(2 N). A target of 0.01 needs 5,000 trials, and the safety margin adds
-/// less than 2,500.
+/// The errors of the estimates are sums of eight uniform random numbers, so they are nearly Gaussian. The root mean
+/// square of N such errors has the relative standard error 1/√(2 N). A target of 0.01 needs 5,000 trials, and the
+/// safety margin adds less than 2,500.
 #[test]
 fn target_error_sets_the_number_of_trials() {
     let desk = Desk::with(STUDY);
@@ -232,8 +232,8 @@ fn a_noiseless_study_runs_one_trial() {
 
 #[test]
 fn heavy_tails_cause_a_warning() {
-    // The noise is as large as the motion. Estimates are quotients, so their denominators may be near zero, and their
-    // errors have heavy tails.
+    // The error of the angular velocity is as large as the velocity itself. Estimates are quotients, so their
+    // denominators may be near zero, and their errors have heavy tails.
     let desk = Desk::with(&edited(
         STUDY,
         "kind = \"uniform\", fraction = 0.01",

@@ -77,8 +77,8 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
             json(&desk, &format!("{readings} {flags}")),
             "{kind}"
         );
-        // Without the other settings of the study, the estimate must differ. Otherwise the comparison above would not
-        // test whether `--like` uses these settings.
+        // Without the other settings of the study, the estimate must differ. Otherwise this test would not show that
+        // `--like` uses these settings.
         let bare = match kind {
             "roll" => "--probe-radius 10",
             "press" => "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 5",

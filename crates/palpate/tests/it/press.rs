@@ -129,8 +129,8 @@ fn a_run_writes_cells_trace_and_profiles() {
         3.0 * 12.0_f64.sqrt(),
         1e-12,
     );
-    // For a half-space with the effective radius 20 and the indentation 1, the normal displacement at the centre and
-    // the depth 2 is 0.87. Fits may give slightly less, such as 0.844.
+    // On a half-space with the effective radius 20 and the indentation 1, the normal displacement at the depth 2 under
+    // the centre of the contact is 0.87.
     let middle = map.number(121, "normal_displacement_mm");
     assert!((0.8..0.875).contains(&middle), "{middle}");
     assert_close(

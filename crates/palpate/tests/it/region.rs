@@ -118,7 +118,7 @@ fn the_grid_closes_in_on_the_best_value() {
 #[test]
 fn the_best_of_listed_values_and_of_a_single_field() {
     let desk = Desk::with(STUDY);
-    // With so much noise, flat balls miss the target at every tried value.
+    // The noise is so large that the ball with a radius of 500 mm misses the target at every tried noise.
     let noise = format!("--vary {FRACTION}=0.05..0.2 --gap 0.3");
     let answer = desk.json(&format!(
         "design c.toml {TARGET} --vary scene.object.radius=5,20,500 {noise} --maximise scene.object.radius"

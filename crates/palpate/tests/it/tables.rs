@@ -386,7 +386,7 @@ fn additional_columns_are_kept_as_labels() {
         columns,
         serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
     );
-    // Except for the columns `Force [N]` and `note`, the output is the same.
+    // Except for the columns `Force [N]` and `note`, the estimate is the same as from the table without these columns.
     assert_eq!(found, rolls(&rolled));
     // The message about an outlier contains the label of its row.
     let rows = super::readings::PRESS.lines().enumerate();

@@ -51,8 +51,9 @@ impl System<f64, State> for OverParaboloid {
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
         let (x_first, x_second, y_second) = (1.0 / first, -p * q / (first * area), first / area);
-        // `k11`, `k12` and `k22` are the curvature form of the object in its own frame. `r11`, `r12` and `r22` are the
-        // sum of the curvatures of the object and the probe, in the probe's frame.
+        // `k11`, `k12` and `k22` are the components of the object's curvature form in the object's frame. `r11`, `r12`
+        // and `r22` are the components of the sum of the object's and the probe's curvature forms, in the probe's
+        // frame.
         let bend = 2.0 / area;
         let k11 = bend * x_first * x_first;
         let k12 = bend * x_first * x_second;
