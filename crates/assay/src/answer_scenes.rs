@@ -1,7 +1,7 @@
 //! Scenes on which the answers of `design` and `distinguish` are checked.
 
 /// A question for `design`: a target, the varied field, and the largest allowed gap between a value that meets the
-/// target and a value that misses it. If this gap were larger, the check would be meaningless; if it were smaller, the
+/// target and a value that misses it. With a larger gap, wrong answers would not be detected; with a smaller gap, the
 /// check would need too many trials.
 #[derive(Debug)]
 pub(crate) struct Design {

@@ -172,7 +172,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     let mut truths = vec![0.0_f64; quantities.len()];
     scene
         .trial(0, |quantity, outcome| {
-            // The error of a contact model does not shift a shape class, so quantities of this kind are left out.
+            // A shape class and an undetermined axis are not magnitudes that an error of the contact model can shift,
+            // so both quantities are left out.
             if ![Quantity::CLASS, Quantity::AXIS_UNDETERMINED].contains(&quantities[quantity]) {
                 truths[quantity] = truths[quantity].max(outcome.truth.abs());
                 values.push(PassValue {

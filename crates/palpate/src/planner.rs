@@ -41,7 +41,7 @@ pub(crate) trait Plannable: Sized {
 
     fn cells(&self) -> usize;
 
-    /// Sets up the experiment of a cell.
+    /// Sets up the simulated experiment of a cell, from which trials can be run.
     ///
     /// # Errors
     /// Reason why the cell cannot be run.

@@ -85,9 +85,10 @@ impl AutoChoice {
         method(&self.taken().name) != method(self.truth)
     }
 
-    /// Whether the chosen model is cheap enough, judged without counting instructions. A roll must evaluate the contact
-    /// equations at most twice as often as with any other model within the tolerance. For glides and presses, the error
-    /// of every cheaper model must be above the tolerance.
+    /// Whether the chosen model is cheap enough; instructions are not counted here. A roll must evaluate the contact
+    /// equations at most twice as often as with any other model within the tolerance. For a glide, the closed form must
+    /// be chosen if it is within the tolerance. For a press, the error of every cheaper model must be above the
+    /// tolerance.
     pub fn seems_cheap(&self) -> bool {
         let evaluations = |place: usize| self.models[place].evaluations.unwrap_or(0) as f64;
         let taken = evaluations(self.taken);
@@ -95,7 +96,8 @@ impl AutoChoice {
         match self.kind {
             Kind::Roll => adequate.all(|place| taken <= MAX_COST_RATIO * evaluations(place)),
             Kind::Glide => self.taken == 0 || !self.is_adequate(0),
-            // The first two models, Hertz contact and half-space, cost the same. Therefore both count as model 1.
+            // The first two models (numbers 0 and 1), Hertz contact and half-space, cost the same. Therefore both count
+            // as number 1.
             Kind::Press => adequate.all(|place| place.max(1) >= self.taken),
         }
     }

@@ -74,7 +74,7 @@ pub(crate) struct CellTruth {
 }
 
 impl CellTruth {
-    /// True values of a cell that is not set up: only the swept values are known.
+    /// Data of a cell that is not set up: the swept values are known, but all true values and bounds are `None`.
     pub(crate) fn unknown(cell: &Cell, quantities: &'static [Quantity]) -> Self {
         let none = vec![None; quantities.len()];
         Self {

@@ -42,7 +42,7 @@ fn proposed(message: &str, form: &Form) -> Vec<Form> {
     let mut forms = Vec::new();
     for part in message.split("setting `").skip(1) {
         let (key, rest) = part.split_once("` ").unwrap_or_default();
-        // Alternatives follow each other: 'x=a' or 'x=b'.
+        // A message separates alternatives by "or": 'x=a' or 'x=b'.
         for one in rest.split(" or ") {
             let quoted = one
                 .strip_prefix('\'')

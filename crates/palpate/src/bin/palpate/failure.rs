@@ -32,8 +32,8 @@ impl Failure {
         Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
     }
 
-    /// Converts an error of running trials to a failure. If the config describes an impossible scene, the failure is
-    /// bad usage.
+    /// Converts an error that stopped the trials to a failure of the command. If the config describes an impossible
+    /// scene, the failure is bad usage.
     pub(crate) fn of_sweep(error: SweepError<ConfigError>) -> Self {
         match error {
             SweepError::SetUp(error) => Self::usage(error),

@@ -45,12 +45,13 @@ pub(crate) struct Header {
 /// Arguments of a run. An interrupted run resumes only with the same arguments.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct RunRequest {
-    /// Config with all defaults and overrides, before the number of trials and the model are chosen.
+    /// Config with all defaults and overrides, before the budget or the target error changes the number of trials and
+    /// the model.
     pub(crate) config: String,
     /// Text of the arguments that state the time budget and the target error.
     pub(crate) goal: String,
     pub(crate) every_nth_cell: u64,
-    /// Number of the shard, and number of all shards; `None` for a run of the whole study.
+    /// Number of this shard, and number of shards into which the study is divided; `None` for a run of the whole study.
     pub(crate) shard: Option<(u64, u64)>,
     pub(crate) trials_out: bool,
 }
@@ -268,7 +269,7 @@ impl Journal {
         self.file.sync_data()
     }
 
-    /// Starts to synchronise the file with the disk, unless the last synchronisation started less than [`INTERVAL`]
+    /// Starts to synchronise the journal with the disk, unless the last synchronisation started less than [`INTERVAL`]
     /// ago. Returns the result of the previous synchronisation.
     fn sync(&mut self) -> io::Result<()> {
         if self.synced.elapsed() < INTERVAL {

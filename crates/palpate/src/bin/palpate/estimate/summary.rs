@@ -23,8 +23,8 @@ const MAX_SHOWN: usize = 5;
 /// Largest number of rejected rows that a summary lists by number.
 const LISTED_ROWS: usize = 8;
 
-/// Lines of text about an estimate: the first quantity with the shape of the object, the other quantities, and the
-/// number of readings.
+/// Lines of text about an estimate: the first quantity and the shape of the object in one line, then the other
+/// quantities, then the number of readings.
 pub(super) fn summary(estimate: &Value) -> String {
     let along = quantity(
         "curvature along the stroke",
