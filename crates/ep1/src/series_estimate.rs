@@ -117,8 +117,24 @@ impl SeriesEstimate {
         }
     }
 
-    /// The weighted mean of estimates. Its covariance includes the differences between the estimates. All other parts
-    /// are those of the first estimate.
+    /// The estimate of a fit to the starts and ends of rolls. `covariance` is the covariance (1/length²) of the
+    /// curvatures along u, along v and mixed. `freedom` is the number of degrees of freedom of the residuals from which
+    /// the noise was estimated; `None` if the noise is stated.
+    pub fn of_ends(estimate: &Estimate, covariance: [[f64; 3]; 3], freedom: Option<usize>) -> Self {
+        Self {
+            curvature: estimate.curvature,
+            covariance,
+            terms: 1,
+            rolls: Vec::new(),
+            goodness: None,
+            radius: 1.0 / estimate.probe_curvature,
+            arc_length: estimate.arc_length,
+            uncertainty: freedom.map_or(Uncertainty::NormalMobility, Uncertainty::Student),
+        }
+    }
+
+    /// The weighted mean of estimates. Its covariance includes the differences between them. All other parts are those
+    /// of the first estimate.
     pub(crate) fn mean(weighted: &[(f64, &Self)]) -> Self {
         let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
         let mut mean = Vector3::zeros();

@@ -18,7 +18,7 @@ use super::glide_recording::{
     GlideRecording, ONE_FINGER, of_row, refused, shape_refused, stroke_refused,
 };
 use super::glide_report::{
-    GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, tidy,
+    GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, of_size, tidy,
 };
 use super::glide_warnings::{directions, distant, misfit_warnings, normals, spacing, stated_noise};
 use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings, two_groups};
@@ -441,11 +441,7 @@ impl<'r> GlideFitResult<'r> {
                     names.zip(all).collect()
                 }),
             sign_class: (!is_open).then(|| curvature.sign_class().name()),
-            thresholds: Thresholds {
-                gaussian: bare(limits.gaussian(), Unit::PerLengthSquared),
-                mean: bare(limits.mean(), Unit::PerLength),
-                from: self.limits_from,
-            },
+            thresholds: Thresholds::new(limits, self.limits_from, unit),
             noise: noise.map(|noise| PatchNoise {
                 position_std: bare(noise.position_std, Unit::Length),
                 normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
@@ -504,11 +500,4 @@ fn with_length_noise(
     };
     options.estimator = options.estimator.with_length_noise(distance);
     Ok(options)
-}
-
-/// The thresholds of the 1996 paper (0.005 and 0.03 for a patch of 3 × 3), scaled to a patch with the side lengths `u`
-/// and `v`. The scale is the mean of the side lengths. `None` if the thresholds exceed the range of doubles.
-fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
-    let paper_units = 3.0 / (0.5 * u + 0.5 * v);
-    ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
 }

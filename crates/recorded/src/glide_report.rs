@@ -23,6 +23,23 @@ pub(super) struct Thresholds {
     pub(super) from: &'static str,
 }
 
+impl Thresholds {
+    pub(super) fn new(limits: &ShapeThresholds, from: &'static str, unit: LengthUnit) -> Self {
+        Self {
+            gaussian: Value::bare(limits.gaussian(), Unit::PerLengthSquared.of(unit)),
+            mean: Value::bare(limits.mean(), Unit::PerLength.of(unit)),
+            from,
+        }
+    }
+}
+
+/// The thresholds of the 1996 paper (0.005 and 0.03 for a patch of 3 × 3), scaled to a patch with the side lengths `u`
+/// and `v`. The scale is the mean of the side lengths. `None` if the thresholds exceed the range of doubles.
+pub(super) fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
+    let paper_units = 3.0 / (0.5 * u + 0.5 * v);
+    ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
+}
+
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct PatchNoise {
     /// Standard deviation of the noise of the positions, along the normal of the surface.

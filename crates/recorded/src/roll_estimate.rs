@@ -7,11 +7,14 @@ use std::sync::OnceLock;
 use nalgebra::Vector2;
 use palpate_ep1::{
     Ep1Error, Estimate, LeastSquares, Measured, PadStart, ProbeReading, ReadingNoise,
+    SeriesEstimate,
 };
+use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::{NORMAL_95, student_half_width};
 use serde::{Serialize, Serializer};
 
 use super::error::{RecordedError, explained};
+use super::glide_report::{Thresholds, of_size};
 use super::press_report::Radius;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
@@ -21,6 +24,10 @@ use super::single_direction::{DirectedCurvature, single_direction};
 use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
+
+/// Source of the thresholds of the shape classes, as the output states it.
+const THRESHOLDS_FROM: &str = "the mean arc length: the mean threshold of the 1996 paper on its patch of 3 x 3, \
+                               scaled to twice this length, and its square";
 
 /// A probe whose contact did not move although the probe rolled.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,8 +54,8 @@ pub struct RollEstimate {
     /// stated noise or from the residuals; `None` if neither is possible.
     covariance: Option<[[f64; 3]; 3]>,
     residual: f64,
-    /// Half-width of the 95 % intervals, as a number of standard errors.
-    half_width: f64,
+    /// Degrees of freedom of the residuals from which the noise was estimated; `None` if it was not estimated.
+    freedom: Option<usize>,
     std_from: &'static str,
     pub(super) repeated: Option<String>,
     /// Rolls that were left out because their readings were lost.
@@ -114,6 +121,11 @@ struct RollReport {
     /// are exact.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<BTreeMap<&'static str, [Option<f64>; 2]>>,
+    /// Shape class of the object at the first contact; `null` if all rolls have the same direction.
+    class: Option<&'static str>,
+    /// Probability of each class; `null` if no noise is stated or estimated.
+    class_probabilities: Option<BTreeMap<&'static str, f64>>,
+    thresholds: Option<Thresholds>,
     left_out: Vec<LeftOutProbe>,
     unresolved_probes: Vec<UnresolvedProbe>,
     /// p-value of the goodness of fit for the stated noise; `null` if no noise is stated.
@@ -126,9 +138,10 @@ impl RollEstimate {
     pub fn values(&self) -> RollValues {
         let Self { estimate, unit, .. } = self;
         let is_open = self.single_direction.is_some();
+        let half_width = half_width(self.freedom);
         let value = |Measured { value, std }, power: Unit| match is_open {
             true => Value::open(power, *unit),
-            false => Value::within(value, std, self.half_width, power, *unit),
+            false => Value::within(value, std, half_width, power, *unit),
         };
         let bare = |value: f64, power: Unit| Value::bare(value, power.of(*unit));
         let principal = estimate.curvature.principal();
@@ -184,6 +197,40 @@ impl RollEstimate {
         QUANTITIES.into_iter().map(bounds).collect()
     }
 
+    /// Thresholds of the shape classes. The threshold of the mean curvature is that of the 1996 paper, scaled to a patch
+    /// as wide as two rolls in opposite directions. The threshold of the Gaussian curvature is its square, so that a
+    /// ball above the one threshold is also above the other. `None` if all rolls have the same direction, or if no
+    /// contact moved.
+    fn thresholds(&self) -> Option<ShapeThresholds> {
+        let mean = of_size([2.0 * self.estimate.arc_length; 2])?.mean();
+        let thresholds = ShapeThresholds::new(mean * mean, mean).ok();
+        thresholds.filter(|_| self.single_direction.is_none())
+    }
+
+    fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
+        let form = &self.estimate.curvature;
+        thresholds.classify(form.gaussian_curvature(), form.mean_curvature())
+    }
+
+    fn class_probabilities(
+        &self,
+        thresholds: &ShapeThresholds,
+    ) -> Option<BTreeMap<&'static str, f64>> {
+        let covariance = self.covariance?;
+        let all = match &self.series {
+            Some(series) => series.estimate.class_probabilities(thresholds),
+            None => SeriesEstimate::of_ends(&self.estimate, covariance, self.freedom)
+                .class_probabilities(thresholds),
+        };
+        Some(
+            ShapeClass::ALL
+                .map(ShapeClass::name)
+                .into_iter()
+                .zip(all)
+                .collect(),
+        )
+    }
+
     /// p-value of the goodness of fit for the stated noise; `None` if no noise is stated.
     pub fn p_value(&self) -> Option<f64> {
         if let Some(series) = &self.series {
@@ -206,6 +253,7 @@ impl RollEstimate {
 impl Serialize for RollEstimate {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let values = self.values();
+        let limits = self.thresholds();
         let report = RollReport {
             format_version: FORMAT_VERSION,
             method: self
@@ -218,6 +266,9 @@ impl Serialize for RollEstimate {
             std_from: self.std_from,
             terms: self.series.as_ref().map(|series| series.estimate.terms),
             bounds: self.bounds(),
+            class: limits.map(|limits| self.class(&limits).name()),
+            class_probabilities: limits.and_then(|limits| self.class_probabilities(&limits)),
+            thresholds: limits.map(|limits| Thresholds::new(&limits, THRESHOLDS_FROM, self.unit)),
             left_out: self.left_out(),
             unresolved_probes: self.unresolved(),
             p_value: self.p_value(),
@@ -344,7 +395,7 @@ pub fn estimate_roll(
             covariance: has_error.then_some(series.estimate.covariance),
             residual: estimate.residual(readings).0,
             estimate,
-            half_width: NORMAL_95,
+            freedom: None,
             std_from: match options.series.noise.is_exact() {
                 _ if !has_error => "none: no noise is stated",
                 true if recorded
@@ -372,7 +423,7 @@ pub fn estimate_roll(
     let mut noise = options.noise;
     let (mut fitted, mut estimate) = fit(noise)?;
     let (residual, freedom) = estimate.residual(&fitted_readings[..readings.len()]);
-    let mut half_width = NORMAL_95;
+    let mut noise_freedom = None;
     let std_from = match noise {
         ReadingNoise {
             relative_rotation_std: 0.0,
@@ -384,7 +435,7 @@ pub fn estimate_roll(
         _ if freedom > 0 && residual > 0.0 => {
             noise.shift_std = residual;
             (fitted, estimate) = fit(noise)?;
-            half_width = student_95(freedom);
+            noise_freedom = Some(freedom);
             "the residuals"
         }
         _ => "none: the residuals are zero, and no noise or pitch is stated",
@@ -395,6 +446,7 @@ pub fn estimate_roll(
         // Use the fitted readings, whose rotations have no component across the single direction. This component is so
         // small that it does not determine the curvature across the single direction.
         recorded.readings = fitted;
+        let half_width = half_width(noise_freedom);
         DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)
     });
     Ok(RollEstimate {
@@ -405,7 +457,7 @@ pub fn estimate_roll(
         single_direction,
         estimate,
         residual,
-        half_width,
+        freedom: noise_freedom,
         std_from,
         repeated,
         lost,
@@ -417,10 +469,14 @@ pub fn estimate_roll(
 /// Largest number of degrees of freedom for which the half-width of an interval is stored after its first computation.
 const MAX_CACHED: usize = 64;
 
-/// Half-width of the 95 % interval, as a number of standard errors, for `freedom` degrees of freedom. The result is
-/// stored, because its computation takes longer than the estimate from a few rolls.
-fn student_95(freedom: usize) -> f64 {
+/// Half-width of the 95 % interval, as a number of standard errors. `freedom` is the number of degrees of freedom from
+/// which the noise was estimated; `None` if it was not estimated. The result for a small number is stored, because its
+/// computation takes longer than the estimate from a few rolls.
+fn half_width(freedom: Option<usize>) -> f64 {
     static CACHE: [OnceLock<f64>; MAX_CACHED] = [const { OnceLock::new() }; MAX_CACHED];
+    let Some(freedom) = freedom else {
+        return NORMAL_95;
+    };
     let compute = || student_half_width(0.95, freedom);
     CACHE
         .get(freedom)

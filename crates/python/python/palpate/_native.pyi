@@ -112,6 +112,9 @@ class RollEstimate(Record):
     single_direction: Record | None
     radius: _Radius
     std_from: str
+    class_: str | None
+    class_probabilities: Record | None
+    thresholds: Record | None
     unresolved_probes: list[Record]
     p_value: float | None
     warnings: list[Record]

@@ -1,7 +1,7 @@
 //! Estimates from files of recorded readings.
 
 use palpate_recorded::{
-    RecordedError, RecordedFile, RollEstimate, RollOptions, estimate_roll, parse_roll,
+    ReadingNoise, RecordedError, RecordedFile, RollEstimate, RollOptions, estimate_roll, parse_roll,
 };
 use palpate_study::config::LengthUnit;
 
@@ -165,4 +165,48 @@ fn rolls_in_one_direction_determine_the_curvature_along_the_path() {
             assert_eq!(json["warnings"][0]["code"], "not-resolved-across");
         }
     }
+}
+
+/// The thresholds scale with the rolls. The errors of the curvature are small compared with the probe's curvature, so
+/// the mean curvature H is normally distributed, and the probability of `peak` is the probability that H is above its
+/// threshold.
+#[test]
+fn classes_have_thresholds_and_probabilities() {
+    let class = |u: f64, v: f64, shift_std: f64| {
+        let noise = ReadingNoise {
+            shift_std,
+            ..ReadingNoise::default()
+        };
+        let options = RollOptions { noise, ..options() };
+        let estimate = estimate(&rows(u, v, 8), &options).unwrap();
+        serde_json::to_value(&estimate).unwrap()
+    };
+    for (u, v, name) in [
+        (0.05, 0.05, "peak"),
+        (-0.04, -0.04, "pit"),
+        (0.05, 0.0, "ridge"),
+        (0.0, -0.05, "valley"),
+        (0.001, -0.001, "flat"),
+        (0.05, -0.05, "minimal"),
+    ] {
+        let found = class(u, v, 1e-4);
+        let probability = found["class_probabilities"][name].as_f64();
+        assert_eq!((&found["class"], probability), (&name.into(), Some(1.0)));
+    }
+    let found = class(0.016, 0.016, 0.1);
+    let arc = found["arc_length"]["value"].as_f64().unwrap();
+    let threshold = found["thresholds"]["mean"]["value"].as_f64().unwrap();
+    assert!((threshold - 0.045 / arc).abs() < 1e-12, "{threshold}");
+    let mean = &found["mean_curvature"];
+    let [value, std] = ["value", "std"].map(|key| mean[key].as_f64().unwrap());
+    let below = palpate_statistics::normal_tail((value - threshold) / std);
+    let flat = found["class_probabilities"]["flat"].as_f64().unwrap();
+    let ridge = found["class_probabilities"]["ridge"].as_f64().unwrap();
+    let peak = found["class_probabilities"]["peak"].as_f64().unwrap();
+    assert!((0.05..0.95).contains(&below), "{below}");
+    assert!(
+        (1.0 - below - peak - ridge).abs() < 0.02,
+        "{below}: {found}"
+    );
+    assert!((flat + ridge + peak - 1.0).abs() < 0.02, "{found}");
 }
