@@ -1,8 +1,9 @@
-//! Continuous integration: runs all steps, one after the other.
+//! Continuous integration: runs all steps.
 
+use std::thread;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use xshell::{Shell, cmd};
 
 use crate::programs::{FEATURES, PYTHON};
@@ -16,7 +17,8 @@ const NO_INTERPRETER: [(&str, &str); 2] = [
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 14] = [
+/// Steps that use all processor cores most of the time.
+const STEPS: [Step; 9] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", crate_imports::check),
@@ -26,22 +28,45 @@ const STEPS: [Step; 14] = [
     ("docs", docs),
     ("licences", licences),
     ("results", results),
-    ("WebAssembly", web_assembly),
-    ("answers", programs::check_answers),
-    ("python", python),
-    ("instructions and accuracy", bench),
-    ("documents", book::check),
+];
+
+/// Steps that use one core most of the time. The two lists run at the same time.
+const SIDE_BY_SIDE: [&[Step]; 2] = [
+    &[("python", python)],
+    &[
+        ("answers", programs::check_answers),
+        ("instructions and accuracy", bench),
+        // This step can run while the wheel is built: it writes to another folder of the target directory.
+        ("WebAssembly", web_assembly),
+        ("documents", book::check),
+    ],
 ];
 
 pub(crate) fn run(shell: &Shell) -> Result<()> {
     let start = Instant::now();
-    for (name, step) in STEPS {
+    run_in_order(shell, &STEPS)?;
+    let root = shell.current_dir();
+    let in_own_shell = |steps: &[Step]| {
+        let shell = Shell::new()?;
+        shell.change_dir(&root);
+        run_in_order(&shell, steps)
+    };
+    thread::scope(|scope| -> Result<()> {
+        let lists = SIDE_BY_SIDE.map(|steps| scope.spawn(|| in_own_shell(steps)));
+        let ends = lists.map(|list| list.join().map_err(|_| anyhow!("ci: a step panicked"))?);
+        ends.into_iter().collect()
+    })?;
+    println!("ci: ok, {:.1} s", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn run_in_order(shell: &Shell, steps: &[Step]) -> Result<()> {
+    for (name, step) in steps {
         println!("== {name}");
         let start = Instant::now();
         step(shell).with_context(|| format!("ci: step `{name}` failed"))?;
         println!("== {name}: ok, {:.1} s", start.elapsed().as_secs_f64());
     }
-    println!("ci: ok, {:.1} s", start.elapsed().as_secs_f64());
     Ok(())
 }
 
