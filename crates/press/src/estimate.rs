@@ -212,7 +212,7 @@ impl PressEstimate {
     /// least one curvature in the interval of the object's curvature.
     ///
     /// # Errors
-    /// [`PressError::TooWide`] if the contact radius exceeds 0.9 of the object's radius for every curvature in the
+    /// [`PressError::TooWide`] if the contact radius exceeds 0.9 times the object's radius for every curvature in the
     /// interval.
     pub fn within_object(&self) -> Result<(), PressError> {
         // The shorter semi-axis of the contact is in the direction of the larger curvature.

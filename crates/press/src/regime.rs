@@ -87,7 +87,12 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
     let good = radius > 0.0 && radius.is_finite();
     PressError::unless_good("radius", radius, good, "finite and > 0")?;
     let good = (0.0..radius).contains(&a);
-    PressError::unless_good("contact_radius", a, good, "at least 0 and below the radius")?;
+    PressError::unless_good(
+        "contact_radius",
+        a,
+        good,
+        "at least 0 and below the object's radius",
+    )?;
     // Half of the logarithm is artanh(a/R), with the contact radius a and the object's radius R. It is computed from
     // the exact difference R − a, because a/R loses digits near 1.
     Ok(0.5 * a * libm::log1p(2.0 * a / (radius - a)))
@@ -97,11 +102,11 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
 /// `object_curvature` (1/length).
 ///
 /// # Errors
-/// [`PressError::TooWide`] if the object is convex and the contact radius exceeds 0.9 of its radius.
+/// [`PressError::TooWide`] if the object is convex and the contact radius exceeds 0.9 times its radius.
 pub fn within_object(object_curvature: f64, contact_radius: f64) -> Result<(), PressError> {
     let limit = MAX_CONTACT / object_curvature;
     if object_curvature > 0.0 && contact_radius > limit {
-        let what = "0.9 of the object's radius";
+        let what = "0.9 times the object's radius";
         return Err(PressError::TooWide {
             radius: contact_radius,
             limit,

@@ -9,7 +9,7 @@ pub type InvalidSensor = BadSetting<String>;
 /// The contact is outside of the pads, which cover only a cap of the fingertip.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error(
-    "the contact is {:.3} degrees from the middle of the pads, which end at {:.3}",
+    "the contact is {:.3} degrees from the middle of the pads, but the pads end at {:.3} degrees",
     Number(angle_rad.to_degrees()),
     Number(cap_rad.to_degrees())
 )]

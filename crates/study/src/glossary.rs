@@ -37,7 +37,7 @@ subjects! {
     "Studies" {
         "study": "A config with one scene, with axes that sweep fields of the scene, and with plots. `palpate run` writes the tables of a study, and `palpate plot` draws its figures.";
         "scene": "The bodies, the motion, the contact model, the sensor, the noise and the estimator of a study. Its kind is roll, glide, press or fingertip.";
-        "cell": "A grid point of a study: one combination of the swept values. Cells are counted from 0, and the first axis varies slowest.";
+        "cell": "A grid point of a study: one combination of the swept values. Cells are numbered from 0, and the values of the first axis vary slowest.";
         "trial": "One repetition of a cell with new random noise. Seed, cell and trial number determine this noise, so `palpate trace --trial` can replay a trial.";
         "shard": "Part of a run: every N-th grid point, so that several processes or machines share a run. `palpate merge` combines the shards.";
         "sweep": "An axis along which fields of the config are varied. A swept value replaces the value that the config states for the field.";
@@ -50,13 +50,13 @@ subjects! {
         "fingertip": "A scene of a sensor with markers, without an object. Its quantities are the image area of a marker (`marker_area`) and the strain of folding the skin (`greatest_fold_strain`, `rms_fold_strain`). The scene has no random numbers.";
         "trace": "Data of one trial of a scene: the true values at each step (trace.csv) and the readings of the sensor (readings.csv).";
         "interval": "Range that contains the true value with a stated probability; see `interval95`. In cells.csv, `coverage95` is the share of trials whose 95 % interval contains the true value.";
-        "claim": "A statement of one of the reproduced papers. It is scored from the tables of a study: the claim holds, differs or cannot be tested.";
+        "claim": "A statement of one of the reproduced papers. It is scored from the tables of a study: the claim holds, the measured values differ from it, or it cannot be tested.";
     }
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
         "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second coordinate, and `z` the third, the height. Columns such as `normal_x` and `tip_y` are components of vectors: `normal` is the unit normal out of the object; `object` and `probe` are the contact points on both bodies; `tip` is the centre of a fingertip; `rotation` is the rotation of a probe; `shift` (u, v) is the movement of the contact on the probe; `tangential` is a displacement along the skin.";
         "u": "Tangent direction at the contact, at a right angle to v. For a roll, u is the x axis of the contact frame at the start of the roll, so `normal_curvature_u` is the object's curvature in that direction.";
-        "v": "Tangent direction at the contact, at a right angle to u.";
+        "v": "Second tangent direction at the contact, at a right angle to the first direction u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
         "relative curvature": "Curvature of the sensor plus curvature of the object, 1/R_s + 1/R_o. It determines how two bodies roll or press on each other. For rolls, it has a value in each direction.";
         "principal curvatures": "The smallest and the largest normal curvature at a point, k_min and k_max. Their directions are at right angles to each other.";
@@ -64,7 +64,7 @@ subjects! {
         "peak": "Shape class of a point where the surface is convex in all directions: K > 0, H > 0.";
         "ridge": "Shape class of a point where the surface is convex in one direction and straight across it, like a cylinder from outside: K = 0, H > 0.";
         "saddle-ridge": "Shape class of a saddle that is more convex than concave: K < 0, H > 0.";
-        "flat": "Shape class of a point without curvature: K = 0, H = 0. For a press, the regime of an object without curvature.";
+        "flat": "Shape class of a point without curvature: K = 0, H = 0. For a press, the kind of contact with an object without curvature.";
         "minimal": "Shape class of a saddle that is as convex as it is concave: K < 0, H = 0.";
         "pit": "Shape class of a point where the surface is concave in all directions: K > 0, H < 0.";
         "valley": "Shape class of a point where the surface is concave in one direction and straight across it, like a cylinder from inside: K = 0, H < 0.";
@@ -74,7 +74,7 @@ subjects! {
         "concave": "An object is concave if it is hollow; its curvature is negative. As the class of a point by signs: both principal curvatures are negative.";
         "saddle": "Class of a point by the signs of the principal curvatures alone: the surface is convex in one direction and concave in another, or it is flat in some direction.";
         "thresholds": "Magnitudes of K and H below which K and H count as 0 for the shape class.";
-        "edge": "Regime of a press on a hollow object with a smaller radius than the sensor. The sensor touches only the rim of the object, so its curvature cannot be estimated.";
+        "edge": "Kind of contact of a press on a hollow object with a smaller radius than the sensor. The sensor touches only the rim of the object, so the object's curvature cannot be estimated.";
         "RCR": "Relative curvature ratio: the object's normal curvature divided by the probe's. A relative error of the readings of a roll is amplified by 1 + 1/RCR.";
         "Montana": "Author of the contact equations (1988). They describe how a contact point moves on two bodies that roll on each other, as a function of their curvatures.";
         "coherence": "Property of a region of one shape class, from 0 (the directions of largest curvature in the region are random) to 1 (they are parallel).";
@@ -188,7 +188,7 @@ subjects! {
         "moved-camera": "All markers moved by the same shift between the frames. The camera may have moved.";
         "swapped-frames": "The markers became smaller. The frame at rest and the pressed frame may be swapped.";
         "lost-markers": "Many markers were not found again in the pressed frame.";
-        "failed-pilot": "All trials of a cell that were run to choose the number of trials failed, so this cell does not influence this number.";
+        "failed-pilot": "To choose the number of trials, palpate first ran a few trials of each cell. In one cell all these trials failed, so this cell does not influence the number.";
         "heavy-tails": "A few trials with large errors determine the root mean square error, so its stated uncertainty is inaccurate.";
         "failed-map": "The map has no estimates for a cell, because trial 0 of this cell failed.";
         "unknown-noise": "The noise is estimated from few readings, so the estimated noise is uncertain.";
@@ -209,7 +209,7 @@ subjects! {
         "unchecked-indentation": "The readings alone do not determine an indentation, so the stated indentation cannot be checked.";
         "grid-beyond-contacts": "The grid of a glide extends beyond the contacts, so the fit is extrapolated there.";
         "flat-object": "The object is so flat that rounding errors of double precision change its curvature noticeably.";
-        "few-crossings": "The contacts cross few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of a wide range.";
+        "few-crossings": "The contact of a roll crosses few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of the wide range between them.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
         "two-groups": "The contacts form two groups. The gap between the groups is larger than each group, so the contacts may be of two objects.";
@@ -231,7 +231,7 @@ subjects! {
         "scatter-at-rest": "The markers in the frame at rest scatter more than the stated errors of the tracker. The intervals are widened accordingly.";
         "missing-markers": "Some markers of the layout were not found in the frames.";
         "other-camera": "The frame at rest contradicts the stated camera.";
-        "camera-scale": "The stated radial scale contradicts the frames.";
+        "camera-scale": "The stated scale of the camera, in pixels per radian, contradicts the calibration.";
         "uncertain-gain": "The gain of the calibration is uncertain, so the curvature is uncertain too.";
         "ignored-layer": "The study's contact model is a layer, but the estimator fits a half-space.";
         "uneven-pictures": "The effect of light and blur on the images of markers is computed for markers at rest. This effect changes when the markers move.";
@@ -247,9 +247,9 @@ subjects! {
         "off-probe": "A contact position in a time series is more than half way round the probe. The lengths may be in another unit.";
         "contradiction": "The rotations in the time series of a roll contradict the pads of this roll, or the other rolls, by more than the stated noise. The pitch, the radius of the probe or the axes may be wrong, or the probe slipped.";
         "overlapping": "The object would penetrate the probe beside the contact, so a real probe cannot roll there.";
-        "conforming": "The object is hollow and has almost the same radius as the probe or sensor. They would touch over a whole area, so there is no contact point and no finite effective radius. In `press`, this is also the name of a regime.";
+        "conforming": "The object is hollow and has almost the same radius as the probe or sensor. They would touch over a whole area, so there is no contact point and no finite effective radius. In `press`, this is also the name of a kind of contact.";
         "too-many-steps": "The integrator of the roll reached its largest number of steps before the end of the roll.";
-        "singular": "The step of the integrator became too small, because the motion is singular at this place.";
+        "singular": "The step of the integrator became too small, because the motion of the contact is singular at one point of the roll.";
         "beyond-pads": "The contact rolled beyond the part of the fingertip that has pads.";
     }
     "Failures of glides" {
@@ -274,10 +274,10 @@ subjects! {
         "edge-contact": "The object is hollow and has a smaller radius than the sensor. The sensor touches its rim and not its bottom.";
         "too-deep": "The indentation is larger than its limit, for example the thickness of the soft layer.";
         "too-wide": "The contact radius would exceed the sensor's radius, or 0.9 times the object's radius.";
-        "layer-too-thin": "The contact is too wide compared with the thickness of the layer for its equations to be solved.";
+        "layer-too-thin": "The contact is so wide compared with the thickness of the layer that palpate cannot solve the equations of the contact.";
         "too-few-markers": "There are fewer readings of markers than unknowns.";
         "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way, so the best fit of a press is hardly better than no press. If there is no contact, noise is mistaken for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
-        "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. Palpate reports it as an error if no press fits the readings, and as a warning if the fit is bad.";
+        "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. The code `other-body` is an error if no press fits the readings, and a warning if the fit is bad.";
         "off-markers": "The contact that fits the readings best is outside the area of the markers.";
         "hidden-marker": "In the frame at rest, a marker was found where the stated camera could not see it. The layout or the camera differs from the stated one.";
     }
@@ -285,14 +285,14 @@ subjects! {
         "folded-lens": "With these odd terms (k3, k5), the lens would map two angles within its field to the same image point.";
         "bad-depth": "A disc of a marker would lie outside the skin, or at the sensor's centre.";
         "off-the-skin": "A marker would be half a turn or more away from the apex.";
-        "too-many-markers": "There are more markers than the limit.";
+        "too-many-markers": "The sensor has more markers than palpate accepts. The message states the limit.";
         "discs-overlap": "The discs of two markers overlap, seen from the centre of the sphere.";
         "wrong-count": "The number of displacements differs from the number of markers.";
         "impossible-motion": "The displacement of a disc is not finite, or is at least as long as the disc's distance from the sensor's centre.";
         "out-of-field": "The image circle does not contain the contact or the marker that is measured.";
         "empty-image": "The frame has no pixels.";
         "too-small": "The frame, or its part inside the image circle, is too small for a marker.";
-        "too-large": "The frame is larger than the limit.";
+        "too-large": "The frame has more pixels along a side than palpate accepts. The message states the limit.";
         "mask-outside": "The radius of the image circle is not positive, or its centre is outside the frame.";
         "no-markers": "No region of the frame differs from the background as a marker does.";
         "too-many": "The frame has more separate regions than a sensor has markers: the frame is noisy, or it does not show a sensor.";
