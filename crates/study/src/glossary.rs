@@ -170,7 +170,7 @@ subjects! {
     }
     "Warnings about estimates" {
         "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. The number `p_value` is the probability that chance alone causes a contradiction between readings and model that is at least as large as the observed one.";
-        "p-value": "Probability that noise of the stated size causes residuals at least as large as these, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
+        "p-value": "Probability that noise of the stated size causes residuals at least as large as the observed ones, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
         "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls, below 0.02). The stated noise is too small, or the model does not hold.";
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the number of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are too narrow or too wide.";
@@ -197,9 +197,9 @@ subjects! {
         "repeated-rows": "Some rows are identical in every digit. Copied rows are not new readings, and make the stated uncertainty too small.";
         "units": "The readings or a stated noise seem to be in another unit, or the displacements of a press seem to have the opposite sign.";
         "signs": "The readings seem to have the opposite sign, or their columns seem to be swapped. For example, displacements point outward, or normals contradict the positions.";
-        "unnamed-probes": "No column names the roll of each row. The rolls are found by rows, blank lines or times.";
+        "unnamed-probes": "No column names the roll of each row. Palpate separates the rolls by rows, blank lines or times.";
         "assumed-columns": "The file does not name its columns as palpate does. palpate used the order of the columns, or took them for columns of several fingers, or left some columns unread.";
-        "unnamed-fingers": "No column names the finger of each row. The fingers are found by blank lines or long steps.";
+        "unnamed-fingers": "No column names the finger of each row. Palpate separates the fingers by blank lines or by long steps between contacts.";
         "half-turn": "The contact of a simulated roll passes half way round the probe, so the shift no longer determines the length of the roll.";
         "hidden-markers": "The simulated camera does not image all markers.";
         "large-shift": "The sideways movement of a simulated press is larger than the contact radius, so the strains are not small.";
@@ -271,7 +271,7 @@ subjects! {
     "Failures of presses" {
         "off-skin": "The stated position of a marker is beyond the end of the skin. Position and sensor radius may be in different units.";
         "no-indentation": "The indentation is not positive, so the bodies do not touch.";
-        "edge-contact": "The object is hollow and has a smaller radius than the sensor. The sensor touches its rim and not its bottom.";
+        "edge-contact": "The object is hollow and has a smaller radius than the sensor. The sensor touches the object's rim and not its bottom.";
         "too-deep": "The indentation is larger than its limit, for example the thickness of the soft layer.";
         "too-wide": "The contact radius would exceed the sensor's radius, or 0.9 times the object's radius.";
         "layer-too-thin": "The contact is so wide compared with the thickness of the layer that palpate cannot solve the equations of the contact.";
@@ -300,7 +300,7 @@ subjects! {
     "Other failures" {
         "off-domain": "The surface does not extend to the contact, or its formula is undefined there.";
         "chart-singular": "The coordinates of the surface are singular at the contact, although the surface itself is regular.";
-        "no-closest-point": "Several points of the surface are equally close, for example from the centre of a ball.";
+        "no-closest-point": "Several points of the surface are equally close to the given point, for example if the point is the centre of a ball.";
         "not-finite": "A number, or a result that is computed from it, is not finite or too large to be squared.";
         "out-of-range": "The numbers exceed the range of double precision: lengths differ too much, or are in a wrong unit.";
         "bad-setting": "A setting is out of its range. The message states the setting, its value and the allowed range.";

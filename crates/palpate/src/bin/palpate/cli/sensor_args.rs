@@ -15,10 +15,10 @@ pub(crate) enum SensorCommand {
     /// Draw the flat pattern for cutting a sensor's skin: writes pattern.svg, pattern.dxf and the strain of folding.
     #[command(
         after_help = "The config must describe a press or a fingertip whose layout has gores (the flat pieces from which the skin is
-made) and whose probe has discs.
-pattern.svg and pattern.dxf are in millimetres, with the outlines of the gores (CUT), fold and seam marks
-(FOLD) and the discs of both layers (MAGENTA, YELLOW). strain.csv has the strain of folding at points of half
-a gore. strain-by-gores.csv has the largest strain and the rms strain for 3 to 12 gores.
+made) and whose probe has discs. pattern.svg and pattern.dxf are in millimetres, with the outlines of the
+gores (CUT), fold and seam marks (FOLD) and the discs of both layers (MAGENTA, YELLOW). strain.csv has the
+strain of folding at points of half a gore. strain-by-gores.csv has the largest strain and the rms strain for
+3 to 12 gores.
 
 Example:
   palpate sensor pattern examples/press-with-a-camera.toml --out out/pattern"
