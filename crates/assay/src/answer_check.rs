@@ -258,9 +258,9 @@ mod tests {
             (0.399, many, false),
             (0.519, many, true),
             (0.521, many, false),
-            // The share of 10,000 pairs has a standard error of 0.005, so its 1.96 standard errors are 0.0098. The
-            // interval of the probability reaches 0.02 above the probability. The tolerance is √(0.0098² + 0.02²) =
-            // 0.0223.
+            // The share of 10,000 pairs has a standard error of 0.005, and 1.96 standard errors are 0.0098. The upper
+            // end of the stated interval is 0.02 above the stated probability. Therefore the share may exceed the
+            // probability by √(0.0098² + 0.02²) = 0.0223.
             (0.522, 10_000, true),
             (0.5225, 10_000, false),
         ] {

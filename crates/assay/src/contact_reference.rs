@@ -67,9 +67,9 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)). On a concave object, s = 1 gives the point
-    // that is farthest from the z axis. On a convex object, no contact is farther from the z axis than the centre of
-    // the tip.
+    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)), where (x, y) is the contact. On a concave
+    // object, the contact is at most as far from the z axis as the point for s = 1. On a convex object, it is at most
+    // as far from the z axis as the tip's centre.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]

@@ -161,7 +161,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     let good = cap_deg > 0.0 && cap_deg <= 180.0;
     LayoutError::unless(good, "cap_deg", cap_deg, "above 0 and at most 180")?;
     let half_cap = 0.5 * cap_deg.to_radians();
-    // The cap covers the share sin²(cap/2) of the sphere's area.
+    // A cap whose rim is at the polar angle θ covers the share sin²(θ/2) of the sphere's area.
     let share = libm::sin(half_cap) * libm::sin(half_cap);
     let good = pitch > 0.0 && pitch.is_finite();
     LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;

@@ -262,8 +262,9 @@ mod tests {
             let outline = gore(gores, samples, radius);
             assert_eq!(outline.len(), 2 * samples as usize + 1);
             let area = area(&outline);
-            // The outline of the gore consists of chords. The chords enclose less area than the exact outline, which is
-            // a sine curve. The ratio of the two areas is (h/2) cot(h/2), where h is the step of the polar angle.
+            // The outline of a gore (flat piece of the skin) consists of chords. The chords enclose less area than the
+            // exact outline, which is a sine curve. The ratio of the two areas is (h/2) cot(h/2), where h is the step
+            // of the polar angle.
             let half_step = 0.25 * PI / f64::from(samples);
             let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);
@@ -299,8 +300,8 @@ mod tests {
                 );
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
-                // The gores do not overlap on the flat sheet, because each gore stays within its share of the full
-                // turn.
+                // The gores (flat pieces of the skin) do not overlap on the sheet, because each gore stays within its
+                // share of the full turn.
                 let [x, y] = flat.assembled;
                 assert_relative_eq!(
                     libm::hypot(x, y),

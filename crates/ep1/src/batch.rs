@@ -179,8 +179,8 @@ impl BatchEstimates {
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];
-        // Nearly always, all sets of readings determine a curvature. Then the sum of the flags equals the number of
-        // sets. Test the sum first, because this is faster than a search.
+        // A flag is 1 if its set of readings determines a curvature. Nearly always, all flags are 1, and their sum
+        // equals their number. Compute the sum first, because this is faster than a search for the first 0.
         match all.iter().sum::<u64>() as usize {
             sum if sum == all.len() => sum,
             _ => all.iter().take_while(|&&one| one == 1).count(),

@@ -99,7 +99,8 @@ impl Programs {
 /// at the corner of the rows `numbers` if this corner is the furthest one for these three rows, otherwise at a corner
 /// of the bounding box. `None` if the polyhedron is empty.
 fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Option<Corner> {
-    // A direction that is perpendicular to no edge of the polyhedron avoids cycles.
+    // If an edge of the polyhedron is perpendicular to `direction`, the simplex method can repeat the same steps
+    // forever. Therefore search in a slightly different direction.
     let oblique = direction + Vector3::new(0.37, 0.61, 0.83) * (OBLIQUE * direction.norm());
     let mut basis = Matrix3::from_diagonal(&oblique.map(f64::signum));
     let mut slacks = Vector3::repeat(OPEN);

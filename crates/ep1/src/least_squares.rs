@@ -356,8 +356,8 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
     }
-    // Compare det/trace² of the matrix `gram` with a bound, instead of the ratio of its smaller to its larger
-    // eigenvalue. This ratio is between det/trace² and four times det/trace².
+    // Let q be the ratio of the smaller to the larger eigenvalue of the matrix `gram`. q is between det/trace² and four
+    // times det/trace². Therefore compare det/trace² with the limit, which needs no eigenvalues.
     let trace = gram.uu + gram.vv;
     let determinant = gram.determinant();
     if determinant > SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace {

@@ -65,7 +65,7 @@ impl BoundedRoll {
         let mobility = shape.relative().try_inverse()?;
         let mut edges = edge_samples(samples, runs, cell.pitch() / radius, cell, &mobility);
         let turned = samples.last()?.rotation;
-        // If the path bends, it is computed at more rotations than those at which the bounds are needed.
+        // If the contact's path bends, it is also computed at rotations between those of the bounds.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
         let bend = uneven * turned.norm() + sagitta(samples);
         let square = turned.norm_squared() * bend / 12.0;
@@ -80,7 +80,7 @@ impl BoundedRoll {
                     .step_by(step)
                     .map(|at| samples[at].rotation),
             );
-            // Bounds that come from the same sample share the rotation of this sample.
+            // Bounds that come from the same sample share one element of `rotations`.
             if rotations.is_empty() || edge.2 != last {
                 last = edge.2;
                 rotations.push(samples[last].rotation);
@@ -158,8 +158,9 @@ impl PadEdgeSet {
             }
             let found = middle(&set.rows);
             let is_found = found.is_some();
-            // If the linear bounds are computed far from the set, possibly no mobility fulfils them. A step with wider
-            // bounds leads towards the set.
+            // The linear bounds are approximations at the current mobility (contact travel per radian). If this
+            // mobility is far from all possible mobilities, perhaps no mobility fulfils the bounds. Then a step with
+            // wider bounds leads towards the possible mobilities.
             let wider = |widening: &f64| {
                 let mut wider = set.rows.clone();
                 let rows = wider.iter_mut().flat_map(|roll| &mut roll.rows);
@@ -178,8 +179,8 @@ impl PadEdgeSet {
                 }
                 break;
             }
-            // With the mobility in the middle of a wide set, the contact possibly does not roll. Then move the middle
-            // towards the centre.
+            // If the set of possible mobilities is wide, its middle may be a mobility with which the contact does not
+            // roll. Then `rolling` shortens the step from the old centre to the middle.
             let centre = set.centre + matrix(&set.rolling(change));
             (set.shape, set.centre) = (LocalShape::of_mobility(&centre)?, centre);
             set.mean = Vector3::zeros();
@@ -326,12 +327,12 @@ impl PadEdgeSet {
             let found = direction.dot(&change);
             let (distance, apart) = ((found - mean).abs(), (found - last).abs());
             if apart < CONVERGED * distance + 1e-13 {
-                // The ratio of the next change to this change is at most `apart / distance`.
+                // Another pass would change the extreme value by at most the last change times `apart / distance`.
                 let next = apart * (apart / distance).min(1.0);
                 return Some(found.max(last) + next);
             }
-            // Where the boundary of the set is round, the corners of the linear bounds alternate around the extreme
-            // point.
+            // Where the boundary of the set of mobilities is curved, successive passes overestimate and underestimate
+            // the extreme value in turn. Therefore use the largest value of the later passes.
             if pass > PASSES / 2 {
                 largest = largest.max(found.max(last) + apart * (apart / distance).min(1.0));
             }
@@ -382,8 +383,9 @@ impl PadEdgeSet {
         let square = relative * relative;
         let (trace, determinant) = (relative.trace(), relative.determinant());
         let deviations = self.deviations().filter(|ends| ends[0] > -1.0);
-        // Largest nonlinear remainders of the inverse of the mobility and of its determinant. Both remainders are
-        // convex functions of the deviations, so they are largest at the ends of the deviations.
+        // Upper bounds of the nonlinear remainders of the mobility's inverse and of its determinant. Both remainders
+        // are convex functions of the mobility's deviations from the mean, so they are largest at an end of the range
+        // of deviations.
         let inverse = deviations.map(|ends| ends.map(|e| e * e / (1.0 + e)));
         let inverse = inverse.map_or(f64::INFINITY, |[low, high]| low.max(high));
         let product =
@@ -440,9 +442,9 @@ impl PadEdgeSet {
             let first = 0.5 * libm::atan2(2.0 * form[(0, 1)], form[(0, 0)] - form[(1, 1)]);
             let step = std::f64::consts::PI / DIRECTIONS as f64;
             let mut programs = Programs::default();
-            // For each direction: the normal curvature that belongs to the mean mobility, and the smallest and the
-            // largest difference from this curvature over the set. The principal directions of the mean are among the
-            // directions.
+            // For each direction: the normal curvature at the mean mobility (contact travel per radian), and the
+            // smallest and the largest difference from this curvature over all possible mobilities. The principal
+            // directions of the mean are among the directions.
             let all: Vec<[f64; 3]> = (0..DIRECTIONS)
                 .map(|at| {
                     let angle_rad = first + step * at as f64;
@@ -454,8 +456,9 @@ impl PadEdgeSet {
                     [own, low - own, high - own]
                 })
                 .collect();
-            // Between two neighbouring directions, a difference m + r cos(2(θ − φ)) exceeds its values in these
-            // directions by at most `excess` times the larger value minus m.
+            // A difference has the form m + r cos(2(θ − φ)) as a function of the direction θ. Between two neighbouring
+            // directions, it exceeds the larger of its two values in these directions by at most `excess` times (this
+            // value − m).
             let excess = 1.0 / libm::cos(step) - 1.0;
             let mean =
                 [1, 2].map(|end| all.iter().map(|one| one[end]).sum::<f64>() / DIRECTIONS as f64);

@@ -141,8 +141,8 @@ impl RollRotations {
     pub(crate) fn new(rotations: Vec<Vector3<f64>>, has_spin: bool) -> Self {
         let mut last = Vector3::zeros();
         let step = |rotation: &Vector3<f64>| {
-            // If two rotation vectors are parallel, their difference is exact, and faster to compute than a product of
-            // quaternions.
+            // If two rotation vectors are parallel, the rotation between them is exactly their difference. The
+            // difference is faster to compute than a product of quaternions.
             let across = last.cross(rotation).norm_squared();
             let scale = last.norm_squared() * rotation.norm_squared();
             let step = match across <= 1e-24 * scale {
@@ -242,7 +242,8 @@ impl PathPoint {
         let drive = self.drive + spun(&drive_of(turn), mean_spin);
         let (mut x, mut mobility) = (self.x, self.mobility);
         if shape.terms == 1 {
-            // With one term, the curvature is constant, and so is the mobility.
+            // If the polynomial of the curvature has only one term, the curvature is constant, and so is the mobility
+            // (contact travel per radian).
             x = mobility * drive;
         } else {
             for _ in 0..NEWTON_STEPS {

@@ -390,8 +390,8 @@ impl SeriesEstimate {
         let mean = self.curvature.mean_curvature();
         let [low, high] = self.around(mean, self.std([0.5, 0.5, 0.0]));
         let is_flat = low.is_none_or(|low| low <= 0.0) && high.is_none_or(|high| high >= 0.0);
-        // Around a flat object, the Gaussian curvature of a draw is a product of two errors, which is seldom 0.
-        // Therefore the interval is extended to 0.
+        // If the object is flat, both principal curvatures of a posterior draw are only errors, and the product of two
+        // errors is seldom exactly 0. Therefore the interval of the Gaussian curvature is extended to 0.
         let least = if is_flat {
             at(0.025).min(0.0)
         } else {

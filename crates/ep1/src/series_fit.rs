@@ -375,9 +375,9 @@ impl Problem<'_> {
         let mut all = vec![self.candidate(data, &first, 1)];
         self.more_terms::<7>(data, noise, &mut shape, &mut all);
         self.more_terms::<12>(data, noise, &mut shape, &mut all);
-        // On a symmetric object, odd derivatives of the curvature are zero, so a second term may not improve the fit
-        // although a third term does. A fourth term is tried only if a fit with two or three terms is better than the
-        // fit with one term.
+        // On a symmetric object, odd derivatives of the curvature are zero. A second term of the polynomial then does
+        // not improve the fit, but a third term may. So fits with two and three terms are always tried. A fourth term
+        // is tried only if one of these fits is better than the fit with one term.
         let first = all[0].criterion;
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);
@@ -392,9 +392,10 @@ impl Problem<'_> {
                 estimate.widen(entries * (0.5 * turned * turned));
             }
         }
-        // The criterion of a fit with few terms may be good although the fit has a bias at the start of the rolls.
-        // Therefore its criterion is at least the squared distance of its curvature from the curvature of the fit with
-        // the most terms. The criterion of that fit is at most 6, the penalty for three curvature components.
+        // A fit with few terms may have a good criterion and yet a bias at the start of the rolls. Therefore its
+        // criterion is raised to at least the squared distance of its curvature from the curvature of the fit with the
+        // most terms. The criterion of the fit with the most terms is at most 6, the penalty for three curvature
+        // components.
         if let Some(last) = all.pop() {
             let best = all
                 .iter()
@@ -440,8 +441,8 @@ impl Problem<'_> {
         if let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) {
             *shape = fit.shape;
             let mut one = self.candidate(data, &fit, shape.terms);
-            // The omitted terms probably change the curvature at the start as the last two terms did, but less. The
-            // ratio is the share of the last terms in the curvature form.
+            // Widen the standard errors for the omitted terms. They probably change the curvature at the start as the
+            // last two terms did, but less: by the share that the last terms have in the curvature form.
             if let Some(before) = all
                 .iter()
                 .rfind(|one| one.estimate.terms + 2 == shape.terms)

@@ -71,7 +71,8 @@ impl Curvature {
         if !is_sound {
             return None;
         }
-        // If the standard deviation is so small that `low` and `high` are equal after rounding, treat it as 0.
+        // If the standard deviation of H is so small that `low` and `high`, the ends of the range of H, are equal after
+        // rounding, treat it as 0.
         if low < high && std >= f64::MIN_POSITIVE {
             let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
             for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {

@@ -145,8 +145,9 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     }
     let capacity = if with_copies { contacts.len() } else { 0 };
     let mut copies = HashMap::with_capacity(capacity);
-    // `runs` contains the first contact of each run. `rests` contains the sums over runs of several contacts. It is a
-    // map, because most runs have only one contact.
+    // Contacts at nearly the same place are merged into a run. `runs` contains the first contact of each run. `rests`
+    // contains the sums over the contacts of a run, but only for runs of several contacts, which are few. Therefore
+    // `rests` is a map.
     let mut runs: Vec<Contact> = Vec::with_capacity(contacts.len());
     let mut rests: HashMap<usize, Rest> = HashMap::new();
     let mut open: FingerMap<Option<usize>> = FingerMap::default();
@@ -165,8 +166,8 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
             .entry(contact.finger)
             .filter(|&run| (position - runs[run].position).norm() <= limit);
         let run = match (copied, rested) {
-            // An exact copy of an earlier contact belongs to the run of this contact, but does not change the mean of
-            // the run.
+            // If this contact is an exact copy of an earlier contact, it belongs to the same run, but does not change
+            // the mean of the run.
             (Some(run), _) => run,
             (None, Some(run)) => {
                 let rest = rests.entry(run).or_insert_with(|| Rest {

@@ -129,9 +129,8 @@ impl Cloud {
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let spreads = order.map(|index| eigen.eigenvalues[index].max(0.0).sqrt());
         let axes = order.map(|index| eigen.eigenvectors.column(index).into_owned());
-        // The rounding error of a spread is the square root of the rounding error of a moment, because moments contain
-        // squares of lengths. If the ratio of two spreads is below this rounding error, compute the width of the patch
-        // directly.
+        // A spread is the square root of a moment, so its relative rounding error is the square root of that of a
+        // moment. If the ratio of two spreads is below this rounding error, compute the width of the patch directly.
         let spread = spreads[1] / spreads[2];
         if spread <= ROUNDING.sqrt() {
             let across = distance_across(contacts, &centre, &axes[2]) / (extent * spreads[2]);
@@ -200,7 +199,8 @@ impl Cloud {
         for contact in contacts {
             let place = (contact.position - self.centre) / self.extent;
             let (x, y) = (principal.dot(&place), across.dot(&place));
-            // Sum the real part (`cosine`) and the imaginary part (`sine`) of (x + iy)⁴ over all contacts.
+            // The sum of (x + iy)⁴ over all contacts, with the real part `cosine` and the imaginary part `sine`,
+            // determines the diagonals of a square patch.
             let (square, product) = (x * x - y * y, 2.0 * x * y);
             cosine += square * square - product * product;
             sine += 2.0 * square * product;

@@ -165,7 +165,8 @@ impl Model<'_> {
         }
         let position = square(position);
         let found = noise.normal_std_rad.map_or(0.0, square);
-        // `found` includes the effect of position errors on the normals. Subtract this effect here.
+        // `found` is the estimated variance of the normals, which includes the effect of position errors. Subtract this
+        // effect.
         let samples = self.patch.samples.iter();
         let jets = samples.map(|sample| self.jet(sample));
         let bend = |jet: Jet| 0.5 * (jet.uu * jet.uu + 2.0 * jet.uv * jet.uv + jet.vv * jet.vv);

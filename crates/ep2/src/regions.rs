@@ -129,7 +129,7 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
         .map(|[along, across]| (along / longest).cross(&(across / longest)).norm())
         .collect();
     let area: f64 = areas.iter().sum();
-    // If the total area of the points is 0, all points have the same weight.
+    // If the total area that the points represent is 0, give all points the same weight.
     let share = |index: usize| {
         if area > 0.0 {
             areas[index] / area

@@ -122,11 +122,12 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let steps: Vec<f64> = fingers.iter().flat_map(steps_of).collect();
     let mut is_beside = vec![false; contacts.len()];
     for finger in fingers.iter().filter(|finger| finger.len() > 1) {
-        // Use the larger median, because this finger may have longer steps than the others.
+        // Use the larger of two medians, that of this finger's steps and that of the steps of all fingers, because this
+        // finger may have longer steps than the others.
         let step = median(steps_of(finger)).max(median(steps.clone()));
         let limits = [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * step);
-        // For each contact: the number of contacts on the longest path that ends at this contact, and the contact
-        // before it on this path.
+        // For each contact: the number of contacts in the longest chain of contacts without a jump that ends at this
+        // contact, and the previous contact in this chain.
         let mut paths: Vec<(usize, Option<usize>)> = Vec::with_capacity(finger.len());
         for place in 0..finger.len() {
             let is_near = |before: &usize| {

@@ -184,8 +184,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
             }
         })
         .ok()?;
-    // If all true values of a quantity are 0, the shifts of its estimates are divided by this scale: the largest true
-    // value of all quantities with the same unit.
+    // The shift of an estimate by the contact model is divided by the largest true value of its quantity. If all true
+    // values of the quantity are 0, it is divided by the largest true value of all quantities with the same unit.
     let of_unit = |place: usize| {
         let alike = (0..truths.len()).filter(|&one| quantities[one].unit == quantities[place].unit);
         alike.map(|one| truths[one]).fold(0.0, f64::max)

@@ -264,7 +264,8 @@ impl Planner<'_> {
             return None;
         }
         let cells: Vec<&dyn Trial> = random.iter().map(|&cell| &trials[cell] as _).collect();
-        // Without a target error, the pilot runs as many trials as the budget allows. It does so for a tiny target.
+        // The pilot consists of the trials before the run. If no target error is stated, the pilot runs as many trials
+        // as the budget allows, as it does for a tiny target error.
         let target = self.goal.target_error.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(self.runner, &cells, target, most, MAX_FOR_TARGET);
         Some(pilot)
@@ -316,8 +317,8 @@ impl Planner<'_> {
         target: f64,
     ) -> Result<(), PlanError<C::Error>> {
         let Some(need) = pilot.need(target) else {
-            // All estimates of the pilot are exact, so more trials are not needed. Use the number of trials of the
-            // pilot.
+            // All estimates in the pilot (the trials before the run) are exact, so more trials are not needed. Use the
+            // same number of trials as the pilot.
             let run = pilot.cells.iter().map(|cell| cell.trials).max();
             plan.by_target = run.and_then(NonZeroU64::new).or(Some(NonZeroU64::MIN));
             return Ok(());

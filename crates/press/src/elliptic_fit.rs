@@ -466,7 +466,7 @@ impl<'a> Problem<'a> {
             let width = limit * stds.along(angle);
             let ends = [value - width, value + width];
             // In any direction, the normal curvature is at most the larger principal curvature and at least the smaller
-            // one. Therefore the interval of each normal curvature limits the intervals of both.
+            // one. Therefore the interval of each normal curvature limits the intervals of both principal curvatures.
             bounds[0] = [0, 1].map(|end| bounds[0][end].max(ends[end]));
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }

@@ -239,7 +239,7 @@ impl Markers {
         let half_square = 0.5 * chord.norm_squared();
         let half_chord = (0.5 * half_square).sqrt().min(1.0);
         let sine = 2.0 * half_chord * (1.0 - 0.5 * half_square).max(0.0).sqrt();
-        // If the marker is exactly at the contact, the direction is +x.
+        // If the marker is exactly at the contact, the direction from one to the other is undefined. Use +x.
         let unit = |along: Vector3<f64>, axes: &Place| {
             if sine > 0.0 {
                 Vector2::new(along.dot(&axes.x_axis), along.dot(&axes.y_axis)) / sine

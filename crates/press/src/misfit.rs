@@ -197,8 +197,8 @@ mod tests {
         let patterns = SMatrix::<f64, READINGS, PATTERNS>::from_fn(|row, column| {
             scattered(190 + 7 * row + column)
         });
-        // If a fit parameter is at the limit of its range, a change of the parameters beyond the limit could still
-        // explain a part of the residuals. In this test, `residuals` consists only of this part.
+        // If a fit parameter is at the limit of its range, some residuals remain that only a change beyond the limit
+        // would explain. In this test, all residuals are of this kind, so they must not count as a pattern.
         let residuals = slopes * SVector::from([40.0, -70.0, 0.0, 0.0, 0.0, 0.0]);
         let products = PatternSums {
             by_slopes: slopes.tr_mul(&patterns),

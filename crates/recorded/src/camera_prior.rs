@@ -165,8 +165,8 @@ impl<'a> CameraPrior<'a> {
         let apart = DVector::from_fn(count, |entry, _| {
             (own[entry] - found[entry]) / scales[entry]
         });
-        // The parameters are correlated, so together they may contradict the frame although each single parameter
-        // agrees with it. Therefore test them jointly.
+        // The errors of the parameters are correlated. So all parameters together may contradict the frame although
+        // each single parameter agrees with it. Therefore test them jointly.
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));

@@ -314,7 +314,8 @@ impl<'r> GlideFitResult<'r> {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
             Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
         };
-        // Only the method `two-pass` has a status. This method never states an uncertainty.
+        // If the noise is unknown, there is no uncertainty. The method `two-pass`, which is the only method whose fit
+        // has a status, never computes an uncertainty, so it is excluded here.
         let is_unknown = self.centre.curvature.uncertainty.is_none()
             && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {

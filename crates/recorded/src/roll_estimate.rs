@@ -443,8 +443,9 @@ pub fn estimate_roll(
     let covariance = fitted.covariance(&estimate);
     let single_direction = single.map(|(angle, mut fitted)| {
         fitted.pop();
-        // Use the fitted readings, whose rotations have no component across the single direction. This component is so
-        // small that it does not determine the curvature across the single direction.
+        // Use the fitted readings: in them, the component of the rotations across the single direction is 0. In the
+        // measured readings, this component is so small that it does not determine the curvature across the single
+        // direction.
         recorded.readings = fitted;
         let half_width = half_width(noise_freedom);
         DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)

@@ -122,7 +122,7 @@ impl Terrain {
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // A neighbour that was not sampled counts as farther away than this sample.
+                // A neighbour that was not sampled counts as farther from the probe's centre than this sample.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)
@@ -265,8 +265,8 @@ impl Roller {
         for start in terrain.starts(self.object(), &centre, reach) {
             let Start { place, is_on_wall } = start;
             let descended = self.object().closest_point_from(&centre, place);
-            // Also test the start of the search itself if it is on a wall, or if the search fails, for example between
-            // two points that are equally close.
+            // Also test the start point of the search if it is on a wall, or if the search finds no closest point, for
+            // example because two points are equally close.
             let itself = (is_on_wall || descended.is_err())
                 .then(|| self.object().contact_at(place.x, place.y));
             for closest in descended.into_iter().chain(itself.into_iter().flatten()) {

@@ -115,7 +115,7 @@ fn area(
     };
     let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
         .map_err(|error| optics_error(&error))?;
-    // `array` returns an error if the skin cannot contain such discs.
+    // `array` returns an error if the skin cannot contain discs of these depths and diameters.
     sphere.array(&[[0.0; 2]])?;
     let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
     let larger = f64::max(

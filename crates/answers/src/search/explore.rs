@@ -239,9 +239,9 @@ fn closer(
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // Estimate how many trials make the range of undecided values small enough for the requested gap. The width of this
-    // range is inversely proportional to the square root of the number of trials, so the number of trials is multiplied
-    // by the square of a ratio of widths.
+    // The width of the range of undecided values is inversely proportional to the square root of the number of trials.
+    // The range must shrink from the width `open_wide` to a part of the requested `gap`, so the number of trials is
+    // multiplied by the square of the ratio of these two widths.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

@@ -115,8 +115,8 @@ fn place_of(end: &End) -> usize {
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // A range that covers all tried values has no ends (`Weakest`), and no other value is a better test than the one
-    // with the smallest score. If an attempt fails there, the next attempt tests the same value with more trials.
+    // If a range covers all tried values, it has no ends. Then the value with the smallest score is verified instead
+    // (`Weakest`). If an attempt fails, the next attempt verifies the same value with more trials.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,

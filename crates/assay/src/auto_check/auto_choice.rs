@@ -96,8 +96,7 @@ impl AutoChoice {
         match self.kind {
             Kind::Roll => adequate.all(|place| taken <= MAX_COST_RATIO * evaluations(place)),
             Kind::Glide => self.taken == 0 || !self.is_adequate(0),
-            // The first two models (numbers 0 and 1), Hertz contact and half-space, cost the same. Therefore both count
-            // as number 1.
+            // Hertz contact (model 0) and the half-space (model 1) cost the same. Therefore both count as model 1.
             Kind::Press => adequate.all(|place| place.max(1) >= self.taken),
         }
     }

@@ -113,7 +113,7 @@ fn roll(mut draws: Draws) -> String {
         0 => format!(", spin_rad_per_s = {:e}", turn * draws.between(-1.0, 1.0)),
         _ => String::new(),
     };
-    // The check itself uses rolls without noise. Noise is stated here only because noise that is drawn at several
+    // The models are compared in rolls without noise. Noise is stated only because noise that is drawn at several
     // instants divides a roll into several motions.
     let noise = match draws.index(4) {
         0 => format!(

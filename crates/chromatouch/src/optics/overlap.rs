@@ -66,8 +66,8 @@ impl HalfAngle {
         ];
         if across.abs() < 1e-3 * along {
             let tangent = across / along;
-            // The arctangent of `tangent`, the tangent of the small angle between `self` and the new half-angle, is
-            // computed by its power series, with a relative error of 1e-13.
+            // `tangent` is the tangent of the small angle between `self` and the new half-angle. The power series of
+            // the arctangent computes this angle with a relative error of 1e-13.
             let step = tangent * (1.0 - tangent * tangent * (1.0 / 3.0 - 0.2 * tangent * tangent));
             return Self {
                 angle: self.angle + step,

@@ -63,8 +63,8 @@ impl Aim {
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
-            // `step` is the sine of the difference between the polar angles of the two directions. Each polar angle is
-            // at most half a turn.
+            // `step` is the sine of the difference between the polar angles of `direction` and of `self`. Both polar
+            // angles are between 0 and half a turn.
             let step = sine * self.cosine - cosine * self.sine;
             let near = step.abs() < 0.1 && sine * self.sine + cosine * self.cosine > 0.0;
             if near {

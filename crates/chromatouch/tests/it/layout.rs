@@ -20,8 +20,8 @@ fn the_published_sensor_has_77_markers_in_rows() {
             );
         }
     }
-    // The first row of a gore has one marker in the middle of the gore. The last row has seven markers, which are
-    // 90/7 degrees apart.
+    // The first row of each gore (piece of the skin) has one marker, in the middle of the gore. The last row has seven
+    // markers, which are 90/7 degrees apart.
     let azimuth = |marker: usize| libm::atan2(places[marker][1], places[marker][0]).to_degrees();
     assert_relative_eq!(azimuth(1), 45.0, max_relative = 1e-12);
     assert_relative_eq!(azimuth(2), 135.0, max_relative = 1e-12);

@@ -161,8 +161,8 @@ fn svg_draws_the_sheet_in_millimetres() {
     assert_eq!(layers, ["YELLOW", "MAGENTA", "FOLD", "CUT"]);
     assert_eq!(drawing.outlines.len(), 4);
     for outline in &drawing.outlines {
-        // The area of a gore is a quarter of 2πR², with a correction for an outline of 40 straight steps per quarter
-        // circle.
+        // The area of a gore (flat piece of the skin) is a quarter of 2πR², with a correction for an outline of 40
+        // straight steps per quarter circle.
         let half_step: f64 = PI / 160.0;
         let expected = 2.0 * PI * 400.0 / 4.0 * half_step / libm::tan(half_step);
         assert_relative_eq!(area(outline), expected, max_relative = 1e-6);
@@ -171,7 +171,8 @@ fn svg_draws_the_sheet_in_millimetres() {
             .filter(|place| place.map(f64::abs) == [0.0; 2]);
         assert_eq!(touches_apex.count(), 1);
     }
-    // Each gore has a middle meridian, whose length is a quarter circle, and four marks.
+    // On each gore (flat piece of the skin), a middle meridian and four marks are drawn. The length of the meridian is
+    // a quarter circle.
     assert_eq!(drawing.lines.len(), 20);
     let meridians = drawing.lines.iter().step_by(5);
     for meridian in meridians {
@@ -181,7 +182,8 @@ fn svg_draws_the_sheet_in_millimetres() {
     for (circles, radius) in drawing.circles.values().zip([1.0, 0.75]) {
         assert_eq!(circles.len(), 77);
         assert!(circles.iter().all(|(_, drawn)| *drawn == radius));
-        // The first marker is at the apex. The second marker is 11.9° from the apex, in the middle of the first gore.
+        // The first marker is at the apex. The second marker is 11.9° from the apex, in the middle of the first gore
+        // (flat piece of the skin).
         assert_eq!(circles[0].0, [0.0; 2]);
         let along = 20.0 * 11.9_f64.to_radians() * 0.5_f64.sqrt();
         assert_relative_eq!(circles[1].0[..], [along; 2][..], epsilon = 1e-6);
@@ -231,8 +233,8 @@ fn seam_marks_begin_on_the_drawn_edges() {
                 .map(|(from, to)| off_segment(*start, *from, *to))
                 .fold(f64::INFINITY, f64::min);
             assert!(nearest < 2e-6, "{samples}: {nearest}");
-            // The marks are at one third and two thirds of the quarter circle, measured along the middle meridian of
-            // the gore. Here, the middle meridian is at 60° from +x.
+            // The marks are at one third and two thirds of the middle meridian of the gore (flat piece of the skin),
+            // whose length is a quarter circle. Here, the middle meridian is at 60° from +x.
             let (sin, cos) = libm::sincos(PI / 3.0);
             let share = if count < 2 { 1.0 / 3.0 } else { 2.0 / 3.0 };
             let across = |[x, y]: [f64; 2]| y * cos - x * sin;
@@ -290,16 +292,17 @@ fn sheets_that_do_not_fit_are_named() {
         (Layout::published(), alike(0.0), "bad-setting"),
         (Layout::published(), alike(f64::NAN), "bad-setting"),
         (Layout::published(), alike(f64::INFINITY), "bad-setting"),
-        // In the last row of the published layout, which has seven markers, the distance between neighbours is 3.87 mm.
-        // In the first row of three markers, the outer markers are 1.71 mm from the edge of the gore.
+        // The distance between neighbours is smallest in the last row of the published layout, which has seven markers:
+        // 3.87 mm. In the first row of three markers, the outer markers are 1.71 mm from the edge of the gore (flat
+        // piece of the skin).
         (Layout::published(), alike(4.2), "discs-overlap"),
         (Layout::published(), alike(1e300), "discs-overlap"),
         (Layout::published(), alike(3.43), "disc-across-edge"),
         (rows(4, &[1; 4], 25.0), alike(2.0), "beyond-the-equator"),
         (rows(4, &[1], 89.0), alike(2.0), "disc-across-edge"),
         (rows(4, &[], 10.0), alike(63.0), "disc-across-edge"),
-        // The layout has two gores, but the pattern has four. So the middle of each gore of the layout, where its
-        // marker lies, is a seam of the pattern.
+        // The layout has two gores (flat pieces of the skin), but the pattern has four. So the marker in the middle of
+        // a gore of the layout lies on a seam of the pattern.
         (rows(2, &[1], 30.0), alike(0.1), "disc-across-edge"),
         (rows(0, &[1], 30.0), alike(0.1), "bad-setting"),
         (rows(4, &[1, 1], 90.0), alike(0.1), "around-the-sphere"),

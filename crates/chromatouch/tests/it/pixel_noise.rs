@@ -160,7 +160,8 @@ fn errors_of_pixels_are_independent() {
     for other in [[1, 1], [2, 0]].map(noise) {
         scores.extend((0..6).map(|on| common(&own, &other, 0, on)));
     }
-    // If the errors are independent and normal, all 188 scores are within ±4.6 with a probability of 0.999.
+    // Each score is a normalised sum of products of two errors. If the errors are independent and normal, all 188
+    // scores are within ±4.6 with a probability of 0.999.
     let independent = |scores: &[f64; 2]| scores.iter().all(|score| score.abs() < 4.6);
     assert!(scores.iter().all(independent), "{scores:?}");
     assert!(common(&own, &own, 0, 0).iter().all(|score| *score > 100.0));

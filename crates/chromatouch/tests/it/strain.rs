@@ -88,8 +88,8 @@ fn the_mean_square_is_that_of_the_series() {
 
 #[test]
 fn many_gores_strain_in_proportion_to_their_width() {
-    // For a small shear s, the strain is s/2. With n gores, the strain is at most π/(2n), and its root mean square
-    // is a third of this value.
+    // For a small shear s, the strain is s/2. If a skin is folded from n gores (flat pieces), the largest strain is
+    // π/(2n), and the root mean square of the strain is a third of this value.
     for gores in [1_000_000, u32::MAX] {
         let strain = FoldStrain::of(gores).unwrap();
         let limit = FRAC_PI_2 / f64::from(gores);

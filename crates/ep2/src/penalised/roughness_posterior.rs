@@ -153,8 +153,8 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
             quadric.chain(mixture.mean.iter().copied()).collect()
         }
         Some(term) => {
-            // A change of m changes the coefficients of all rough products by `term.derivative`. (m is the coefficient
-            // of z²/2.)
+            // m is the coefficient of z²/2. Per unit of m, the coefficients of the products of Chebyshev polynomials
+            // that describe the roughness change by `term.derivative`.
             let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
             let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
             quadrics.fill_with_identity();

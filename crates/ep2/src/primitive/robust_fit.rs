@@ -355,8 +355,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     let Some(pose) = through_most(&plain.solution.pose, thinned) else {
         return plain;
     };
-    // A fit to all contacts that starts at the pose through the subset may have a smaller deviance than the fit
-    // `plain_all`.
+    // A fit to all contacts may reach a smaller deviance if it starts at the pose through the subset of contacts
+    // (`other`) and not at `start` (`plain_all`).
     let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
     if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
         plain = grown(other, cloud, stated);

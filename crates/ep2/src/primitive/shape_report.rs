@@ -194,7 +194,8 @@ fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
         all.set_column(CURVATURE, &(pose.axis(2) * radius * radius));
     }
     if pose.shape == Shape::Cylinder {
-        // The reported place of a cylinder does not move along the axis, so remove this component.
+        // The reported place of a cylinder does not move along the cylinder's axis, so remove the components of the
+        // derivatives along this axis.
         let along = pose.axis(0);
         all -= along * (along.transpose() * all);
     }

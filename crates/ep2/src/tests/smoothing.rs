@@ -33,8 +33,8 @@ fn polynomials_are_interpolated() {
     let smoothed = fit(2, 0.0, &points).unwrap();
     assert_eq!(smoothed.status, Status::Interpolating);
     assert!((smoothed.spline.value(0.1, 0.2) - 3.038).abs() < 1e-13);
-    // The spline passes through all points, so the size of the square of points and the weight of one point must not
-    // change the result.
+    // The spline passes through all points. Therefore its values must not change if the coordinates u and v are scaled,
+    // or if one point has another weight.
     for (size, weight) in [(1e-100, 1.0), (1e100, 1.0), (1.0, 1e-300), (1.0, 1e6)] {
         let mut points: Vec<_> = points
             .iter()

@@ -161,8 +161,8 @@ mod tests {
             seconds: vec![1.0, 10.0],
         };
         assert_eq!(pace.run_seconds(&[3, 2], ONE), 23.0);
-        // Three trials of 1 s and two trials of 10 s take 23 s in total. For two threads, the upper bound is 23/2 +
-        // 10/2 = 16.5 s, but the run itself takes only 13 s.
+        // Three trials of 1 s and two trials of 10 s take 23 s in total. The longest trial takes 10 s, so the upper
+        // bound for two threads is 23/2 + 10/2 = 16.5 s.
         let two = NonZeroUsize::new(2).unwrap_or(ONE);
         assert_eq!(pace.run_seconds(&[3, 2], two), 16.5);
     }

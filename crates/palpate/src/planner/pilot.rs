@@ -121,8 +121,8 @@ impl Pilot {
     /// Expected relative standard error of the least precise rms error, if each cell runs `trials` trials. `None` if
     /// all estimates are exact.
     pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
-        // The number of trials that are needed is proportional to 1/target². So the expected error is √(n/N), where n
-        // is the number that is needed for the target 1, and N the number of trials.
+        // If n trials are needed for a relative standard error of 1, n/target² trials are needed for the error
+        // `target`. Therefore N trials lead to the error √(n/N).
         self.need(1.0)
             .map(|need| (need.trials / trials as f64).sqrt())
     }

@@ -108,12 +108,12 @@ mod tests {
     fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
         let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
         for (share, rms_error, expected) in [
-            // Without an rms error, or with an rms error of 0, the largest allowed shift is `share` × `scale`. Here the
-            // scale is 2.
+            // If there is no rms error, or if it is 0, the contact model may shift an estimate by at most `share` ×
+            // `scale`. Here the scale is 2.
             (0.1, None, 1e-1),
             (0.01, None, 1e-2),
             (0.01, Some(0.0), 1e-2),
-            // With an rms error, the largest allowed shift is `share` × rms error.
+            // If there is an rms error, the contact model may shift an estimate by at most `share` × rms error.
             (0.01, Some(0.2), 1e-3),
             (1e-9, Some(0.2), 1e-5),
         ] {

@@ -24,7 +24,7 @@ fn both_sides_are_printed_and_written() {
         (&answer["format_version"], &answer["ended"]),
         (&1.into(), &"known".into())
     );
-    // The written files contain the same answer.
+    // The written files contain the same answer as the JSON output.
     let files = [
         "design.csv",
         "design.png",

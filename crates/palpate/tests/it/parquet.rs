@@ -374,7 +374,7 @@ fn a_table_of_trials_overwrites_only_another_one() {
     assert_eq!(desk.read("t.parquet"), "mine");
     desk.palpate("run c.toml --out q --trials-out q/cells.parquet")
         .fails(2, "the run writes another file of that name");
-    // The extension of the file is used instead of --format.
+    // The extension of the file overrides --format.
     desk.palpate("run c.toml --out q --format parquet --trials-out u.csv")
         .printed();
     assert!(desk.read("u.csv").starts_with("cell,trial,"));

@@ -470,7 +470,7 @@ fn scenes_may_have_a_flat_pad() {
         );
     };
     run("run c.toml --out o");
-    // The run's own copy of the config describes the same pad.
+    // The config that the run wrote describes the same pad.
     run("run o/run.toml --out again");
     desk.palpate("trace c.toml --cell 0 --trial 0 --out t")
         .printed();

@@ -96,7 +96,8 @@ fn squared(residuals: [f64; 3]) -> f64 {
 /// The most likely normal displacement that is common to all markers (the baseline) if there is no contact. It follows
 /// from the mean reading and the prior of the baseline.
 fn resting(problem: &Problem<'_>) -> f64 {
-    // The prior of the baseline has the mean 0, and has the same weight as `known` readings of 0.
+    // The baseline is the normal displacement that is common to all markers. Its prior has the mean 0, and the same
+    // weight as `known` readings of 0.
     let known = match problem.fit.baseline {
         Prior::Exact => return 0.0,
         Prior::Within(std) => (problem.normal_std / std).powi(2),

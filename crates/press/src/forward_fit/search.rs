@@ -208,7 +208,8 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If the interval around one of these minima is unbounded, the combined interval is unbounded too.
+            // If the interval around one of these other minima of chi-squared is unbounded, the combined interval is
+            // unbounded too.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
@@ -302,8 +303,8 @@ impl<'a> Search<'a> {
         }
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
-            // With a window, each fit uses the markers around its own contact, so the residuals of different fits
-            // cannot be compared. Keep only the first fit.
+            // If a window is set, each fit uses only the markers within the window around its own contact. The
+            // residuals of different fits then cannot be compared, so keep only the first fit.
             fits.truncate(1);
         }
         self.rivals.clone_from(&fits);
@@ -336,8 +337,9 @@ impl<'a> Search<'a> {
     /// markers better.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // Do not try this fit if a window is set, because markers outside of the window are not outliers. Do not try it
-        // either if the noise is estimated, because the residuals of the two fits then cannot be compared.
+        // Do not try a fit without the nearest marker if a window is set, because the markers outside of the window are
+        // unused, but are not outliers. Do not try it either if the noise is estimated, because the residuals of the
+        // two fits then cannot be compared.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {

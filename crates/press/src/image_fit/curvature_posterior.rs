@@ -47,8 +47,9 @@ impl<V: View + Clone> Problem<'_, V> {
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
-        // The determinant before the step belongs to `self.sensor`, not to the sensor that fits best, which differs
-        // slightly. Therefore shift `self.sensor` by the change that the step causes in the best sensor.
+        // Before the step, the determinant is computed at `self.sensor`, which differs slightly from the sensor
+        // parameters that fit best. Therefore the determinant after the step is computed at `self.sensor` plus the
+        // change that the step causes in the best-fitting sensor parameters.
         sensor.shift(&self.sensor, &self.updated_sensor(&weighed.residuals).ok()?);
         let state: State = self.stepped(&weighed.state, step);
         let mut there = self.clone();

@@ -200,7 +200,7 @@ fn options<'py>(
 ) -> PyResult<RollOptions> {
     let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
     let settings = settings.unwrap_or_else(|| PyDict::new(py));
-    // Release the lock before the comparison, because Python may run other code while it compares.
+    // Release the lock before the comparison, because the comparison may run Python code that needs the lock.
     let known = last()
         .as_ref()
         .map(|(settings, unit, options)| (settings.clone_ref(py), *unit, options.clone()));

@@ -111,7 +111,7 @@ fn outliers_beside_the_paths_of_fingers_are_left_out() {
         let [low, high] = [0, 1].map(|end| &found["mean_curvature"]["interval95"][end]);
         assert!(low.as_f64() < Some(0.04) && high.as_f64() > Some(0.04));
     }
-    // If no row is replaced by a wrong one, no contact may be left out.
+    // If no row is replaced by an outlier, all contacts must be used.
     assert_eq!(
         estimate(&ball(&|_| None), "penalised").unwrap()["left_out"],
         json!([])

@@ -352,7 +352,7 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let error = roll(&counted, "t_s=stamp", None).unwrap_err();
     assert_eq!(hint(&error), "probe=trial");
     assert!((mean(&followed(&counted)) - 0.025).abs() < 1e-9, "{error}");
-    // A file with positions of a tip, but without contacts on the probe, does not determine an estimate from rolls.
+    // Positions of a tip without contacts on the probe are not sufficient for an estimate from rolls.
     let poses = table(
         "probe,time_s,x,y,z,qx,qy,qz,qw,seen,valid",
         Some(UnitQuaternion::identity()),

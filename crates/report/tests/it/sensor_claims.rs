@@ -172,7 +172,7 @@ fn claim_22_compares_only_sensors_that_do_not_strain() {
     );
 }
 
-// ---- Claim 18: gores
+// ---- Claim 18: strain of a skin that is folded from gores (flat pieces)
 
 fn gores(greatest: &[(u32, f64)], rms: &[(u32, f64)]) -> Study {
     let mut cells = Cells::new("scene.probe.layout.gores");

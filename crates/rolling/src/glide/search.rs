@@ -37,7 +37,7 @@ const SILHOUETTE: f64 = 1e-3;
 /// on a ring of radius 0.45, at angles between those of the first ring.
 const PLACES: [[f64; 2]; 16] = {
     let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
-    // Coordinates of a place on the inner ring: 0.45 cos 22.5° and 0.45 sin 22.5°.
+    // Coordinates of a place on the ring of radius 0.45, at an angle of 22.5°: 0.45 cos 22.5° and 0.45 sin 22.5°.
     let [inner, inner_aside] = [0.415_745_789_6, 0.172_207_544_6];
     [
         [outer, 0.0],

@@ -266,7 +266,8 @@ fn meridians_from_flat_to_sharp() {
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
         // The first case is a bowl whose radius of curvature is only slightly larger than the probe's radius, which
-        // amplifies errors. In the second case, the path is long, so the relative errors of length and angle are equal.
+        // amplifies errors. In the second case, the path is so long that the arc length is nearly equal to the roll
+        // angle.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),
     ] {

@@ -354,8 +354,8 @@ impl RollScene {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // Smaller relative errors need no warning. If the error is larger than this range, the object counts as a
-        // plane.
+        // Warn only if the relative error of the curvature is in this range. A smaller error does not matter; with a
+        // larger error, the object counts as a plane.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

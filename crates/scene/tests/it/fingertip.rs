@@ -42,8 +42,8 @@ fn values(text: &str) -> Vec<(&'static str, f64)> {
 fn folding_strain_equals_the_closed_form() {
     let strains = values(&text(GORES, ""));
     assert_eq!(strains.len(), 2);
-    // The shear at the upper end of a seam is s = π/n, with the number of gores n. The largest stretch at this end is σ
-    // = s/2 + √(1 + s²/4), and the strain is σ − 1.
+    // At the upper end of a seam, the shear is s = π/n, where n is the number of gores (flat pieces of the skin). The
+    // largest stretch at this end is σ = s/2 + √(1 + s²/4), and the strain is σ − 1.
     let shear = std::f64::consts::PI / 4.0;
     let greatest = 0.5 * shear + (1.0 + 0.25 * shear * shear).sqrt() - 1.0;
     assert_eq!(strains[0].0, "greatest_fold_strain");

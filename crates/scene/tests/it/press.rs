@@ -337,7 +337,7 @@ fn intervals_have_their_coverage_and_bounds_are_reached() {
     assert!(close(scene.std_bound(2), bound) && close(scene.std_bound(6), bound * 6400.0));
     assert_eq!(scene.std_bound(5), None);
     // Without a stated indentation, the Cramér–Rao bound is larger. A fit of a Gaussian has no bound, because a
-    // Gaussian is not the true body.
+    // Gaussian is not the simulated contact model.
     let of = |estimator: &str| {
         scene_of(&text(BALL, &format!("{NOISE}estimator = {estimator}\n"))).std_bound(0)
     };

@@ -300,8 +300,8 @@ fn repeated_rolls_over_pads_err_as_they_state() {
             "{stars}: {rms} {stated}"
         );
         assert!(mean.abs() < 0.3 * rms, "{stars}: {mean} {rms}");
-        // With `random-per-trial`, all rolls of a trial start at the same place on a pad. Then a trial with more stars
-        // of rolls does not have a smaller error.
+        // A star is a set of rolls in all directions from one start. With `random-per-trial`, all rolls of a trial
+        // start at the same place on a pad, so several stars in a trial do not reduce the error.
         let [rms, _, stated] = errors_of_stars(stars, &pads("random-per-trial"));
         assert!((0.0025..0.0037).contains(&rms), "{stars}: {rms}");
         assert!(

@@ -60,8 +60,8 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     let size = f64::from(camera.size_px());
     // `reach` is an upper bound of the angle from the rectangle's centre to the edge of the disc. The rectangle's
     // centre is the middle of the disc or, if this middle is outside of the field of view, the nearest point of the
-    // rim. If the disc crosses the rim, the bound must be larger, because the shortest path on the sphere may leave the
-    // field of view.
+    // rim. If the rim cuts the disc, the bound must be larger, because the shortest path on the sphere from the
+    // rectangle's centre to the edge of the disc may leave the field of view.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);

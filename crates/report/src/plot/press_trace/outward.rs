@@ -220,8 +220,8 @@ mod tests {
                     assert_eq!(found, None);
                     continue;
                 }
-                // The expected direction is the gradient of the angle between the marker and the contact, seen from the
-                // centre of the sphere.
+                // The expected direction is the gradient along the skin of the angle between marker and contact. The
+                // vertex of this angle is the centre of the sphere.
                 let sine = libm::sin(distance / radius);
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
                 let true_one = axes.map(|axis| -dot(carried(axis, *place, radius), centre) / sine);

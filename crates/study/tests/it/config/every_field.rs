@@ -140,8 +140,8 @@ fn scene(base: &Json, root: &Json, field: &Field) -> Json {
         let found = kinds.find(|(at, _)| *at == path);
         found.map(|(_, kind)| kind.as_str())
     };
-    // `scene` gets all tables on the path of `field`. `needed` gets only those that a config must state: each added
-    // table without a suitable default, and the tables before it on the path.
+    // `scene` gets all missing tables on the path of `field`. `needed` gets only the tables that a config must state:
+    // the tables without a suitable default, and the tables that contain them.
     let (mut needed, mut scene) = (base.clone(), base.clone());
     let mut schema = root;
     for depth in 1..field.path.len() {

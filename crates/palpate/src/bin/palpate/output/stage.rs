@@ -243,8 +243,8 @@ fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
             .prefix(PREFIX)
             .rand_bytes(RANDOM)
             .tempfile_in(folder)?;
-        // Without the lock, other processes cannot detect that the file is in use. So if the file system has no locks,
-        // no process removes abandoned files.
+        // Only a lock shows that a temporary file is still in use. On a file system without locks, no process removes
+        // abandoned files, so the file does not need a lock there.
         let is_locked = file.as_file().lock().is_ok();
         if !is_locked || is_named(file.as_file(), file.path()) {
             return Ok(file);
