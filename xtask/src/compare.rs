@@ -279,7 +279,7 @@ cell,radius,quantity,truth,mean
             1
         );
         assert_ne!(found(CELLS, ran, &[]), []);
-        // The table has no rows of cell 0, which was run.
+        // Cell 0 was run, but the table has no rows of it, so the comparison must report the rows.
         assert_eq!(found(CELLS, ran, &["0", "7"]), [pair("", "rows")]);
     }
 

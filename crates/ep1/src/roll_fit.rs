@@ -180,7 +180,7 @@ impl<const N: usize> RollFit<N> {
                 Observation::Crossing(crossing) => {
                     let residual = crossing.offset - crossing.normal.dot(&place.place);
                     let across = by_drive.tr_mul(&crossing.normal);
-                    // An error of the rotation about the normal turns the path.
+                    // An error of the rotation about the contact normal turns the contact's path about its start.
                     let turned = crossing.normal.perp(&(place.by_path * at.x));
                     let variance =
                         (across.norm_squared() + turned * turned) * crossing.std * crossing.std

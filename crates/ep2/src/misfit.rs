@@ -276,7 +276,7 @@ impl Refit {
         let square = (square - own.dot(&start)).max(0.0);
         let freedom = equations.saturating_sub(UNKNOWNS);
         let (mut noisy, mut chi_squared, mut outweighing) = (square, square, 0);
-        // If the model has no Gaussian process, there are no modes to examine.
+        // Without a Gaussian process, the model has no roughness, so no modes of the roughness are examined.
         let eigen = (rough > 0).then(|| rest.symmetric_eigen());
         let modes = eigen.iter().flat_map(|eigen| {
             let vectors = eigen.eigenvectors.column_iter();

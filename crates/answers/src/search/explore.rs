@@ -57,7 +57,8 @@ pub(super) fn explore<C: Curves + ?Sized>(
         SearchRange::Span(span) => span.spread(SCANNED, rules.gap),
         SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
     };
-    // Measure the time of a trial in the second round. The first round also includes the time to set up the scenes.
+    // Measure the time of a trial in the second of these two rounds. The time of the first round also includes the
+    // set-up of the scenes.
     for trials in [FIRST / 2, FIRST] {
         let mut asks: Vec<ScoreRequest> = Vec::new();
         for &value in &values {

@@ -179,7 +179,7 @@ impl DxfWriter {
         for (code, value) in [(2, "CONTINUOUS"), (70, "0"), (3, "Solid line")] {
             self.pair(code, value);
         }
-        // These group codes and values define a line type: alignment "A", no dashes, pattern length 0.
+        // These DXF group codes and values define a line type: alignment "A", no dashes, pattern length 0.
         for (code, value) in [(72, "65"), (73, "0"), (40, "0.0"), (0, "ENDTAB")] {
             self.pair(code, value);
         }
@@ -222,7 +222,7 @@ impl DxfWriter {
 
     fn closed_line(&mut self, outline: &[[f64; 2]]) {
         self.entity("POLYLINE", CUT);
-        // These group codes and values define a closed polyline at the elevation 0, whose vertices follow.
+        // These DXF group codes and values define a closed polyline at the elevation 0, whose vertices follow.
         self.pair(66, "1");
         self.place(10, [0.0, 0.0]);
         self.pair(30, "0.0");

@@ -133,8 +133,8 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
-    // The tolerance is largest for a pinhole lens, because the projected centroid has the largest error there: up to
-    // 2e-4 focal lengths at 60°, from the overlap of the discs.
+    // The tolerance is largest for a pinhole lens. With this lens, the overlap of the discs causes the largest error of
+    // the projected centroid: up to 2e-4 focal lengths at 60°.
     let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
     for (lens, bound_px) in [
         (Lens::Fisheye, 0.01),
@@ -295,13 +295,14 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
         };
         for polar_deg in [20.0_f64, 60.0] {
             let polar = polar_deg.to_radians();
-            // The column crosses the seam along +x. A seam absorbs half of the light.
+            // This column of pixels crosses the seam that runs from the apex along +x. A seam absorbs half of the
+            // light.
             let column = (500.0 + focal * polar).round() as u32;
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
             let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
-            // This column is on the other side of the apex, where there is no seam along −x. Instead, the column
-            // crosses the two seams at ±120° obliquely.
+            // This column of pixels is on the other side of the apex. No seam runs along −x, so the column crosses the
+            // two seams at ±120° obliquely.
             let column = (500.0 - 0.5 * focal * polar).round() as u32;
             let found = taken(&mut (0..1001).filter_map(|row| {
                 let inside = libm::hypot(f64::from(row) - 500.0, f64::from(column) - 500.0) < 499.0;

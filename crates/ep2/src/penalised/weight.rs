@@ -138,7 +138,7 @@ impl Sums<Lanes> {
         sums.log_determinants = Lanes::from(product.to_array().map(libm::log)) - halvings * LN_2;
         sums.residual_prime *= Lanes::splat(2.0);
         // If the surface fits all readings exactly, rounding errors could make the sum of squared residuals zero or
-        // negative.
+        // negative. Therefore the sum is at least `rest`.
         let rest = Lanes::splat(f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE);
         sums.residual = sums.residual.max(rest);
         sums.penalised = sums.penalised.max(rest);

@@ -427,8 +427,8 @@ impl Limits {
     fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
         let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
         let correction = 1.0 + 5.0 / freedom as f64;
-        // Medians of the magnitude of normal noise with standard deviation 1: for a distance (one component) and for
-        // the deviation of a normal (two components).
+        // Medians of the magnitude of normally distributed noise with standard deviation 1: for a distance (one
+        // component) and for the deviation of a unit normal (two components).
         let medians = [0.6745, 1.1774];
         let mut kind = 0;
         let of = residuals(pose, cloud).map(|mut all| {

@@ -30,7 +30,8 @@ fn cells_trials_models_and_time() {
          contact's length scale"
     );
     assert!(line("> closed form").contains(" per trial"));
-    // `check` also lists more exact models than the chosen one: `meridian` cannot compute this roll, but RK4 can.
+    // `check` also lists models that are more exact than the chosen one. Among these, `meridian` cannot compute this
+    // roll, but RK4 can.
     assert!(line("meridian").contains("cannot: the first contact is not the apex"));
     assert!(line("RK4, 1 step").contains("error 7.7e-6, "));
     assert!(line("RK4, 1 step").ends_with(" x)"));

@@ -15,9 +15,10 @@ fn a_note_names_a_value_that_a_sweep_replaces() {
     assert_eq!((ended.swept.as_str(), ended.stderr.as_str()), (note, ""));
     let ended = desk.palpate("run c.toml --out o");
     assert_eq!((ended.swept.as_str(), ended.stderr.as_str()), (note, ""));
-    // A run writes a config that contains the first swept value in each swept field. Such a config causes no note.
+    // A run writes a config that contains the first swept value in each swept field. For such a config, the command
+    // prints no note that a sweep replaces the value.
     assert_eq!(desk.palpate("run o/run.toml --out p").swept, "");
-    // If a command-line argument varies the field, there is no note.
+    // If a command-line argument varies the field, the command prints no note that the sweep replaces the value.
     let line =
         "distinguish c.toml --vary scene.object.radius=20,30 --quantity mean_curvature --trials 20";
     assert_eq!(desk.palpate(line).swept, "");

@@ -140,7 +140,8 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
 /// panel's labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
-    // If the squares are smaller than the text, only some of the names fit beside them.
+    // If the squares are smaller than the text, keep only every second, third, … name, so that the names do not
+    // overlap.
     let every = (LINE as usize).div_ceil(side as usize);
     for (place, name) in names.iter_mut().enumerate() {
         if place % every > 0 {

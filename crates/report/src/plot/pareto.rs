@@ -85,8 +85,8 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let left = EDGE + y.widest() + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
     sheet::figure(words, WIDTH, |sheet| {
-        // A key is needed only if there are several families and one of them has several models. Otherwise, the labels
-        // of the points suffice.
+        // The figure needs a legend only if there are several families of models and one of them has several models.
+        // Otherwise, the labels of the points suffice.
         if (2..choices).contains(&families.len()) {
             sheet.key(SAMPLE, &key)?;
         }

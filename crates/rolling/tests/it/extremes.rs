@@ -311,7 +311,8 @@ proptest! {
         theta in 0.001..2.0_f64,
         x in -0.5..0.5_f64,
     ) {
-        // Scaling by a power of two changes only the exponents.
+        // Scaling by a power of two changes only the exponents of floating-point numbers, so the results must scale
+        // exactly.
         let scale = 2.0_f64.powi(exponent);
         let motion = Motion::rolling(direction, 1.0, theta);
         for (unit, object) in scaled(1.0).iter().zip(&scaled(scale)) {

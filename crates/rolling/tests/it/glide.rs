@@ -376,7 +376,8 @@ proptest! {
         x in -3.0..3.0_f64,
         y in -3.0..3.0_f64,
     ) {
-        // Scaling by a power of two changes only the exponents.
+        // Scaling by a power of two changes only the exponents of floating-point numbers, so the results must scale
+        // exactly.
         let scale = 2.0_f64.powi(exponent);
         for (unit, object) in scaled(1.0).iter().zip(&scaled(scale)) {
             let reference = touch(unit, radius, x, y);

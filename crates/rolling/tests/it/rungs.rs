@@ -79,14 +79,15 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, motion);
             let off = difference(&rolled.roll(&[motion]).unwrap(), &integrated, 1.0);
             assert!(off < 1e-11, "{object:?} {quarter}: {off:e}");
-            // A motion in a direction without a meridian is integrated.
+            // This motion is not along a meridian, so its path is computed by the integrator.
             let aslant = Motion::rolling(1.0, 1.0, 0.8);
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, aslant);
             let off = difference(&rolled.roll(&[aslant]).unwrap(), &integrated, 1.0);
             assert!(off < 1e-11, "{object:?}: {off:e}");
             let shift = rolled.shift(&[aslant]).unwrap();
             assert!((shift.arc_length - integrated.arc_length).abs() < 1e-11);
-            // With noise, the meridian model is rejected, because the probe would leave the section.
+            // If the scene has noise, the meridian model is rejected, because noise would move the probe off the
+            // meridian.
             let noisy = Rolls {
                 rolls: &[vec![motion]],
                 has_noise: true,

@@ -36,7 +36,7 @@ impl LinearRoll {
         }: &Roll,
     ) -> Self {
         let size = error * command.angular_velocity.norm() * command.duration_s;
-        // If the probe turns by Δθ, the contact moves by `mobility` times (−Δθ_y, Δθ_x).
+        // If the probe turns by Δθ, the contact moves by `mobility` (contact travel per radian) times (−Δθ_y, Δθ_x).
         let path = |rotation: Vector2<f64>| -> [f64; 2] {
             (mobility * Vector2::new(-rotation.y, rotation.x)).into()
         };

@@ -347,7 +347,7 @@ fn rotations_err_as_they_state() {
 
 #[test]
 fn a_probe_that_noise_turns_into_the_object_fails_in_some_trials() {
-    // Without noise, the probe just misses the step. With noise, it hits the step in some trials.
+    // Without noise, the probe just misses the step in the surface. With noise, it hits the step in some trials.
     let step = |noise: &str| {
         let text = format!(
             "name = \"a-study\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 1 }}\n\
