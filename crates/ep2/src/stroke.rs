@@ -151,8 +151,8 @@ impl Stroke {
                 .get(index)
                 .map(|slope| slope[0] + slope[1] * turn)
         };
-        // If the path is bent, a slope of the surface across the path adds higher derivatives to the heights along it.
-        // `of_path` is an upper bound of this effect.
+        // If the path is bent, a slope of the surface across the path changes the higher derivatives of the heights
+        // along the path. `of_path` is an upper bound of this change.
         let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
         let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
         let of_path = (steepest * bend.abs()).max(1e-3);

@@ -157,7 +157,8 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     let mut notes = sheet.source.notes.clone();
     let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
-    // If the file states orientations over time, it may not state their frame of reference. Then try both frames.
+    // The file may not state the frame of reference of its orientations. For orientations over time, try both frames:
+    // that of the probe and that of the world.
     let frames = match file.form.rotation_frame {
         Some(stated) => vec![stated],
         None if kind == Kind::Rows => vec![RotationFrame::Probe],

@@ -195,7 +195,7 @@ mod tests {
         assert!(!made(1) && !made(3) && !made(4));
         assert!(made(2));
         assert!(made(1));
-        // A value that is larger than the cache is never kept, so it is made again.
+        // A value that is larger than the cache is never kept, so it is computed again at each request.
         assert!(of_size(5, 7) && of_size(5, 7));
     }
 }

@@ -150,7 +150,8 @@ pub fn repeats(
         return Repeats::Found(1);
     }
     let most = one.len().min(other.len()) / GROUPS;
-    // Double the number of trials until it is enough. Then find the smallest sufficient number by bisection.
+    // Double the number of trials until it is large enough for the required probability. Then find the smallest
+    // sufficient number by bisection.
     let mut enough = 2;
     while enough <= most && probability(enough) < confidence {
         enough *= 2;

@@ -177,9 +177,9 @@ mod tests {
         scene.count(Err("other-body"), &[]);
         scene.count(Err("no-contact"), &[]);
         let score = Score::new(&[scene]);
-        // The score is the coverage of the second quantity, because this coverage is lower than that of the first
-        // quantity. Of four trials, two have an estimate of the second quantity, and only one 95 % interval contains
-        // the true value, so the coverage is 1/4.
+        // Four trials are counted. The second quantity has an estimate in two of them, and in one of these the 95 %
+        // interval contains the true value. So its coverage is 1/4. This is lower than the coverage of the first
+        // quantity, so it is the score.
         assert_eq!((score.coverage, score.lowest), ([0.0, 0.0, 0.25], 0.25));
         assert_eq!((score.failed, score.warned), (0.5, 0.667));
         assert_eq!(score.failures, "no-contact 0.25 other-body 0.25");

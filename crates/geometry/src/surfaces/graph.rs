@@ -387,8 +387,8 @@ impl<H: Height> Surface for Graph<H> {
             let Some(next) = shorter else { break };
             foot = next;
         }
-        // If the descent ends at a stationary point that is not a minimum, two points on both sides of it are equally
-        // close.
+        // If the descent ends at a stationary point that is not a minimum, no single point is closest: two points on
+        // both sides of the stationary point are equally close.
         if foot.is_minimum() {
             Ok(Point3::new(foot.at.x, foot.at.y, foot.height))
         } else {

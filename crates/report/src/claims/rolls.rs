@@ -80,8 +80,8 @@ fn relative_curvature() -> Claim {
         .only(size, AtMost(5.0))
         .bound(AtMost(2.0))
         .says("it is {range} × the noise for R₂ ≤ 5 R₁")
-        // Uniform noise within ±noise has the standard deviation noise/√3. The mean over four probes per direction has
-        // half of this standard deviation, which is noise/√12. So the error is divided by noise/√12.
+        // Let n be the amplitude of the uniform noise. Its standard deviation is n/√3. The mean over four probes per
+        // direction has half of this standard deviation, n/√12. So the error is divided by n/√12.
         .rows(|row| Some(rms_error(row)? * 12f64.sqrt() / (noise(row)? * (1.0 + size(row)?))))
         .when(has_eight_uniform_probes)
         .only(noise, AtMost(0.01))

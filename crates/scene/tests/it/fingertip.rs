@@ -81,7 +81,7 @@ fn the_image_area_follows_from_the_lens() {
     let expected = std::f64::consts::PI * (f / 17.0_f64).powi(2);
     let apex = area("fisheye", 0.0);
     assert!((apex / expected - 1.0).abs() < 5e-3, "{apex} {expected}");
-    // This skin is not folded from gores, so it has no strain of folding.
+    // This skin is not folded from gores (flat pieces), so it has no strain of folding.
     let lattice = "layout = { kind = \"lattice\", pitch = 6.0, cap_deg = 60.0 }";
     let camera = "sensor = { lens = \"fisheye\", size_px = 640, field_deg = 65 }";
     let unfolded = values(&text(&format!("{lattice}, {DISCS}"), camera));

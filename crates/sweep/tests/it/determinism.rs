@@ -165,8 +165,8 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
         assert!(trials_of.eq(trials.iter().copied()));
         let [alive, most] = counts.map(AtomicU64::into_inner);
         assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
-        // Each thread uses one experiment at a time. In addition, an experiment is kept while its trials are divided
-        // between two jobs.
+        // Each thread keeps one experiment in memory. In addition, an experiment is kept while its trials are divided
+        // between two jobs. So only a few of the experiments exist at the same time.
         assert!((1..60).contains(&most), "{most}");
     }
 }

@@ -175,7 +175,7 @@ impl SeamLines {
                 } else {
                     libm::hypot(x, y)
                 };
-                // Half the width of the seam in pixels. This is the half-width as an angle at the sensor's centre,
+                // `half` is half the width of the seam in pixels: its half-width as an angle at the sensor's centre,
                 // divided by `lateral_rad`, the angle that one pixel covers across the seam.
                 let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);
                 // A seam that is narrower than a pixel covers only a share of the pixel.
