@@ -113,7 +113,7 @@ impl Fields {
         }
         let field = &mut self.fields[self.used];
         field.clear();
-        // Writing to a string does not fail.
+        // Ignore the result, because writing to a string cannot fail.
         let _ = write!(field, "{text}");
         self.used += 1;
     }
@@ -215,7 +215,8 @@ pub(crate) fn push_trial(
     length_unit: LengthUnit,
     observed: Result<&TrialObservations<'_>, &'static str>,
 ) {
-    // Names and units contain no characters that need quotation marks. Writing to a string does not fail.
+    // Names and units contain no characters that need quotation marks. The results of writing to a string are ignored,
+    // because they cannot be errors.
     let observed = match observed {
         Ok(observed) => observed,
         Err(kind) => {

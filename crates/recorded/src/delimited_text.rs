@@ -189,7 +189,7 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
 fn has_spaces(names: usize, row: &str) -> bool {
     let mut numbers = row.split_whitespace();
     let is_spaced = !row.contains('\t') && names > 1 && row.split_whitespace().count() == names;
-    // A comma inside a number is a decimal comma.
+    // In a row whose numbers are separated by spaces, a comma inside a number is a decimal comma.
     let is_number =
         |one: &str| !one.ends_with(',') && one.replacen(',', ".", 1).parse::<f64>().is_ok();
     is_spaced && numbers.all(is_number)

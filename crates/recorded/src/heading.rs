@@ -51,7 +51,7 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
         .into_iter()
         .find_map(|(open, close)| {
             let (base, unit) = name.strip_suffix(close)?.rsplit_once(open)?;
-            // A number in brackets is an index: `position[0]`.
+            // A number in brackets is an index and not a unit, for example in `position[0]`.
             let is_unit = !base.trim().is_empty() && unit.trim().parse::<u8>().is_err();
             is_unit.then_some((base, unit.trim()))
         });

@@ -230,7 +230,8 @@ pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Optio
 fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)> {
     let (base, bracket) = bracketed(name);
     let mut words = words(&spelt(base));
-    // Arrays number the axes of a vector: `thumb.0`, `finger1.position.2`.
+    // If the last word of the name is the number of an axis, as in `thumb.0` or `finger1.position.2`, replace it by x,
+    // y or z.
     if let Some(axis) = (words.last()).and_then(|last| "012".find(last.as_str()))
         && (words.iter().rev().skip(1)).any(|word| is_name(word) || word.parse::<u8>().is_ok())
     {

@@ -83,6 +83,5 @@ impl Value {
 
 /// The number, with 0 instead of −0; `None` if it is not finite.
 pub(super) fn finite(number: f64) -> Option<f64> {
-    // Adding 0 converts −0 to 0.
     Some(number + 0.0).filter(|number| number.is_finite())
 }

@@ -72,9 +72,9 @@ impl UniformLattice {
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;
-        // `depth` is the index, not rounded, of a pad at the height z of the direction. It increases linearly with 1 −
-        // z. In the upper half of the sphere, 1 − z is computed from the sine of the polar angle, which loses fewer
-        // digits.
+        // `depth` is the index, before rounding, that a pad at the height z of `direction` would have. It increases
+        // linearly with 1 − z. In the upper half of the sphere, 1 − z is computed from the sine of the polar angle,
+        // which loses fewer digits.
         let depth = if direction.z > 0.0 {
             sine_squared / (1.0 + direction.z)
         } else {

@@ -132,8 +132,9 @@ pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
     for (at, run) in runs.iter().enumerate() {
-        // `above` is the index of the first run of the row above that may touch this run. The index only increases,
-        // because a run that ends left of this run also ends left of all later runs in this row.
+        // `above` is the index of the first run in the row above that may touch the current run or a later run of its
+        // row. The index never decreases, because a run that ends left of the current run also ends left of all later
+        // runs in this row.
         while above < at
             && (runs[above].row + 1 < run.row
                 || runs[above].row + 1 == run.row && runs[above].last + 1 < run.first)

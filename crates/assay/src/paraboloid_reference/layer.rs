@@ -199,9 +199,9 @@ fn shares(k: f64, depth: f64) -> [f64; 2] {
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
     let [cosh_h, sinh_h] = [0.5 * (1.0 + q), 0.5 * (1.0 - q)];
     let [cosh_x, sinh_x] = [0.5 * (1.0 + p), 0.5 * (1.0 - p)];
-    // With q = e^{−2H} and p = e^{−2x}, the scaled functions satisfy two equations: cosh H sinh x − sinh H cosh x = (q
-    // − p)/2, and cosh H cosh x − sinh H sinh x = (q + p)/2. The last term of `normal` and of `radial` uses these
-    // equations.
+    // Here cosh and sinh are the scaled functions, q is e^{−2H}, and p is e^{−2x}. Then cosh H sinh x − sinh H cosh x
+    // is (q − p)/2, and cosh H cosh x − sinh H sinh x is (q + p)/2. The last terms of `normal` and of `radial` use
+    // these equations.
     let normal = cosh_h * (sinh_x - x * cosh_x) + h * sinh_h * sinh_x + 0.5 * h * x * (q - p);
     let radial = (h - x) * cosh_h * sinh_x + 0.5 * h * x * (q + p);
     let scale = libm::exp(-h * depth) / (cosh_h * cosh_h + h * h * q);

@@ -235,8 +235,8 @@ fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
 /// k))^(3/2). The middle of the ellipse is at the distance f tan θ / (1 − k) from the image's centre.
 #[inline]
 fn pinhole_cap(local: &Local, sine: f64, cosine: f64) -> Region {
-    // With the focal length f and the polar angle θ, the radial scale of a pinhole is f / cos² θ, and its lateral scale
-    // is f / cos θ. Therefore the ratio of the scales is 1 / cos θ.
+    // `secant` is 1 / cos θ with the polar angle θ: the radial scale of a pinhole lens is f / cos² θ, and its lateral
+    // scale is f / cos θ, with the focal length f.
     let secant = local.radial / local.lateral;
     let share = sine * sine * secant * secant;
     let rest = 1.0 - share;

@@ -110,9 +110,9 @@ impl Layer {
         let direction = sight.direction;
         let across = across(&direction);
         let mut by = SMatrix::zeros();
-        // `set` computes the column `column` of the derivatives, which belongs to one variable. `ray` is the derivative
-        // of the vector from the camera to the disc with respect to this variable, and `turned` is the derivative of
-        // the disc's normal.
+        // `set` computes one column of the matrix of derivatives, that is, the derivatives with respect to one
+        // variable. `ray` is the derivative of the vector from the camera to the disc with respect to this variable,
+        // and `turned` is the derivative of the disc's normal.
         let mut set = |column: usize, ray: Vector3<f64>, turned: Vector3<f64>| {
             let nearer = towards.dot(&ray);
             let step = (ray - towards * nearer) / distance;

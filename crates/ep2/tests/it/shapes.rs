@@ -102,7 +102,7 @@ fn gauge_balls_and_cups_have_their_radius() {
         assert!(fit.curvature.value.unwrap() < 0.0);
         assert!((fit.radius.value.unwrap() / 40.0 - 1.0).abs() < 0.01);
     }
-    // A dense scan of a cup.
+    // A dense scan of the inside of a cup with a radius of 9.5.
     let extent = 9.5 * 45.0_f64.to_radians();
     let exact = Surface::Sphere(9.5).disc(&mut Random::new(30_000), extent, 25_000);
     let scan = noisy(&mut Random::new(30_001), &exact, 0, 0.05, Some(0.01));

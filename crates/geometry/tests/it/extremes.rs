@@ -283,8 +283,9 @@ proptest! {
             let found = hill.closest_point(&inside).unwrap();
             assert_abs_diff_eq!(found / size, foot / size, epsilon = 1e-13);
         }
-        // On the diagonal of a saddle, the tangents of the chart are nearly parallel. At the point (r, r) of z = a (x²
-        // − y²), the Gaussian curvature is −4a²/w⁴ with w² = 1 + 8a²r². Here a is 1.
+        // On the diagonal of a saddle, the tangents of the chart are nearly parallel, so the Gaussian curvature could
+        // lose digits. At the point (r, r) of z = a (x² − y²), its exact value is −4a²/w⁴ with w² = 1 + 8a²r². Here a
+        // is 1.
         let saddle = Graph::saddle(1.0).unwrap();
         let form = saddle.chart_geometry(Parameters::new(r, r)).unwrap().curvature;
         let truth = -(2.0 / (1.0 + 8.0 * r * r)).powi(2);

@@ -173,7 +173,7 @@ fn arguments_are_refused_by_name() {
     ] {
         desk.refuses(command, table);
     }
-    // Tables of readings without the optional columns.
+    // Write tables of readings without the optional columns.
     let columns = |csv: &str, count: usize| -> String {
         let row = |line: &str| line.split(',').take(count).collect::<Vec<_>>().join(",") + "\n";
         csv.lines().map(row).collect()

@@ -8,9 +8,9 @@ fn effects_are_those_of_the_error_law() {
     let command = "sensitivity c.toml --set object.radius=50 --trials 400";
     let answer = desk.json(&format!("{command} --out out"));
     let effects = answer["effects"].as_array().unwrap();
-    // The effect of a field is the exponent in the power law between the error and this field. The error is the noise
-    // times 1/R₁ + 1/R₂, where R₁ = 10 is the radius of the probe and R₂ = 50 the radius of the ball. On a ball, the
-    // length and the rate of the roll have no effect.
+    // The effect of a field is the exponent of this field in the power law of the error. The error is the noise times
+    // 1/R₁ + 1/R₂, where R₁ = 10 is the radius of the probe and R₂ = 50 the radius of the ball. So the exponents of R₁
+    // and R₂ are −5/6 and −1/6. On a ball, the length and the rate of the roll have no effect.
     for (field, expected) in [
         ("scene.noise.angular_velocity.fraction", 1.0),
         ("scene.probe.radius_mm", -5.0 / 6.0),

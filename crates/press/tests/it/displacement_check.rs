@@ -200,8 +200,8 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
         misfit_share(&codes, Some("outlier"))
     };
     // `named` computes the share of trials in which the test for misfits reports an outlier. In most other trials,
-    // noise increases the error of the marker, and the fit itself rejects the marker. Without a wrong marker, the share
-    // is 0.5 %.
+    // noise has increased the error of the wrong marker, so that the fit itself rejects this marker. If no marker is
+    // wrong, the share is 0.5 %.
     let [near, far] = [order[3], order[60]].map(named);
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }

@@ -380,8 +380,9 @@ mod tests {
 
     #[test]
     fn a_known_line() {
-        // The mean of x is 1, the mean of y is 5/3. The sums of products about these means are Sxy = 2, Sxx = 2 and Syy
-        // = 24/9. The residuals 1/3, −2/3 and 1/3 have the sum of squares 6/9.
+        // The mean of x is 1, and the mean of y is 5/3. The sums of products about these means are Sxy = 2, Sxx = 2 and
+        // Syy = 24/9. So the fitted line has the slope 1 and the residuals 1/3, −2/3 and 1/3. Their sum of squares is
+        // 6/9, so R² = 1 − 6/24.
         let bent = [(0.0, 1.0), (1.0, 1.0), (2.0, 3.0)];
         let line = StraightLine::through(&readings(&bent, 0.0)).unwrap();
         assert!((line.slope - 1.0).abs() < 1e-15);

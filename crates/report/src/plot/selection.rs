@@ -45,7 +45,8 @@ impl<'a> Request<'a> {
         known: impl Iterator<Item = &'b str>,
     ) -> ReportError {
         let mut known = nearest(value, known);
-        // Only rolls and glides have a mean curvature.
+        // Only rolls and glides have a mean curvature. Their tables contain the principal curvatures only if the config
+        // requires it.
         let has_mean = known
             .iter()
             .any(|name| name == Quantity::MEAN_CURVATURE.name);

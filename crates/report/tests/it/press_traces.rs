@@ -59,7 +59,7 @@ fn missing_readings_are_not_drawn() {
     let [quiver, profile] = drawn(TRACE, READINGS.lines().next().unwrap());
     assert!(says(&quiver, "5 markers, 5 without a reading."));
     assert_eq!(heights(&profile, VERMILION).len(), 1);
-    // No marker moves along the skin.
+    // In this table, no marker moves along the skin.
     let still = "marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y\n\
         0,1,0,1,0.5,0,0\n";
     let [quiver, _] = drawn(still, "x,y,normal_displacement\n1,0,0.5\n");

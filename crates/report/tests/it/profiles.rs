@@ -99,7 +99,7 @@ fn bad_profiles_are_refused() {
     ] {
         refused(&made(&format!("{PROFILE}{rest}\n"), &map()), parts);
     }
-    // There are eight lines, but only seven colours.
+    // This figure would need eight lines, but there are only seven colours.
     let mut many = Cells::new("scene.motion.indentation_mm");
     let mut table = HEADER.to_owned();
     for cell in 0..8 {

@@ -242,9 +242,10 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
         return (0.5 + inside).clamp(0.0, 1.0);
     }
     let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
-    // The pixel is a unit square. A chord is a line through the pixel that is parallel to the edge of the disc. Chords
-    // have the constant length 1 / `long` between the two corners of the pixel that are nearest to its middle (in the
-    // direction of the normal). Towards the other two corners, the length of the chords decreases to 0.
+    // The disc covers a share of the pixel (a unit square). This share is computed from the lengths of chords, which
+    // are lines through the pixel parallel to the edge of the disc. Between the two corners of the pixel that are
+    // nearest to its middle in the direction of the normal, all chords have the length 1 / `long`. Towards the other
+    // two corners, the length decreases linearly to 0.
     let depth = inside.abs();
     let beyond = 0.5 * (long + short) - depth;
     let more = if beyond <= 0.0 {

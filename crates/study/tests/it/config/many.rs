@@ -128,9 +128,9 @@ fn a_value_that_is_beyond_its_limit_is_found_wherever_it_stands() {
 
 #[test]
 fn a_cell_that_is_not_in_the_sample_is_checked_when_it_is_asked_for() {
-    // The study sweeps 150 marker depths and 150 models. The largest marker depth is 5.149. If `thin` is set, the layer
-    // of the model with this index has a thickness of 5.1485. The cell with this depth and this model is invalid,
-    // because its markers are below the layer.
+    // The study sweeps 150 marker depths (up to 5.149) and 150 models of layers. If `thin` is set, the layer of the
+    // model with this index has a thickness of only 5.1485. This model is invalid with the largest marker depth,
+    // because the markers would be below the layer.
     let study = |thin: Option<usize>| {
         let depths: Vec<String> = (0..150)
             .map(|n| (5.0 + f64::from(n) / 1000.0).to_string())
