@@ -88,7 +88,7 @@ impl Layout {
     /// # Errors
     /// [`LayoutError`] if the radius is out of range or the layout is impossible.
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
-        // The radius is limited so that the circumference of the sphere is a finite number.
+        // The limit of the sensor's radius ensures that the circumference of the sphere is a finite number.
         let is_flat = sensor_radius == f64::INFINITY;
         let good = sensor_radius > 0.0 && sensor_radius <= 1e300 || is_flat;
         LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;

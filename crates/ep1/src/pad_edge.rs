@@ -456,9 +456,9 @@ impl PadEdgeSet {
                     [own, low - own, high - own]
                 })
                 .collect();
-            // A difference has the form m + r cos(2(θ − φ)) as a function of the direction θ. Between two neighbouring
-            // directions, it exceeds the larger of its two values in these directions by at most `excess` times (this
-            // value − m).
+            // As a function of the direction θ, the difference of the normal curvature from its value at the mean has
+            // the form m + r cos(2(θ − φ)). Between two neighbouring directions, this difference exceeds the larger of
+            // its values in these directions by at most `excess` times (the larger value − m).
             let excess = 1.0 / libm::cos(step) - 1.0;
             let mean =
                 [1, 2].map(|end| all.iter().map(|one| one[end]).sum::<f64>() / DIRECTIONS as f64);

@@ -274,7 +274,8 @@ fn groups(
             group.rungs = Rungs::AsIn(*other);
             continue;
         }
-        // Measuring one model of a roll takes as long as a trial. If a trial is slow, models are not measured.
+        // It takes as long as a trial to measure the error and the time of one roll model. If a trial is slow, the
+        // models are not measured.
         let is_roll = matches!(one.config.scene, SceneConfig::Roll(_));
         let is_long = is_roll && pace.seconds_per_trial(place) > MAX_TRIAL_TIME.as_secs_f64();
         let in_time = clock() < deadline && !is_long;

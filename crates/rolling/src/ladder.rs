@@ -143,8 +143,8 @@ impl Setting<'_> {
         {
             return (rung, self.closed_form_choice());
         }
-        // The meridian model is valid for motions that are steady in the contact frame or in the frame of the chart,
-        // because both frames are equal on a meridian (a line of symmetry).
+        // The meridian model is valid for motions that are steady in the contact frame or in the frame of the chart: on
+        // a meridian (a line of symmetry), both frames are equal.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {

@@ -141,8 +141,8 @@ impl Pads {
     /// the ratio of the largest errors along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
-            // The error of a hexagonal pad has the variance 5/72 pitch² per axis, that of a square pad 1/12 pitch². The
-            // largest errors are 1/√3 pitches at the corners of a hexagon, and half a pitch at the edges of a square.
+            // A reading of a hexagonal pad has the error variance 5/72 pitch² per axis; of a square pad, 1/12 pitch².
+            // The largest errors are 1/√3 pitches (at a corner of a hexagon) and half a pitch (at an edge of a square).
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
             Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
         }

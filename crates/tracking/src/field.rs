@@ -217,7 +217,8 @@ impl Field {
         let middle = 0.5 * (low + high);
         match count {
             1 => vec![middle],
-            // This form of linear interpolation returns both ends of the coordinate's range exactly.
+            // Written this way, the linear interpolation returns exactly the smallest and the largest coordinate at its
+            // ends.
             _ => (0..count)
                 .map(|step| step as f64 / (count as f64 - 1.0))
                 .map(|share| low * (1.0 - share) + high * share)

@@ -282,7 +282,8 @@ fn all_or_nothing_and_a_single_value() {
         let mut curve = Noise::new(&runner, 5, &[|x| (x, 0.0)]);
         let found = searched(&mut curve, span(from, to), MOST);
         assert_eq!(found.runs, [Run { from, to, side }]);
-        // A key is (value, cell, fresh). The result was verified with fresh trials if `fresh` is true in any key.
+        // The keys of `known` are (value, cell, fresh). At least one key must be `fresh`: fresh trials must verify the
+        // result.
         assert!(curve.known.keys().any(|(_, _, fresh)| *fresh));
     }
 }

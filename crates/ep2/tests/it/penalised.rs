@@ -82,7 +82,8 @@ fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
 
 #[test]
 fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
-    // Three fingers glide along a cylinder. A parabola fits any three heights, but not the slopes.
+    // Three fingers glide along a cylinder. Across the fingers, a parabola fits any three heights, but it does not fit
+    // the slopes of the cylinder.
     let along = Surface {
         name: "cylinder along the fingers",
         at: |x, y| {

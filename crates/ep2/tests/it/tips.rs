@@ -69,7 +69,8 @@ fn tips_without_normals_determine_the_object() {
             let centre = method.fit(&patch).unwrap().centre().unwrap();
             let found = centre.curvature;
             assert!((found.mean - mean).abs() < 0.004, "{found:?}");
-            // If the tip's radius is ignored, the centres lie on a ball of radius 6 or in a dish of radius 4.
+            // The centre of the tip moves on a ball of radius 6 or in a dish of radius 4. If the estimator ignores the
+            // tip's radius, it estimates these radii.
             let taken = Patch::new(&readings, &Vector3::z()).unwrap();
             let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
             assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");
@@ -139,8 +140,8 @@ fn a_tip_larger_than_the_curvature_radius_of_its_centres_is_rejected() {
 
 #[test]
 fn a_tip_of_any_size_can_turn_on_an_edge() {
-    // If a tip of radius r turns about an edge, its centre moves on a cylinder of radius r. Because of noise of the
-    // normals, half of the estimated curvatures exceed 1/r.
+    // If a tip of radius r turns about an edge, its centre moves on a cylinder of radius r. Because of the noise of the
+    // normals, half of the estimated curvatures exceed 1/r. This must not be an error.
     let mut state = 1_u64;
     let mut noise = || {
         state = state

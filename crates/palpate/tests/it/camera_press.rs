@@ -131,7 +131,7 @@ fn image_fit_estimates_the_traced_press() {
             assert!(off.abs() < most, "{marker} {name}: {off}");
         }
     }
-    // Without --method, the study's own estimator is used.
+    // Without --method, `sensor track` uses the estimator of the study.
     let again = track(
         &desk,
         &format!("{FRAMES} --like c.toml {known} --young 0.1"),

@@ -386,8 +386,8 @@ fn additional_columns_are_kept_as_labels() {
         columns,
         serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
     );
-    // Without the values in `columns`, the answer is the same as for the table without the columns `Force [N]` and
-    // `note`.
+    // Except for `columns`, which was removed above, the answer is the same as for the table without the columns `Force
+    // [N]` and `note`.
     assert_eq!(found, rolls(&rolled));
     // The message about an outlier contains the label of its row.
     let rows = super::readings::PRESS.lines().enumerate();

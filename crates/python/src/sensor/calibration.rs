@@ -176,7 +176,7 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     for (name, column) in columns.iter() {
         let name: String = name.extract()?;
         let Ok(numbers) = Numbers::of("tables", &column) else {
-            // Not all values of this column are numbers. Treat it as a column of text, in which every field is empty.
+            // Not all values of this column are numbers. Treat it as a column of text, and leave all its fields empty.
             texts.push(Column::text(&name));
             continue;
         };

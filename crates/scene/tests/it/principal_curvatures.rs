@@ -106,7 +106,8 @@ fn on_a_sphere_noise_separates_the_principal_curvatures() {
     let [max, min] = ["principal_curvature_max", "principal_curvature_min"].map(found);
     assert!(max[0] > 0.003 && min[0] < -0.003, "{max:?} {min:?}");
     assert!(max[2] > 0.94 && min[2] > 0.94, "{max:?} {min:?}");
-    // The test for a difference between the two curvatures has a significance level of 5 %.
+    // If both principal curvatures are equal, a test with the significance level 5 % leaves the axis undetermined in 95
+    // % of trials.
     let [_, undetermined, _] = found("axis_undetermined");
     assert!((0.93..0.97).contains(&undetermined), "{undetermined}");
 }

@@ -182,8 +182,8 @@ fn by_differences(formula: &Formula, x: f64, y: f64) -> Jet {
 proptest! {
     #[test]
     fn agree_with_differences(x in -0.9..0.9_f64, y in -0.9..0.9_f64) {
-        // `inner` has linear, mixed and square terms. Its values stay in the range where all functions of the table are
-        // regular.
+        // `inner` has linear, mixed and square terms. For all x and y of this test, its values are in the range where
+        // every function of `table` is regular.
         let inner = "(0.4*x+0.3*y+0.2*x*y-0.1*x^2)";
         let positive = format!("(1.5+{inner})");
         let table = [
