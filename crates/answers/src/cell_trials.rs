@@ -44,7 +44,7 @@ struct Source<'a> {
 /// Key of a scene: the searched field's value (as the bits of the number), and the index of the cell.
 type Place = (u64, usize);
 
-/// The scene of a cell of the study at a value of the searched field, or the reason why this scene has no estimate.
+/// The scene of a cell of the study at a value of the searched field, or the reason why this scene cannot be estimated.
 enum Setup {
     Scene(Box<SceneTrial>, SceneTarget),
     /// The readings do not determine an estimate. The text names the kind of failure.
@@ -52,7 +52,8 @@ enum Setup {
 }
 
 impl<'a> CellTrials<'a> {
-    /// A collection without trials. `place` is one combination of values of those varied fields that are not searched.
+    /// Creates a store that holds no trials yet. `place` is one combination of values of those varied fields that are
+    /// not searched.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,
@@ -257,8 +258,8 @@ impl TrialCounts {
         }
     }
 
-    /// Text that states the share of failed trials and the share of the most frequent kind of failure. `trials` is the
-    /// word for trials in this text, and `at` describes the cell.
+    /// Text that states the share of failed trials and the share of the most frequent kind of failure. `trials` is what
+    /// the text calls a trial (for example `presses`), and `at` describes the cell.
     pub(crate) fn failures_in_words(&self, trials: &str, at: &str) -> String {
         let kind = |share: String| match self.main_failure {
             Some((kind, _)) => format!(" (`{kind}`{share})"),

@@ -128,16 +128,16 @@ struct Searches<'a> {
     runner: &'a Runner,
     clock: &'a Clock<'a>,
     progress: &'a dyn Fn(usize, u64),
-    /// Largest possible number of combinations of the other varied fields' values, including those that refine the
-    /// grid.
+    /// Largest possible number of combinations of the grid's values, including the combinations that refine the grid.
+    /// The grid consists of the varied fields that are not searched.
     max_columns: usize,
     /// Number of tested values and number of trials so far, in all searches together.
     done: Cell<(usize, u64)>,
 }
 
 impl Searches<'_> {
-    /// Searches the values of the searched field at one combination of the other varied fields' values. The remaining
-    /// time is divided evenly among this search and the searches after it.
+    /// Searches the values of the searched field at one combination of the other varied fields' values. This search may
+    /// use the remaining time, divided by the number of searches that are not done yet.
     fn column(&self, region: &Region, place: Vec<f64>) -> Result<RegionColumn, AnswerError> {
         let question = &region.question;
         let start = (self.clock)();

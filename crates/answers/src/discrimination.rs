@@ -81,8 +81,8 @@ pub struct Pair {
 }
 
 impl Object {
-    /// The object of a cell. `means` contains the mean estimate and the mean true value of each trial; `None` for
-    /// failed trials.
+    /// Creates the object of a cell of the study. For each trial, `means` contains the mean estimate and the mean true
+    /// value, or `None` if the trial failed.
     pub(crate) fn new(
         cell: usize,
         label: Vec<String>,
@@ -188,8 +188,8 @@ impl Discrimination {
         table
     }
 
-    /// One sentence for each pair of neighbouring objects in each group. The sentence starts with the values of the
-    /// swept fields that do not define objects.
+    /// One sentence for each pair of neighbouring objects in each group. If there are swept fields that do not define
+    /// objects, the sentence starts with their values.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for group in &self.groups {

@@ -168,7 +168,7 @@ struct Layout {
     groups: Vec<(Vec<String>, Members)>,
 }
 
-/// The cells of a group: index of each cell of the study, and the values that define its object.
+/// The cells of a group. Each entry has the index of a cell of the study, and the values that define the cell's object.
 type Members = Vec<(usize, Vec<String>)>;
 
 fn grouped(study: &Study) -> Result<Layout, AnswerError> {

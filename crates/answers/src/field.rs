@@ -90,7 +90,7 @@ impl Field {
         }
     }
 
-    /// The path of the field, and a list with `value` as its only element, as a TOML value.
+    /// The path of the field, and a list that contains only `value`, converted to TOML.
     pub(crate) fn fixed_at(&self, value: f64) -> (String, Vec<toml::Value>) {
         let value = match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),

@@ -5,8 +5,8 @@ use crate::field::Field;
 use crate::search::SearchRange;
 
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values at which a field with a range is tested, if it is part of the grid: for a grid of one field, of two
-/// fields, and of three or more fields. The grid consists of the varied fields that are not searched.
+/// Number of tested values of a field with a range, if the field is part of the grid (the varied fields that are not
+/// searched). The three numbers are for a grid of one field, of two fields, and of three or more fields.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
 /// All combinations of the grid fields' values. The value of the last field changes fastest. If `fields` is empty,
@@ -34,9 +34,9 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// New combinations next to the combination `best`. In each field with a range, the new values are the midpoints
-/// between the value of `best` and the nearest values of those `known` combinations that differ from `best` only in
-/// this field.
+/// New combinations that differ from the combination `best` in one field with a range. The value of this field is
+/// halfway between its value in `best` and its nearest smaller or larger value. The nearest values are those of the
+/// `known` combinations that differ from `best` only in this field.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

@@ -136,7 +136,8 @@ impl Extreme {
         }
     }
 
-    /// The word for the best value (such as `largest`), and the word for values beyond the best value (such as `more`).
+    /// The adjective for the best value (such as `largest`), and the word for values beyond the best value (such as
+    /// `more`).
     pub(crate) const fn words(self) -> [&'static str; 2] {
         match self {
             Self::Largest => ["largest", "more"],

@@ -211,8 +211,8 @@ impl Region {
     }
 
     /// Limit of the searched field beyond which all values miss the target, at every combination of the other varied
-    /// fields' values. `None` if such a limit is undecided at some combination, if the searched field is not the
-    /// optimised field, or if its values are listed.
+    /// fields' values. `None` if the limit is undecided at some combination, if the searched field is not the optimised
+    /// field, or if the values of the searched field are listed.
     pub(crate) fn missed_from(&self) -> Option<f64> {
         let extreme = self.searched_extreme()?;
         if self.searched.is_listed() {
@@ -237,17 +237,17 @@ impl Region {
         sample.counts.failure_rate() > self.question.max_failures
     }
 
-    /// The result of the decisive cell of the study at a tested value. If too many trials fail in any cell, the
-    /// decisive cell is that with the largest share of failures. Otherwise, it is the cell with the worst statistic.
+    /// The decisive cell's result at a tested value. If too many trials fail in any cell of the study, the decisive
+    /// cell is the cell with the largest share of failures. Otherwise, it is the cell with the worst statistic.
     pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// The tested value of the searched field that comes nearest to meeting the target in any of `columns`. The result
-    /// also contains the column of this value and the result of its decisive cell. Among the values with few enough
-    /// failures, this is the value with the best statistic. If there are no such values, it is the value with the
-    /// fewest failures.
+    /// Of all tested values in `columns` (combinations of the grid's values), the value that comes nearest to meeting
+    /// the target: the one with the best statistic or, if too many trials fail at every value, with the fewest
+    /// failures. Returns its column, the value, and the result of the cell that decides whether the value meets the
+    /// target.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,

@@ -1,4 +1,4 @@
-//! Makes the figure of a [`Region`], the answer of `palpate design`.
+//! Makes the figure of a [`Region`], which is the answer of `palpate design`.
 
 use palpate_report::{
     CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
@@ -16,10 +16,10 @@ use crate::words::settings_in_words;
 const MAX_LINES: usize = 7;
 
 impl Region {
-    /// Figure of the region. If several fields are varied, the searched field is plotted over the last field of
-    /// [`Region::grid`]. There is one panel for each combination of values of the remaining fields. If one field is
-    /// varied, the target's statistic is plotted over this field. `name` is the file name of the figure, without
-    /// extension.
+    /// Figure of the region. If several fields are varied, the searched field is on the vertical axis, and the last
+    /// field of [`Region::grid`] on the horizontal axis. There is one panel for each combination of values of the
+    /// remaining fields. If one field is varied, it is on the horizontal axis, and the target's statistic on the
+    /// vertical axis. `name` is the file name of the figure, without extension.
     ///
     /// # Errors
     /// [`ReportError`] if the figure cannot be drawn.

@@ -143,7 +143,8 @@ impl Region {
         format!("{values}{}", self.worst_cell())
     }
 
-    /// Text about the cell that is decisive for most tested values; empty if the study has only one cell.
+    /// Text that names the cell of the study that is the worst one at most tested values; empty if the study has only
+    /// one cell. The worst cell misses the target most clearly, or meets it least clearly.
     fn worst_cell(&self) -> String {
         if self.cells.len() < 2 {
             return String::new();
@@ -203,8 +204,8 @@ impl Region {
         }
     }
 
-    /// Among the ends of ranges that miss the target: the first end at which too many trials fail, with the result of
-    /// its decisive cell. The ends of the whole searched range are ignored.
+    /// Looks for values at which too many trials fail, among the ends of ranges that miss the target. Ends of the whole
+    /// searched range are ignored. Returns the first such value, and the result of the cell with most failures there.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,
@@ -391,8 +392,8 @@ impl Region {
         }
     }
 
-    /// Text with the values of the searched field that meet the target, at each combination of the other varied fields'
-    /// values. Neighbouring combinations with the same result share a clause if they differ in a single field.
+    /// Text that lists, for each combination of the other varied fields' values, the values of the searched field that
+    /// meet the target. Neighbouring combinations with the same result share a clause if they differ in a single field.
     fn values_that_meet(&self) -> String {
         let words = &self.searched.label.words;
         let certainty = match self.columns.len() {
@@ -480,8 +481,8 @@ impl Region {
 const MEETS: [&str; 2] = ["meets", "meet"];
 const MISSES: [&str; 2] = ["misses", "miss"];
 
-/// The form of a verb that agrees with the text `values`: `one` if the text states one value or one range, `many` if it
-/// is a list.
+/// Returns the singular verb `one` if the text `values` states one value or one range, and the plural verb `many` if it
+/// states a list.
 fn verb(values: &str, [one, many]: [&'static str; 2]) -> &'static str {
     if values.contains(" and ") { many } else { one }
 }

@@ -100,7 +100,7 @@ pub(crate) struct TestedValue {
     pub(crate) side: Option<Side>,
     /// Index of the cell of the study that has the smallest score at this value.
     pub(crate) worst: usize,
-    /// Number of trials at this value in the cell of the study with the most trials.
+    /// Largest number of trials that a cell of the study has at this value.
     pub(crate) trials: u64,
 }
 

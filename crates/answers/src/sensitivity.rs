@@ -179,7 +179,7 @@ struct ErrorRuns<'a> {
 }
 
 impl ErrorRuns<'_> {
-    /// Runs the trials after setting `fields` to their given values. Returns the root mean square of the true values,
+    /// Runs the trials with the values `fields` of some config fields. Returns the root mean square of the true values,
     /// and the squared error of the quantity in each trial.
     fn at(
         &self,

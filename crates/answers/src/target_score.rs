@@ -1,5 +1,5 @@
 //! Computes from the trials of a cell of the study how certainly the cell meets or misses the target. This certainty is
-//! called a score.
+//! the score of the cell.
 
 use crate::search::Scores;
 use palpate_scene::{Scene, drop_undefined_moments};
@@ -82,7 +82,8 @@ impl SceneTarget {
         }
     }
 
-    /// The scores of the target's statistic and of the share of failures, and the statistic itself if it is defined.
+    /// The scores of two conditions: the limit on the target's statistic, and the limit on the share of failed trials.
+    /// Also the statistic itself, if it is defined.
     pub(crate) fn scores(
         &self,
         scene: &Scene,

@@ -175,8 +175,8 @@ fn press_errors() -> Result<Figures> {
     Ok(figures.map(name).to_vec())
 }
 
-/// Largest error of the displacements that the model `body` computes, divided by the largest displacement. The
-/// reference is a quadrature over wavenumbers.
+/// Largest error of the displacements that are computed with the soft body `body`, divided by the largest displacement.
+/// The reference is a quadrature over wavenumbers.
 fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Result<f64> {
     let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
     let truth = ParaboloidPress::new(reference, 1.0 / SKIN, INDENTATION)?;

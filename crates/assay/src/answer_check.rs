@@ -14,8 +14,9 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// Width of the undecided gap (between a value that meets and a value that misses the target) in the reference answer,
-/// divided by its width in the checked answer. A gap that is ten times smaller needs 100 times the trials.
+/// Ratio of two widths of the undecided gap, which lies between a value that meets and a value that misses the target:
+/// its width in the reference answer, divided by its width in the checked answer. A gap that is ten times smaller needs
+/// 100 times the trials.
 const REFERENCE_GAP: f64 = 0.1;
 const REFERENCE_SEED: u64 = 1_000_003;
 /// Number of the first fresh trial. Fresh trials test the probabilities that `distinguish` estimated from trials with
@@ -208,9 +209,8 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
     Ok(score)
 }
 
-/// Whether an estimated probability agrees with the share of pairs of fresh trials in the right order. The allowed
-/// difference combines two uncertainties: the half-width of the probability's interval, and the standard error of the
-/// share, because every seed is compared with the same share.
+/// Whether an estimated probability agrees with the measured share of pairs of fresh trials in the right order. The
+/// allowed difference combines the half-width of the probability's 95 % interval and the standard error of the share.
 fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
     let side = match share < order.probability {
         true => order.probability - order.low,

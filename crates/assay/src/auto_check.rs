@@ -78,8 +78,8 @@ struct Verdict<'a> {
 }
 
 impl<'a> Verdict<'a> {
-    /// Finds the cheapest model within the tolerance for the scene of `choice`. `counts` yields the number of
-    /// instructions of each model in [`AutoChoice::counted`].
+    /// Finds the cheapest model within the tolerance for the scene of `choice`. `counts` yields the instruction counts
+    /// of the models in [`AutoChoice::counted`], in the same order.
     fn new(choice: &'a AutoChoice, counts: &mut impl Iterator<Item = u64>) -> Self {
         let counted: Vec<(usize, u64)> = choice.counted().zip(counts).collect();
         let taken = counted.iter().find(|(place, _)| *place == choice.taken);

@@ -55,8 +55,8 @@ enum Pressure {
 }
 
 impl ParaboloidPress {
-    /// The contact of an object with the soft body `body`. `relative_curvature` is the sum of the curvatures of the
-    /// object and the skin.
+    /// The contact of an object that is pressed into the soft body `body`. `relative_curvature` is the sum of the
+    /// curvatures of the object and of the body's skin.
     ///
     /// # Errors
     /// An error if the relative curvature or the indentation is not positive, or if the contact with a layer cannot be

@@ -45,7 +45,8 @@ struct Figure {
 }
 
 impl Figure {
-    /// Measures the time of `run`, divided by `times`. Each call of `run` performs a task `times` times.
+    /// Measures the time of one task. Each call of `run` performs the task `times` times, so the time of a call is
+    /// divided by `times`.
     fn measured<T>(
         task: impl Into<String>,
         rung: impl Into<String>,

@@ -19,10 +19,10 @@ pub enum LayoutError {
     AroundTheSphere {
         /// Name of the setting that makes the row too long.
         setting: &'static str,
-        /// Polar angle of the last marker of the row, degrees.
+        /// The counted work of a scene, with the number of drawn random numbers set to 0.
         reach_deg: f64,
     },
-    /// The layout places its markers by angles at the sensor's centre, but the skin is flat.
+    /// The layout places its markers by angles at the sensor's centre, but the skin is flat, so there is no centre.
     #[error(
         "needs a skin with a radius, because its markers are placed by angles; for a flat skin, use the layout \
          {{ kind = \"grid\", pitch = .., width = .., height = .. }}"

@@ -29,10 +29,10 @@ pub enum Layout {
     /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces of which
     /// the skin is made by folding them onto the sphere.
     Gores {
-        /// Number of gores around the sphere.
+        /// Number of gores (flat pieces of the skin) around the sphere.
         gores: u32,
-        /// Number of markers in each row of a gore, from the apex outward. The markers of a row are evenly spaced over
-        /// the gore's width.
+        /// Number of markers in each row of a gore, starting with the row next to the apex. The markers of a row are
+        /// evenly spaced over the gore's width.
         rows: Vec<u32>,
         /// Angle at the sphere's centre between neighbouring rows, degrees.
         row_spacing_deg: f64,
@@ -70,7 +70,8 @@ pub enum Layout {
 
 impl Layout {
     /// The 77 visible markers of the sensor in the 2020 paper, estimated from its photograph. One marker is at the
-    /// apex. Each of four gores has rows of 1, 3, 3, 5 and 7 markers. The rows are 11.9° apart.
+    /// apex. Each of the four gores (flat pieces of the skin) has rows of 1, 3, 3, 5 and 7 markers. The rows are 11.9°
+    /// apart.
     pub fn published() -> Self {
         Self::Gores {
             gores: 4,
@@ -210,9 +211,8 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
     Ok((0..=rows as u32).flat_map(row).collect())
 }
 
-/// Distances of `markers` equally spaced markers from the first marker. They start at 0, and the last distance is
-/// `length`. `reach`, the distance of the farthest marker from the apex, must be less than half the circumference of
-/// the sensor.
+/// Distances of `markers` equally spaced markers from the first marker, from 0 to `length`. `reach` is the distance of
+/// the farthest marker from the apex; it must be less than half the circumference of the sensor.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -230,7 +230,7 @@ fn equal_steps(
 }
 
 pub(crate) struct TooClose {
-    /// The smaller of the indices of the two points, counted from 0.
+    /// The smaller index of the two points that are too close to each other, counted from 0.
     pub(crate) first: usize,
     pub(crate) second: usize,
     pub(crate) distance: f64,
@@ -238,8 +238,8 @@ pub(crate) struct TooClose {
 
 /// Returns a pair of points whose distance is below `reach`; `None` if there is no such pair. If there are several
 /// pairs, the function returns the pair with the smallest index `second`. For a fast search, the points are sorted into
-/// square grid cells. The width of a grid cell is `reach`, but at least `narrowest`, so that the index of a grid cell
-/// fits into an integer.
+/// square grid cells. The width of a grid cell is `reach`. If `reach` is smaller than `narrowest`, the width is
+/// `narrowest`, so that the index of a grid cell fits into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,

@@ -21,7 +21,7 @@ use crate::LayoutError;
 pub use sheet::{CuttingSheet, Discs};
 pub use strain::FoldStrain;
 
-/// Smallest allowed number of gores of a pattern.
+/// Smallest allowed number of gores (flat pieces of the skin) of a pattern.
 pub(crate) const FEWEST_GORES: u32 = 3;
 
 pub(crate) const MOST_GORES: u32 = 360;
@@ -29,7 +29,7 @@ pub(crate) const MOST_GORES: u32 = 360;
 /// Largest allowed number of chords for one side of a gore's outline, from the apex to the equator.
 const MOST_SAMPLES: u32 = 1000;
 
-/// Flat gores that can be folded to a hemisphere.
+/// Flat pieces of skin (gores) that can be folded to a hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pattern {
     gores: u32,
@@ -40,7 +40,8 @@ pub struct Pattern {
 /// The point of the flat pattern that lies at a given point of the skin after folding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FlatPlace {
-    /// Number of the gore from 0, counter-clockwise from +x. The apex belongs to gore 0.
+    /// Number of the gore (flat piece of the skin), counted from 0 counter-clockwise from +x. The apex belongs to gore
+    /// 0.
     gore: u32,
     /// Distance (length) from the gore's middle meridian; positive counter-clockwise around the apex.
     across: f64,
@@ -104,8 +105,8 @@ impl Pattern {
         right.chain(left.map(|[across, from_apex]| [-across, from_apex]))
     }
 
-    /// Point of the outline that is `step` steps from the apex: half the width of the gore there, and the distance from
-    /// the apex, both lengths.
+    /// Point of the outline that is `step` steps from the apex. It consists of half the width of the gore at this
+    /// point, and of the distance from the apex; both are lengths.
     fn edge(&self, step: u32) -> [f64; 2] {
         let polar = FRAC_PI_2 * f64::from(step) / f64::from(self.samples);
         let half_width = PI / f64::from(self.gores) * libm::sin(polar);

@@ -60,8 +60,8 @@ impl ProbeRotation {
 }
 
 impl Moments {
-    /// The sums of the set of readings with index `set`. Each array of length `N` contains one of the sums for `N` sets
-    /// of readings.
+    /// The sums of the set of readings with index `set`. `deviations` and `lengths` are arrays over `N` sets; each
+    /// array contains one of the sums for all sets.
     #[inline(always)]
     pub(crate) fn of_set<const N: usize>(
         deviations: &[[f64; N]; 3],

@@ -10,8 +10,9 @@ use crate::{PadCell, RollSample, SeriesNoise};
 const REACH: f64 = 7.0;
 /// Largest half-length of the straight line that is fitted to the measured rotations, in samples.
 const MOST_REACH: f64 = 1e4;
-/// A crossing of a pad's edge is only known to lie between two samples. This constant is the smallest assumed width of
-/// the range of possible rotations across the edge, relative to the rotation between the two samples.
+/// The sensor shows only that the probe's rotation at a crossing of a pad's edge is between the rotations of two
+/// samples. This constant is the smallest assumed width of that range across the edge, relative to the rotation between
+/// the samples.
 const MIN_WIDTH: f64 = 0.05;
 /// Smallest standard deviation (rad) of the rotation at a crossing. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;

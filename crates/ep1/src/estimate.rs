@@ -40,7 +40,7 @@ pub struct Estimate {
     pub gaussian_curvature: Measured,
     /// Mean curvature (1/length) of the object.
     pub mean_curvature: Measured,
-    /// Mean length of the shifts, in the length unit of the readings.
+    /// Mean length of the shifts of the contact, in the length unit of the readings.
     pub arc_length: f64,
     pub(crate) probe_curvature: f64,
     /// Mobility: the distance (length) that the contact moves on the probe per radian. It is `(K₁ + K₂)⁻¹`, where K₁

@@ -58,7 +58,9 @@ pub(crate) struct EdgeRow {
     pub(crate) slack: f64,
 }
 
-/// The bounds (rows) of one roll.
+/// For each of the three bounds (rows) through the corner: its index (`None` for a side of the bounding box) and its
+/// multiplier. The corner is furthest in the direction that is the sum of the normals of these bounds, each times its
+/// multiplier.
 #[derive(Clone, Debug)]
 pub(crate) struct RollRows {
     /// The bounds, in the order of the pads' edges to which they belong.
@@ -74,7 +76,7 @@ struct Corner {
     shares: [(Option<usize>, f64); 3],
 }
 
-/// Indices of the three bounds (rows) through a corner; `None` for a side of the bounding box.
+/// Indices of three bounds (rows), which intersect in a corner; `None` for a side of the bounding box.
 type Basis = [Option<usize>; 3];
 
 /// State of the linear programs for the bounds (rows) of all rolls. A program begins at the corner at which the last
@@ -206,8 +208,9 @@ fn scaled(form: Vector3<f64>, slack: f64) -> Row {
 }
 
 impl RollRows {
-    /// The start of the roll for which the largest violation of a bound is smallest, if the mobility changes by
-    /// `point`. The third coordinate of the corner is this violation.
+    /// Finds the start of the roll at which the largest violation of its bounds is smallest, if the mobility (contact
+    /// travel per radian) changes by `point`. The corner's first two coordinates are the start; the third coordinate is
+    /// this violation.
     fn start(
         &self,
         point: &Vector3<f64>,
@@ -222,8 +225,8 @@ impl RollRows {
         furthest(rows, &-Vector3::z(), basis)
     }
 
-    /// The weighted sum of the bounds through a corner, in which the unknown start cancels. `None` if the corner is on
-    /// the bounding box.
+    /// The sum of the bounds through a corner, each times its multiplier. The unknown start of the roll cancels in this
+    /// sum. `None` if the corner is on the bounding box.
     fn sum(&self, corner: &Corner) -> Option<Row> {
         let (mut form, mut slack) = (Vector3::zeros(), 0.0);
         for (row, share) in corner.shares {
@@ -262,8 +265,8 @@ impl RollRows {
         all
     }
 
-    /// Indices of the bounds that no other bound of the same edge implies for mobilities near `mean`. `root` is the
-    /// Cholesky factor of the mobility's covariance.
+    /// Indices of the needed bounds: no other bound of the same pad edge implies them for mobilities near `mean`.
+    /// `root` is the Cholesky factor of the mobility's covariance.
     pub(crate) fn needed(
         &self,
         response: &Matrix2x3<f64>,

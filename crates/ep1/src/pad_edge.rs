@@ -22,13 +22,13 @@ const DIRECTIONS: usize = 12;
 /// Up to this standard deviation of the mobility (contact travel per radian), relative to the mobility, the set of
 /// mobilities is assumed to be bounded.
 const MAX_SPREAD: f64 = 0.03;
-/// Largest deviation of the mobility from its mean over the set, relative to the mean, for which the distribution of
-/// the mobility counts as normal.
+/// Largest deviation of a possible mobility (contact travel per radian) from the mean mobility, relative to the mean,
+/// for which the distribution of the mobility counts as normal.
 const MAX_DEVIATION: f64 = 0.06;
 /// First guess of the standard deviation of the mobility (contact travel per radian), relative to the half-width of the
 /// set of possible mobilities.
 const STD_OF_HALF_WIDTH: f64 = 0.4;
-/// Largest number of times that the bounds of the set are linearised at the middle of the set.
+/// Largest number of times that the bounds are linearised at the middle of the set of possible mobilities.
 const CENTRES: usize = 5;
 /// Largest number of times that a change of the mobility is halved until the contact rolls.
 const MAX_HALVINGS: usize = 60;
@@ -53,7 +53,7 @@ pub(crate) struct BoundedRoll {
 }
 
 impl BoundedRoll {
-    /// The bounds of a roll for an object near `shape`.
+    /// Bounds of the contact's positions in a roll, for an object whose shape is close to `shape`.
     pub(crate) fn new(
         series: &RollSeries,
         runs: &[Run],
@@ -272,8 +272,8 @@ impl PadEdgeSet {
         self.centre + matrix(&self.mean)
     }
 
-    /// The bounds of all rolls, linearised at the shape `shape` and at the starts `starts`. `None` if a contact on this
-    /// shape cannot roll as measured.
+    /// The bounds of all rolls, linearised at the shape `shape` and at the starts `starts`. `None` if the measured
+    /// rotations cannot roll the contact over this shape.
     fn linearised(&self, shape: &LocalShape, starts: &[Vector2<f64>]) -> Option<Vec<RollRows>> {
         let normals: Vec<_> = self.cell.normals().collect();
         let mut path = Vec::new();

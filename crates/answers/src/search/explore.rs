@@ -1,5 +1,5 @@
-//! Explores a range of values: tests values all over the range, then more values around each crossing. A crossing is a
-//! place where the values change from meeting the target to missing it, or back.
+//! Explores a range of values. It first tests values all over the range, and then more values around each crossing. At
+//! a crossing, the values change from meeting the target to missing it, or back.
 
 use super::limits::{Effort, FIRST, MAX_LOOKS, Rules, SCANNED};
 use super::points::{Point, Points};
@@ -129,10 +129,10 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
 }
 
 enum Stretch {
-    /// Indices of the first and the last of several consecutive undecided values. The decided value before them and the
-    /// decided value after them both meet or both miss the target, or the range ends there.
+    /// Indices of the first and the last of several consecutive undecided values. The range ends at these values, or
+    /// the decided values before and after them both meet the target or both miss it.
     Open(usize, usize),
-    /// Indices of a value that meets the target and of a value that misses it, in ascending order; all tested values
+    /// Indices of two tested values, in ascending order: one meets the target, the other misses it. All tested values
     /// between them are undecided.
     Crossing(usize, usize),
 }
@@ -200,9 +200,9 @@ fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec
     asks
 }
 
-/// Adds requests that locate a crossing (a change between meeting and missing the target) more accurately. If
-/// neighbouring values are too far apart, values between them are requested. Otherwise, more trials of the undecided
-/// values are requested.
+/// Adds requests for trials that locate a crossing (a change between meeting and missing the target) more accurately.
+/// If two neighbouring values are too far apart, values between them are requested. Otherwise, more trials are
+/// requested at the undecided values.
 fn closer(
     crossing: &[Point],
     span: &Span,

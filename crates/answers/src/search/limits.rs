@@ -1,4 +1,5 @@
-//! Limits of a search: the scores that its decisions require, and its budgets of trials and time.
+//! Limits of a search: how large a score must be for a decision, and how many trials and how much time the search may
+//! use. The score of a value states how certainly the value meets the target.
 
 use std::time::Duration;
 
@@ -17,11 +18,11 @@ pub(super) const SCANNED: usize = 17;
 pub(super) const FIRST: u64 = 64;
 /// Largest number of attempts to verify an end of a range of values.
 pub(super) const ATTEMPTS: u32 = 5;
-/// Number of fresh trials that verify a value, as a multiple of the number of trials from which the search decided
-/// about this value.
+/// Ratio of the number of fresh trials that verify a value to the number of trials from which the search decided about
+/// the value.
 pub(super) const FRESH: f64 = 2.0;
 
-/// Scores that a search requires for its decisions, and other limits of the search.
+/// Smallest scores that a search requires for its decisions, and other limits of the search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
     wrong: f64,
@@ -97,7 +98,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of the next `trials` trials for which the remaining time suffices, at most 1.
+    /// Share of the next `trials` trials that can run in the remaining time, at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

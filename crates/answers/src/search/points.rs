@@ -38,8 +38,8 @@ impl CellScores {
 }
 
 impl Point {
-    /// Index of the cell of the study that has the smallest score at this value, and index of the condition to which
-    /// this score belongs.
+    /// The smallest score at this value: the index of its cell of the study, and the index of the condition to which
+    /// the score belongs.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();

@@ -26,7 +26,7 @@ struct Candidate {
 struct End {
     run: usize,
     kind: Kind,
-    /// Indices of the values at which this end of the range is tried, one after the other: first the outermost value of
+    /// Indices of the values that are tried as this end of the range, one after the other: first the outermost value of
     /// the range, then values farther inside.
     places: Vec<usize>,
     attempt: u32,
@@ -39,8 +39,8 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// A range without ends to verify: it covers the whole explored range, or is a single listed value. Instead of an
-    /// end, the value with the smallest score is verified.
+    /// Not an end. The range covers the whole explored range, or is a single listed value, so it has no ends to verify.
+    /// The value with the smallest score is verified instead.
     Weakest,
 }
 
@@ -110,8 +110,9 @@ fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests for the fresh trials that verify an end of a range. If the range meets the target, trials of all cells of
-/// the study are requested. If it misses the target, only trials of the cell with the smallest score are requested.
+/// Requests for the fresh trials that verify the end `end` of a range. If the range meets the target, trials of all
+/// cells of the study are requested. If it misses the target, only trials of the cell with the smallest score are
+/// requested. `part` is the share of the trials for which there is time.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];

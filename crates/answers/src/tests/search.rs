@@ -158,8 +158,8 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// For each range that the search found, whether it meets or misses the target. Also whether this is right at both ends
-/// of every range.
+/// For each range that the search found, whether it meets or misses the target. The second result states whether all
+/// these verdicts are right at both ends of their ranges.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;
@@ -316,8 +316,8 @@ fn whole_numbers_and_lists() {
 
 #[test]
 fn fresh_trials_that_disagree_narrow_the_answer() {
-    /// Scores that differ between search and verification: in fresh trials, values below `fresh_below` meet the target;
-    /// in the trials of the search, values below 1 meet it.
+    /// Scores with which search and verification disagree. In the trials of the search, values below 1 meet the target;
+    /// in fresh trials, only values below `fresh_below` meet it.
     struct Disagreeing {
         fresh_below: f64,
     }

@@ -28,7 +28,7 @@ pub struct AutoChoice {
     study: Study,
     /// All models for the scene, with their errors relative to an independent reference.
     pub models: Vec<CompetingModel>,
-    /// Index in `models` of the model that `auto` chose.
+    /// Name of the reference method. Its results are used as true values.
     pub(super) taken: usize,
     /// Name of the reference method, whose results are used as true values.
     pub truth: &'static str,
@@ -85,10 +85,10 @@ impl AutoChoice {
         method(&self.taken().name) != method(self.truth)
     }
 
-    /// Whether the chosen model is cheap enough; instructions are not counted here. A roll must evaluate the contact
-    /// equations at most twice as often as with any other model within the tolerance. For a glide, the closed form must
-    /// be chosen if it is within the tolerance. For a press, the error of every cheaper model must be above the
-    /// tolerance.
+    /// Whether the chosen model is cheap enough, according to rules that need no instruction counts. A roll must
+    /// evaluate the contact equations at most twice as often as with any other model within the tolerance. For a glide,
+    /// the closed form must be chosen if it is within the tolerance. For a press, the error of every cheaper model must
+    /// be above the tolerance.
     pub fn seems_cheap(&self) -> bool {
         let evaluations = |place: usize| self.models[place].evaluations.unwrap_or(0) as f64;
         let taken = evaluations(self.taken);

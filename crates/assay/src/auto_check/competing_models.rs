@@ -22,8 +22,8 @@ const STEPS: [u32; 19] = [
 ];
 /// Compared tolerances of DOP853 and Newton's method, as negative decimal exponents: 1 means a tolerance of 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// The distances of two markers from the contact count as equal if they differ by less than this share of the sensor's
-/// radius.
+/// Two markers count as equally far from the contact if their distances from it differ by less than this share of the
+/// sensor's radius.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
 /// A model that `auto` could have chosen for a scene.

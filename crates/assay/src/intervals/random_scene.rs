@@ -105,7 +105,7 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
 }
 
 /// Random value of a field between two limits. Positive values are uniform on a logarithmic scale. If the field is a
-/// curvature relative to the probe's curvature, 1 plus the value is uniform on a logarithmic scale.
+/// curvature relative to the probe's curvature, the sum of 1 and the value is uniform on a logarithmic scale.
 fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     match field {
         _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),

@@ -192,8 +192,8 @@ fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     [normal - (1.0 + kz) * decay, radial - kz * decay]
 }
 
-/// The kernels N and R of the displacements in a layer. Every hyperbolic function is scaled by a factor e^{−H} or
-/// e^{−x}, to avoid overflow.
+/// The kernels N and R of the displacements in a layer. H is the wavenumber, and x the wavenumber times the distance
+/// from the core. Every hyperbolic function is scaled by e^{−H} or e^{−x}, to avoid overflow.
 fn shares(k: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (k, k * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));

@@ -44,8 +44,8 @@ pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]
     })
 }
 
-/// Nodes and weights of the quadrature from 0 to `end`, for functions that vary over a length of `width` near `place`.
-/// Panels are short near `place`, and longer farther away from it.
+/// Nodes and weights of the quadrature from 0 to `end`, for functions that vary over a length of `width` near the
+/// position `place`. Panels are short near `place`, and longer farther away from it.
 pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
     let mut bounds = vec![0.0, end, place];
     let mut reach = width;
@@ -77,7 +77,8 @@ pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
 }
 
 /// Two integrals over wavenumbers up to `reach`: the inward displacement (with the Bessel function J₀) and the outward
-/// displacement (with J₁). The integrands must be smooth over a width of `smooth` in wavenumber.
+/// displacement (with J₁). `waves` returns both integrands without their Bessel functions; they must be smooth over
+/// wavenumber intervals of the length `smooth`.
 pub(super) fn sum(
     reach: f64,
     smooth: f64,

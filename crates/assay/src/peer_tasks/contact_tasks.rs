@@ -15,8 +15,8 @@ const SIDE: usize = 30;
 /// Number of knot intervals along each side of the peer program's spline, which has six inner knots.
 const INTERVALS: usize = 7;
 
-/// A fit method that is measured: its name, the method, and a function that removes the parts of its fit that the peer
-/// program does not compute.
+/// A fit method that is measured. The entry consists of a name, the method, and a function that removes those parts of
+/// the method's fit that the peer program does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
 /// Measures surface fits on all patches with few contacts. Every method is measured without standard errors, as in the
@@ -115,8 +115,8 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
     contacts.iter().map(position).collect()
 }
 
-/// Fits a surface to the points, and computes the curvatures on a map of this surface. The calls are those of a user's
-/// Python code.
+/// Fits a surface to the points, and computes the curvatures on a map of this surface. It makes the same calls as a
+/// user's Python code.
 fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
     let readings = GlideRecording::new(points, None, None, None)?;
     let fitted = GlideFitResult::new(Cow::Owned(readings), &GlideOptions::default())?;

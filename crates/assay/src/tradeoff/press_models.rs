@@ -17,8 +17,8 @@ const PLACES: usize = 77;
 /// Largest distance (mm) from the contact at which displacements are computed.
 const REACH: f64 = 20.0;
 
-/// Each entry: the text that is added to the name of a model, and the factor of its number of quadrature nodes. The
-/// factors apply only to contacts that are solved directly instead of interpolated.
+/// Each entry has the text that is added to the name of a model, and a factor by which the model's number of quadrature
+/// nodes is multiplied. The factors apply only to contacts that are solved directly instead of interpolated.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
     (" × 3/8", 0.375),

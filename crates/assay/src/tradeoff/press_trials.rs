@@ -57,9 +57,9 @@ const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
 /// simulated press costs the same with both calibrations.
 const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
-/// The ladder (list of compared settings) of press sensors: sensors that measure displacements directly, sensors with
-/// projected markers, and sensors with rendered frames. Each sensor has its own noise, which the ladder's description
-/// of the error states. So two errors do not show which real camera is more accurate.
+/// The ladder (list of compared settings) of press sensors. Some sensors measure displacements directly, some project
+/// markers, and some render frames. Each kind has its own noise, so the errors do not show which real camera is more
+/// accurate. The ladder's description of the error states the noise.
 pub(super) fn sensors() -> Ladder {
     let mut choices: Vec<Choice> = WITHOUT_PIXELS
         .iter()

@@ -181,8 +181,8 @@ pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
     Ok(RungError { error, std })
 }
 
-/// For each trial, its observations with the indices of their quantities. In a failed trial, all estimates are set to
-/// 0, so the relative error is 1.
+/// For each trial, the estimates and true values, each with the index of its quantity. In a failed trial, all estimates
+/// are set to 0, so the relative error is 1.
 pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Observation)>>> {
     let attempts = (0..scene.trials(trials)).map(|trial| {
         let mut outcomes = Vec::new();

@@ -150,7 +150,7 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 impl Stage {
-    /// The computation whose cost is measured: it runs trials of the scene with this stage and all stages before it.
+    /// The computation whose cost is measured: trials of the scene with this stage and all stages before it.
     pub(super) fn evaluation(&self) -> Evaluation {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).evaluations_per_run(TRIALS)
     }

@@ -41,7 +41,7 @@ pub fn optics(size_px: u32) -> Result<Optics> {
     )?)
 }
 
-/// Displacements of the 77 markers, all different. The first marker moves most, the last marker least.
+/// Displacements of the 77 markers. All displacements differ: the first marker moves most, the last marker least.
 pub fn motions() -> Vec<Option<MarkerMotion>> {
     let disc = |normal, along| DiscMotion {
         normal,

@@ -65,11 +65,11 @@ pub struct CameraPress {
 /// A step of an image fit.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
-    /// Correction of the sensor's parameters with a frame that was recorded without a press.
+    /// Correct the sensor's parameters, with a frame that was recorded without a press.
     Rest,
-    /// Fit of the press to the images of the markers.
+    /// Fit the press to the images of the markers.
     Fit,
-    /// Tests whether the readings contradict the fit.
+    /// Test whether the readings contradict the fit.
     Misfits,
 }
 
@@ -134,7 +134,8 @@ impl CameraPress {
     }
 }
 
-/// Soft bodies at the depths of a marker's two discs, and soft bodies at depths that are larger by [`DEPTH_STEP`].
+/// Two pairs of soft bodies. The first pair is at the depths of a marker's two discs, the second pair is deeper by
+/// [`DEPTH_STEP`].
 fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     let [magenta, yellow] = DEPTHS;
     let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;

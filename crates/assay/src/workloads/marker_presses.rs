@@ -39,7 +39,7 @@ pub struct MarkerReadings {
 }
 
 impl MarkerReadings {
-    /// Adds random errors to the displacements `moved`. The errors differ from trial to trial.
+    /// Creates readings: the displacements `moved` plus random errors, which differ from trial to trial.
     pub fn new(moved: &[MarkerDisplacement], trial: u64) -> Self {
         let mut noise = Stream::new(1, trial, Channel::Position);
         let mut off = |value: f64, std: f64| value + std * noise.standard_normal();

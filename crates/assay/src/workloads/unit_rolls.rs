@@ -99,8 +99,9 @@ impl Ep1 {
         )))
     }
 
-    /// Root mean square of the relative error of the normal curvature over `trials` trials. As in the sweep runner,
-    /// vector instructions compute several trials at once. `None` if some trials cannot be computed in this way.
+    /// Root mean square of the relative error of the estimated normal curvature over `trials` trials. As in the sweep
+    /// runner, several trials are computed at once with vector instructions. `None` if some trials cannot be computed
+    /// in this way.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let computed =
@@ -166,7 +167,7 @@ impl Statistics {
     const QUANTITIES: usize = 5;
     const TRUTH: f64 = 5.0;
 
-    /// Statistics of `trials` such trials, which run on one thread.
+    /// Statistics of `trials` trials that simulate nothing. The trials run on one thread.
     ///
     /// # Errors
     /// An error if no thread can be started.

@@ -47,12 +47,12 @@ NOISE
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// Work for setting up a scene, and work of its first trial.
+/// Counted work of a scene: the work of its set-up, and the work of its first trial.
 fn work(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
     run(template, parts, 1)
 }
 
-/// Work for setting up a scene, and total work of its first `trials` trials.
+/// Counted work of a scene: the work of its set-up, and the total work of its first `trials` trials.
 fn run(template: &str, parts: &[(&str, &str)], trials: u64) -> [Tally; 2] {
     let text = parts
         .iter()

@@ -45,9 +45,9 @@ pub struct DiscMotion {
 }
 
 impl DiscMotion {
-    /// Angles (rad) at the sensor's centre from the position of a marker at rest to one of its discs after the disc's
-    /// motion. The result is the sum of two angles: `moved`, and the disc's `misalignment`, which grows with the
-    /// stretch of the skin.
+    /// Angles (rad) at the sensor's centre between two positions: the position of the marker at rest, and the position
+    /// of one of its discs after a press. Each angle is the sum of `moved`, the disc's motion, and of the disc's
+    /// `misalignment`, which grows with the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -301,7 +301,7 @@ impl MarkerArray {
 
 impl Layer {
     /// A disc of this layer's colour as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad.
-    /// If the motion is impossible, the error is the length of the motion.
+    /// For an impossible motion, the function returns the motion's length as the error.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
@@ -329,8 +329,8 @@ impl Layer {
         })
     }
 
-    /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. If the
-    /// stretch is impossible, the error is the distance by which it would move the disc's edge.
+    /// Radius of a disc after a motion, divided by the distance of the resting disc from the centre of the sensor. If
+    /// the stretch is impossible, the error is the distance by which it would move the disc's edge.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         for stretch in [motion.stretch, motion.skin_stretch] {
@@ -344,8 +344,8 @@ impl Layer {
 
     /// A disc as viewed from a camera that is not in the sensor's centre. The view is computed from `sight`, the view
     /// from the sensor's centre. The disc is approximated by a circular cap with the same solid angle, which is correct
-    /// to first order in the solid angle. If the disc moves behind the camera, the error is the disc's inward
-    /// displacement.
+    /// to first order in the solid angle. For a disc that moves behind the camera, the function returns the disc's
+    /// inward displacement as the error.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;

@@ -126,8 +126,8 @@ impl Camera {
         })
     }
 
-    /// Returns this camera with other odd terms of its fisheye lens. The radius of the image circle (px) and the focal
-    /// length do not change, so the rim is at another polar angle.
+    /// Returns this camera with other coefficients k3 and k5 of its fisheye lens. The radius of the image circle (px)
+    /// and the focal length do not change, so the polar angle of the rim changes.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to
@@ -215,7 +215,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// Distance (px) from the image's centre to the image point of a direction with the polar angle `polar`.
+    /// Distance (px) between the image's centre and the image of a direction with the polar angle `polar`.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
@@ -224,8 +224,8 @@ impl Camera {
         }
     }
 
-    /// The lens's scale (px per rad) and its derivatives at the polar angle `polar` (rad). `sine_and_cosine` contains
-    /// the sine and the cosine of `polar`.
+    /// The lens's scale (px per rad) and the derivatives of this scale at the polar angle `polar` (rad).
+    /// `sine_and_cosine` contains the sine and the cosine of `polar`.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)

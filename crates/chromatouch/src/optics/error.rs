@@ -26,11 +26,13 @@ pub enum OpticsError {
         k3: f64,
         /// Coefficient k5 of the fifth power of the angle in the lens's map.
         k5: f64,
-        /// Largest angle (degrees) from the axis up to which the distance from the image's centre increases.
+        /// Largest angle (degrees) from the axis up to which the distance from the image's centre increases with the
+        /// angle.
         reach_deg: f64,
         /// Angle between the axis and the rim of the image circle, degrees.
         field_deg: f64,
-        /// Smallest k3 with which the distance from the image's centre increases up to the rim of the image circle.
+        /// Smallest k3 for which the distance from the image's centre increases with the angle up to the rim of the
+        /// image circle.
         least_k3: f64,
     },
     /// A disc would lie at or beyond the sensor's centre, or outside the sensor's skin.
@@ -104,8 +106,8 @@ pub enum OpticsError {
         marker: usize,
         /// Colour of the disc with the impossible motion.
         disc: &'static str,
-        /// Length of the impossible motion: the disc's displacement normal to the skin or along it, or the displacement
-        /// of the disc's edge.
+        /// Length of the impossible motion. It is the displacement of the disc normal to the skin or along it, or the
+        /// displacement of the disc's edge.
         motion: f64,
         /// The disc's distance (length) from the sensor's centre at rest.
         distance: f64,

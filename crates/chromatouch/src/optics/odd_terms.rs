@@ -7,9 +7,9 @@ use super::error::{MOST_TERM, OpticsError};
 /// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, the image hardly
 /// resolves angles.
 const LEAST_SLOPE: f64 = 0.01;
-/// Maximum number of Newton steps in the inversion of the lens's map r(θ). A step that leaves the interval of the
-/// solution is replaced by a bisection. Even if all steps are bisections, the result is exact to the last digit of a
-/// double-precision number.
+/// Maximum number of Newton steps for the inversion of the lens's map r(θ). A step that leaves the interval of the
+/// solution is replaced by a bisection. This number of steps suffices for a result that is exact to the last digit,
+/// even if all steps are bisections.
 const STEPS: usize = 64;
 
 /// Odd terms of a fisheye lens, in addition to the equidistant term: the lens maps θ to r = f (θ + k3 θ³ + k5 θ⁵). Here
@@ -32,7 +32,7 @@ impl OddTerms {
         polar * self.stretch(polar * polar)
     }
 
-    /// Image radius r / f of the lens, divided by the angle from the axis, as a function of the squared angle.
+    /// Ratio of the image radius r / f of the lens to the angle from the axis, as a function of the squared angle.
     #[inline]
     pub(super) fn stretch(self, square: f64) -> f64 {
         1.0 + square * (self.k3 + square * self.k5)

@@ -57,8 +57,8 @@ impl HalfAngle {
         }
     }
 
-    /// Half-angle with the sine `sine` and the cosine `cosine`. If this new half-angle is close to `self`, it is
-    /// computed from `self` by a short series, which is faster than an arctangent.
+    /// Half-angle with the sine `sine` and the cosine `cosine`. If this half-angle is close to the half-angle `self`,
+    /// it is computed from `self` by a short series, which is faster than an arctangent.
     fn beside(&self, sine: f64, cosine: f64) -> Self {
         let [across, along] = [
             sine * self.cosine - cosine * self.sine,

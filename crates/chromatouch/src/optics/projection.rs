@@ -171,8 +171,8 @@ impl MarkerProjection {
         })
     }
 
-    /// The projection of the marker `sight`, which differs from the marker of this projection by a small change of one
-    /// disc. `disc` is 0 for the magenta disc and 1 for the yellow disc.
+    /// Projects the marker `sight`, starting from this projection of a nearly equal marker. The two markers differ by a
+    /// small change of the disc `disc`: 0 is the magenta disc, 1 the yellow disc.
     #[inline]
     pub(super) fn beside(&self, camera: &Camera, sight: &MarkerSight, disc: usize) -> Self {
         let changed = [&sight.magenta, &sight.yellow][disc];

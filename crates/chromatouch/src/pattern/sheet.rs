@@ -89,8 +89,8 @@ impl Pattern {
         marks.into_iter().map(place).collect()
     }
 
-    /// Half the width of a gore as drawn, with chords instead of curved edges, at the distance from the apex that is
-    /// `share` (less than 1) of the distance to the equator.
+    /// Half the width of a gore as drawn, that is, with chords instead of curved edges. `share` (less than 1) is the
+    /// distance from the apex, divided by the distance between apex and equator.
     fn chord_half_width(&self, share: f64) -> f64 {
         let steps = share * f64::from(self.samples);
         let [inner, outer] = [0, 1].map(|more| self.edge(steps.floor() as u32 + more)[0]);

@@ -60,8 +60,8 @@ fn pale_regions_do_not_count() {
     assert_eq!(seen.mean_hue_turns, seen.hue_turns);
 }
 
-/// A misalignment grows with the strain of the skin. The test uses both orders of the discs: magenta deeper, and yellow
-/// deeper.
+/// The misalignment between the two discs of a marker grows with the strain of the skin. The test uses both orders of
+/// the discs: magenta deeper, and yellow deeper.
 #[test]
 fn a_misalignment_strains_with_the_skin() {
     let place = [[0.0, 0.0]];

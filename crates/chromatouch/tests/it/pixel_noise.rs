@@ -110,7 +110,7 @@ fn pixels_outside_the_circle_have_no_noise() {
 }
 
 /// Errors of the pixel levels in a square inside of the image circle, divided by the standard deviation of noise and
-/// rounding. Each row of the result contains three errors per pixel.
+/// rounding. Each row of the result belongs to a row of pixels, and contains three errors per pixel, one per colour.
 fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     let size = frame.width();
     let square = size * 3 / 20..size * 17 / 20;

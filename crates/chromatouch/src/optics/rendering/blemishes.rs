@@ -16,17 +16,18 @@ pub struct Blemishes {
     pub light_at_rim: f64,
     /// Standard deviation of a Gaussian blur of the whole frame, px; 0 means no blur.
     pub blur_px: f64,
-    /// Seams between the gores of the skin; `None` if there are no seams.
+    /// Seams between the gores (flat pieces) of the skin; `None` if there are no seams.
     pub seams: Option<Seams>,
     /// Standard deviation of the Gaussian noise of each channel of each pixel in the image circle, in levels (0 to
     /// 255).
     pub pixel_std: f64,
 }
 
-/// Seams between gores. Each seam is a meridian that starts at the apex. The first seam is along +x.
+/// Seams between gores, the flat pieces of the skin. Each seam is a meridian that starts at the apex. The first seam is
+/// along +x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seams {
-    /// Number of gores around the sphere.
+    /// Number of gores (flat pieces of the skin) around the sphere.
     pub gores: u32,
     /// Width of a seam on the skin (length).
     pub width: f64,

@@ -292,8 +292,9 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
 mod tests {
     use super::*;
 
-    /// Share of a pixel that lies on the inner side of a straight edge. It is estimated by counting the points of a
-    /// grid that are on this side.
+    /// Share of a pixel that lies on the inner side of a straight edge, estimated by counting the points of a grid.
+    /// `inside` is the distance (px) of the pixel's centre from the edge, positive on the inner side. `turn` is the
+    /// direction (rad) of the edge's normal.
     fn counted(inside: f64, turn: f64) -> f64 {
         const SIDE: u32 = 400;
         let (sine, cosine) = libm::sincos(turn);

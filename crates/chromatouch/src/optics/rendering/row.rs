@@ -96,7 +96,7 @@ impl Row {
     }
 }
 
-/// Renders the rows of a frame in order, from the first row to the last.
+/// Renders the rows of a frame one after another, from the first row to the last.
 pub(super) struct Rows<'a> {
     camera: &'a Camera,
     markers: &'a [MarkerRaster],
@@ -220,8 +220,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Paints the part of a row that is outside of the image circle. Pixels on the rim of the circle contain light from
-    /// both sides of the rim.
+    /// Paints the part of a row that is outside of the image circle. A pixel on the rim mixes the light from inside and
+    /// outside of the circle.
     fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
         let rim = self.camera.rim_px();
         let [middle, middle_row] = self.camera.centre_px();
