@@ -339,9 +339,9 @@ pub(crate) struct StartFrame {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) place: Vector2<f64>,
-    /// Derivatives with respect to the contact point at the start.
+    /// Derivatives of the contact's position on the probe with respect to the contact point at the start of the roll.
     pub(crate) by_start: Matrix2<f64>,
-    /// Derivatives with respect to the contact's position on the object.
+    /// Derivatives of the contact's position on the probe with respect to its position on the object.
     pub(crate) by_path: Matrix2<f64>,
 }
 

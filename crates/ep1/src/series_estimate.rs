@@ -59,7 +59,8 @@ pub(crate) enum Uncertainty {
     NormalMobility,
     /// The errors of the curvature form are normally distributed.
     NormalForm,
-    /// The noise was estimated from residuals with these degrees of freedom.
+    /// The noise was estimated from residuals with this number of degrees of freedom. The errors have Student's t
+    /// distribution.
     Student(usize),
     /// The readings are exact, so the true mobility lies in this set.
     Set(Box<PadEdgeSet>),
@@ -117,9 +118,9 @@ impl SeriesEstimate {
         }
     }
 
-    /// The estimate of a fit to the starts and ends of rolls. `covariance` is the covariance (1/length²) of the
-    /// curvatures along u, along v and mixed. `freedom` is the number of degrees of freedom of the residuals from which
-    /// the noise was estimated; `None` if the noise is stated.
+    /// The estimate of a fit to the starts and ends of rolls. `covariance` is the covariance (1/length²) of the entries
+    /// `k_uu`, `k_vv` and `k_uv` of the curvature form. `freedom` is the number of degrees of freedom of the residuals
+    /// from which the noise was estimated; `None` if the noise is stated.
     pub fn of_ends(estimate: &Estimate, covariance: [[f64; 3]; 3], freedom: Option<usize>) -> Self {
         Self {
             curvature: estimate.curvature,
@@ -172,7 +173,8 @@ impl SeriesEstimate {
         root.map_or(0.0, |root| apart.dot(&root.solve(&apart)))
     }
 
-    /// Adds an error `apart` of the entries `k_uu`, `k_vv` and `k_uv` of the curvature form to their covariance.
+    /// Increases the covariance of the entries `k_uu`, `k_vv` and `k_uv` of the curvature form, as if the entries had
+    /// the additional error `apart`.
     pub(crate) fn widen(&mut self, apart: Vector3<f64>) {
         let covariance = self.covariance_matrix() + apart * apart.transpose();
         self.covariance = [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)]));

@@ -19,7 +19,7 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
-/// At most the number of all rolls, divided by this value, may be left out.
+/// A fit may leave out at most one in this number of rolls as outliers.
 const ROLLS_PER_OUTLIER: usize = 4;
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are averaged in
 /// this number of groups.
@@ -228,7 +228,8 @@ impl Problem<'_> {
         ))
     }
 
-    /// Leaves out a roll, unless too many rolls are left out already. Then the model or the noise is wrong, not a roll.
+    /// Leaves out the roll `roll` as an outlier, and returns `true`. Returns `false` if `roll` is `None`, or if too
+    /// many rolls would be left out: then the model or the noise is wrong, not a roll.
     fn leaves_out(&mut self, roll: Option<usize>) -> bool {
         let is_out = |report: &&RollReport| report.left_out == Some(Exclusion::Inconsistent);
         let out = self.reports.iter().filter(is_out).count();
@@ -455,7 +456,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The information criterion of Akaike.
+    /// The information criterion of Akaike for a fit.
     fn criterion<const N: usize>(&self, fit: &SeriesFit<N>, coefficients: usize) -> f64 {
         let penalty = 2.0 * coefficients as f64;
         match self.is_noise_stated() {

@@ -30,22 +30,24 @@ const MAX_REST_EXTENT: f64 = 3.0;
 const MAX_SHORT_BREAKS: f64 = 0.2;
 /// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
 const MAX_GAPS: usize = 4;
-/// Smallest number of contacts of a rest during which the noise is as large as the steps of the moving finger.
+/// A rest whose noise is as large as the steps of the moving finger is detected only if it has at least this number of
+/// contacts.
 const MIN_NOISY_REST: usize = 20;
-/// During a rest with noise as large as the steps of the moving finger, this is the largest distance of the contacts
-/// from the finger's median position, relative to the median of the finger's steps.
+/// A finger may rest with noise that is as large as the steps of the moving finger. This constant is the largest
+/// distance of a contact of such a rest from the finger's median position, relative to the finger's median step.
 const MAX_NOISY_EXTENT: f64 = 2.5;
-/// Contacts around one position count as a noisy rest of a finger only if the median distance of all other contacts
-/// from this position, divided by the largest allowed distance of the contacts of the rest, is at least this value.
-/// Otherwise, the contacts may be in no order.
+/// Contacts near one position are a noisy rest of a finger only if all other contacts are far enough away: the ratio of
+/// their median distance from this position to the largest allowed distance within the rest must be at least this
+/// value. Otherwise, the contacts may be in no order.
 const MIN_REST_DISTANCE: f64 = 4.0;
 /// Number of residuals that is sufficient to estimate the correlation between residuals. If the strokes used so far
 /// contain this number, no further stroke is used.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, in residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;
-/// The sum of correlations ends at this lag or earlier. The lag is relative to the number of residuals that count as
-/// one according to the sum so far. Correlations at longer lags are mostly noise.
+/// The sum of correlations ends at this lag or earlier, because correlations at longer lags are mostly noise. The lag
+/// is a multiple of the number of consecutive residuals that count as one independent residual, according to the sum so
+/// far.
 const MAX_LAG_RATIO: f64 = 2.0;
 /// Correlations are corrected for the variance that the fit removes from the residuals, but only if the ratio of fitted
 /// parameters to independent readings is at most this value.
@@ -98,8 +100,8 @@ impl DistinctContacts {
         }
     }
 
-    /// Also merges consecutive contacts that are closer to each other than a tenth of a long step. Remove lost readings
-    /// before, because they would make the long step too long.
+    /// Merges further contacts: consecutive contacts that are closer to each other than a tenth of a long step. Remove
+    /// lost readings before the call, because they make the steps seem too long.
     pub(crate) fn without_short_steps(self) -> Self {
         let mut steps = steps(&self.contacts);
         if steps.len() < 3 {

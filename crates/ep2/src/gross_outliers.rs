@@ -185,7 +185,7 @@ fn far_contacts(contacts: &[Contact], runs: &[Contact]) -> Vec<Outlier> {
     outliers.collect()
 }
 
-/// Searches the widest gap between successive distances in the largest fifth of the sorted distances. Returns the
+/// Searches for the widest gap between successive distances, in the largest fifth of the sorted distances. Returns the
 /// distance below this gap; `None` if there is no gap.
 fn gap(mut distances: Vec<f64>) -> Option<f64> {
     if distances.len() < MIN_PLACES_WITH_GAP {

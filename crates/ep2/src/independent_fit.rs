@@ -22,9 +22,9 @@ const MIN_MEANS: usize = 8;
 /// Largest accepted ratio of the root-mean-square distances of the contacts from two surfaces: a surface fitted to
 /// means of contacts, and a surface fitted to all contacts. At a larger ratio, the first surface is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// Replaces [`MAX_RESIDUAL_RATIO`] if the distances of the contacts from the surface fitted to all contacts are
-/// correlated. At a smaller ratio, the noise is correlated, and this surface follows a part of the noise. At a larger
-/// ratio, no spline follows the object.
+/// Replaces [`MAX_RESIDUAL_RATIO`] if consecutive contacts have correlated distances from the surface that is fitted to
+/// all contacts. If the ratio is smaller than this value, the cause of the correlation is the noise, and the surface
+/// follows a part of the noise. If the ratio is larger, no spline follows the object.
 const MAX_CORRELATED_RATIO: f64 = 3.0;
 /// The distances of contacts from a surface count as correlated if at least this number of consecutive distances counts
 /// as one independent distance.
@@ -46,7 +46,8 @@ const MAX_BEND: f64 = 0.25;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
 
-/// Largest number of strokes whose heights do not determine the fourth derivative of the surface across the strokes.
+/// With at most this number of strokes, the heights do not determine the fourth derivative of the surface across the
+/// strokes.
 const MAX_FEW_STROKES: usize = 4;
 
 /// A fit to the independent contacts of a log, and the contacts to which it was fitted.
@@ -63,7 +64,8 @@ pub struct IndependentFit {
     pub rows: Vec<usize>,
     /// Number of independent readings in the log.
     pub readings: EffectiveReadings,
-    /// Standard deviations of the errors of positions and normals in the patch, divided by those of a single contact.
+    /// Standard deviations of the errors of positions and of normals in `patch`, divided by the standard deviations for
+    /// a single contact of the log.
     pub noise_ratios: [f64; 2],
 }
 

@@ -65,8 +65,9 @@ const MAX_SKIPPED_STEP_RATIO: f64 = 1.5;
 const MAX_SKIPPED: usize = 30;
 
 impl SoundContacts {
-    /// Also leaves out contacts that contradict a smooth surface through the other contacts. `contacts` are the same
-    /// contacts as in [`SoundContacts::new`]. Without normals, `outward` determines the outer side of the surface.
+    /// Leaves out not only the gross outliers, but also contacts that contradict a smooth surface through the other
+    /// contacts. `contacts` are the same contacts as in [`SoundContacts::new`]. Without normals, `outward` determines
+    /// the outer side of the surface.
     ///
     /// # Errors
     /// [`ShapeError::TooManyOutliers`] if more than a fifth of the contacts are outliers.

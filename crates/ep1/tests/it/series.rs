@@ -130,7 +130,8 @@ fn the_set_of_exact_rolls_contains_the_truth_and_is_narrow() {
     }
 }
 
-/// The bounds of an estimate, which must contain the true curvatures.
+/// Computes the bounds of the curvatures from time series of rolls. Checks that the bounds contain the true curvatures
+/// `truths`.
 fn bounds_around(
     cell: PadCell,
     radius: f64,

@@ -295,7 +295,7 @@ struct Mixture {
 }
 
 impl Rest {
-    /// These equations. If their information exceeds [`MAX_INFORMATION`], the variances are increased until the
+    /// Returns these equations. If their information exceeds [`MAX_INFORMATION`], the variances are increased until the
     /// information equals this limit.
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;

@@ -9,8 +9,8 @@ use crate::matrix::add_symmetric;
 use crate::noise::Kinds;
 use crate::square_quadric::UNKNOWNS;
 
-/// Relative weight with which the penalty matrix is added to the matrix of the normal equations; both are scaled by
-/// their traces. The addition makes all coefficients determined.
+/// Weight of the penalty matrix that is added to the matrix of the normal equations, so that all coefficients are
+/// determined. Both matrices are scaled by their traces.
 const PENALTY_SHARE: f64 = 1e-7;
 
 /// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A is the matrix of the weighted normal
@@ -81,8 +81,8 @@ impl Spectrum {
         Ok(spectrum.with_right_side(equations, variances))
     }
 
-    /// The same modes with the right side of `equations`. The matrix of `equations` must be the one from which the
-    /// modes were computed.
+    /// Returns the same modes with the right side of `equations`. The matrix of `equations` must be the one from which
+    /// the modes were computed.
     pub(super) fn with_right_side(self, equations: &Equations, variances: &Kinds<f64>) -> Self {
         let (per_height, per_slope) = (1.0 / variances.heights, 1.0 / variances.slopes);
         let mut right = &equations.right_sides.heights * per_height;

@@ -39,8 +39,8 @@ const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits of outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// A fit that leaves out more than a fifth of the contacts counts only if its variance is below this share of the
-/// variance of the fit to all contacts. Then the contacts have too many outliers.
+/// A fit that leaves out more than a fifth of the contacts is preferred to the fit to all contacts only if its variance
+/// is below this share of the other fit's variance. If it is preferred, the contacts have too many outliers.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
