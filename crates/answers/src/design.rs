@@ -31,10 +31,12 @@ const BEST_VALUE_TRIALS: u64 = 4096;
 /// combination.
 const REFINEMENTS: usize = 3;
 
-/// Finds the values of one or several fields that meet a target, and the best value of one of these fields.
+/// Finds the values of one or several fields that meet a target. If the question asks for it, also finds the best value
+/// of one of these fields.
 ///
 /// `progress` receives the number of tested values and the number of trials so far. Without a time budget, the result
-/// depends only on the study and the question. The searches at all combinations of field values share the time budget.
+/// depends only on the study and the question. If several fields are varied, all searches together must keep within the
+/// time budget.
 ///
 /// ```
 /// use std::time::Instant;
@@ -121,8 +123,8 @@ pub fn design(
     Ok(region)
 }
 
-/// Searches the values of the searched field at each combination of the other varied fields' values, one combination
-/// after another.
+/// Runs the searches, one after another. Each search tests values of the searched field at one combination of the other
+/// varied fields' values.
 struct Searches<'a> {
     study: &'a Study,
     runner: &'a Runner,

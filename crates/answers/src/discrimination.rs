@@ -13,8 +13,8 @@ use crate::words::{percent, settings_in_words};
 /// The sentences mention failed trials of an object only if their share is larger than this value.
 const STATED_FAILURES: f64 = 0.05;
 
-/// How reliably the objects of a study are distinguished by one trial of each object, and by the means of several
-/// trials.
+/// How reliably the objects of a study can be distinguished: by one trial of each object, and by the mean estimates of
+/// several trials of each object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discrimination {
     /// The quantity whose estimates are compared to distinguish the objects.
@@ -115,8 +115,8 @@ impl Object {
 
 impl Discrimination {
     /// Table with one row per pair of objects. A row contains both objects, the probability that one trial of each
-    /// object distinguishes them, and the 95 % interval of this probability. It also contains the number of trials
-    /// whose means distinguish the objects with the required confidence.
+    /// object distinguishes them, and the 95 % interval of this probability. It also contains the number of trials that
+    /// must be averaged to distinguish the objects with the required confidence.
     pub fn table(&self) -> Table {
         let names = |of: &str| -> Vec<String> {
             self.object_columns
@@ -256,8 +256,9 @@ impl Discrimination {
         )
     }
 
-    /// The result as JSON: the sentences, and for each pair of objects the probability that trials distinguish them,
-    /// its 95 % interval, and the required number of trials.
+    /// The result as JSON. It contains the sentences. For each pair of objects, it contains the probability that one
+    /// trial of each object distinguishes them, the 95 % interval of this probability, and the required number of
+    /// trials.
     pub fn to_json(&self, study: &Study) -> Value {
         let groups = self.groups.iter().map(|group| {
             let pairs = group.pairs.iter().map(|pair| {
@@ -299,8 +300,8 @@ impl Discrimination {
         })
     }
 
-    /// Heat map of the probability that one trial of each of two objects distinguishes them, with one panel per group.
-    /// `name` is the name of the figure's files.
+    /// Heat map with one panel per group of objects. A field of the map shows the probability that one trial of each of
+    /// two objects distinguishes them. `name` is the name of the figure's files.
     ///
     /// # Errors
     /// [`ReportError`] if the figure cannot be drawn.

@@ -22,16 +22,16 @@ pub struct Question {
     pub grid: Vec<Vary>,
     /// Field whose best value the answer states: `searched` or a field of `grid`.
     pub sought: Option<Sought>,
-    /// Fields that have the same fixed value in all trials of the question, each with this value.
+    /// Fields that have one fixed value in all trials of the question. Each field is stored with its value.
     pub set: Vec<(String, toml::Value)>,
-    /// Largest share of trials that may fail at a value that meets the target, above 0 and at most 1. If it is 1,
-    /// failed trials are ignored.
+    /// Largest allowed share of failed trials, above 0 and at most 1. A value with more failures misses the target. If
+    /// the share is 1, failed trials are ignored.
     pub max_failures: f64,
     /// Largest gap that the answer may leave between values that meet the target and values that miss it. On a range
     /// with logarithmic spacing, the gap is relative to the lower of the two values. On other ranges, the gap is
     /// relative to half the range.
     pub gap: f64,
-    /// Largest number of trials that each cell of the study runs at one value of the searched field.
+    /// Largest number of trials of one cell of the study at one value of the searched field.
     pub most_trials: u64,
     /// Time limit, after which the search tests no more values. The first scan and the verification run in any case.
     pub budget: Option<Duration>,

@@ -39,8 +39,8 @@ pub struct Region {
     pub columns: Vec<RegionColumn>,
 }
 
-/// A combination of values of the fields in [`Region::grid`], and the values of the searched field that meet the target
-/// at this combination.
+/// The result at one combination of values of the fields in [`Region::grid`]: the values of the searched field that
+/// meet the target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionColumn {
     /// Value of each field in [`Region::grid`]. For a field with listed values, this is the index in its list.
@@ -50,7 +50,7 @@ pub struct RegionColumn {
     /// Ranges of neighbouring values of the searched field that all meet or all miss the target, in ascending order.
     /// For listed values, the ranges contain the indices of the values.
     pub runs: Vec<Run>,
-    /// Number of ends of ranges that fresh trials (trials that the search had not used) did not confirm at the first
+    /// Number of range ends that fresh trials (trials that the search had not used) did not confirm at the first
     /// attempt. The ranges were shortened at these ends.
     pub narrowed: usize,
     /// Reason why the search at this combination of values ended.
@@ -67,7 +67,7 @@ pub struct DesignPoint {
     /// Index of the decisive cell of the study: the cell that meets the target least clearly, or misses it most
     /// clearly.
     pub worst: usize,
-    /// Results of each cell of the study from the trials that the search used, in the order of the cells.
+    /// Results of each cell of the study, in the order of the cells. They come from the trials that the search used.
     pub searched: Vec<Sample>,
     /// Results of each cell of the study from the fresh trials that verify the answer; empty if no fresh trials were
     /// run at this value.
@@ -155,8 +155,8 @@ impl Region {
         })
     }
 
-    /// Fields with one fixed value: the fields that the question sets, and the fields of the grid at the combination
-    /// `place` of their values.
+    /// Fields that have one fixed value: the fields that the question fixes, and the fields of the grid, whose values
+    /// are in `place`.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));

@@ -87,9 +87,9 @@ impl Region {
         pairs.map(|(field, value)| field.text(*value))
     }
 
-    /// The answer as JSON: the sentence, the best value and, for each combination of values of the fields in
-    /// [`Region::grid`], the ranges of values that meet or miss the target. If only one field is varied, there is only
-    /// one combination, and its results also appear at the top level of the JSON object.
+    /// The answer as JSON: the sentence, the best value, and the ranges of values that meet or miss the target at each
+    /// combination of values of the fields in [`Region::grid`]. If only one field is varied, there is only one
+    /// combination, and its results also appear at the top level of the JSON object.
     pub fn to_json(&self, study: &Study) -> Value {
         let columns = self.columns.iter().map(|column| {
             let at: Map<_, _> = self.grid_json(column).collect();

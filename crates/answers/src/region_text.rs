@@ -57,8 +57,8 @@ impl Region {
         lines
     }
 
-    /// Notes about ends of ranges that fresh trials did not confirm, and about searches that reached the limit of time
-    /// or trials.
+    /// Notes about two things: ends of ranges that fresh trials did not confirm, and searches that reached the limit of
+    /// time or trials.
     fn notes(&self) -> Vec<String> {
         let narrowed: usize = self.columns.iter().map(|column| column.narrowed).sum();
         let ends = match narrowed {
@@ -158,9 +158,9 @@ impl Region {
         format!("; the worst cell is mostly {settings}")
     }
 
-    /// Text about the searched field at one combination of the other varied fields' values: which of its values meet
-    /// the target, which miss it, and which are undecided. The text `certainty` is inserted after the first of these
-    /// statements.
+    /// Text about the searched field at one combination of the other varied fields' values. It states which values of
+    /// the searched field meet the target, which miss it, and which are undecided. The text `certainty` is inserted
+    /// after the first of these statements.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
             let runs: Vec<String> = column.on(side).map(|run| self.run(run)).collect();
@@ -222,8 +222,8 @@ impl Region {
         })
     }
 
-    /// Text for a combination of the other varied fields' values at which all values of the searched field meet the
-    /// target, or all miss it.
+    /// Text for one combination of the other varied fields' values, if all values of the searched field meet the target
+    /// there, or all miss it.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {

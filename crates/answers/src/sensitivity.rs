@@ -283,8 +283,8 @@ impl ErrorRuns<'_> {
     }
 }
 
-/// Squared error and squared true value of the quantity in a trial, each averaged over the points at which the trial
-/// estimates the quantity; `None` if the trial failed.
+/// Squared error and squared true value of the quantity in a trial; `None` if the trial failed. If the trial estimates
+/// the quantity at several points, both squares are averaged over these points.
 fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
     let (mut errors, mut truths, mut count) = (0.0, 0.0, 0.0);
     let run = scene.trial(trial, |quantity, observed| {

@@ -151,8 +151,8 @@ const THICKNESS: f64 = 5.0;
 /// Depth of the markers, mm.
 const DEPTH: f64 = 2.0;
 
-/// Errors of a press: of the displacements that each contact model computes, and of the object's curvature that is
-/// fitted to these displacements.
+/// Errors of a press: errors of the displacements that each contact model computes, and the error of the object's
+/// curvature that is fitted to displacements.
 fn press_errors() -> Result<Figures> {
     let half_space = Body::half_space(0.5, DEPTH)?;
     let table = Body::bonded_layer(THICKNESS, DEPTH)?;
@@ -187,8 +187,8 @@ fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Res
     Ok(largest_error(&found, &truth))
 }
 
-/// Rms error of the object's curvature that is fitted to noisy readings, divided by the sum of the curvatures of the
-/// skin and the object.
+/// Rms error of the object's curvature that is fitted to noisy readings. It is divided by the sum of the curvatures of
+/// the skin and the object.
 fn press_fit_error(body: Body) -> Result<f64> {
     let markers = markers()?;
     let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;

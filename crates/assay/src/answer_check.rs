@@ -150,8 +150,8 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     })
 }
 
-/// Whether an answer of `design` is correct: it contains a range of values that meet the target and a range of values
-/// that miss it, and at both ends of each range, the reference answer does not state the opposite.
+/// Whether an answer of `design` is correct. It must contain a range of values that meet the target and a range of
+/// values that miss it. At both ends of each range, the reference answer must not state the opposite.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {

@@ -1,8 +1,8 @@
 //! Scenes on which the answers of `design` and `distinguish` are checked.
 
-/// A question for `design`: a target, the varied field, and the largest allowed gap between a value that meets the
-/// target and a value that misses it. With a larger gap, wrong answers would not be detected; with a smaller gap, the
-/// check would need too many trials.
+/// A question for `design`, with a target and a varied field. It also states the largest allowed gap between a value
+/// that meets the target and a value that misses it. With a larger gap, wrong answers would not be detected; with a
+/// smaller gap, the check would need too many trials.
 #[derive(Debug)]
 pub(crate) struct Design {
     pub(crate) name: &'static str,

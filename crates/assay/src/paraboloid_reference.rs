@@ -88,8 +88,8 @@ impl ParaboloidPress {
         }
     }
 
-    /// Displacements of the body at a depth, inward and outward, for each of these distances from the middle of the
-    /// contact.
+    /// Inward and outward displacements of the body at the depth `depth`. There is one pair of displacements for each
+    /// of the `distances` from the middle of the contact.
     ///
     /// # Errors
     /// An error at the surface of a compressible half-space, because the integral over wavenumbers does not converge

@@ -158,10 +158,10 @@ fn rotation_at_change(
     (rotation, (variance + width * width / 12.0).sqrt())
 }
 
-/// For each edge of the pad of each run (successive samples on one pad), finds the sample whose contact is furthest
-/// towards this edge. Only the samples at the ends of [`PROBED`] intervals of the run are compared. If several runs
-/// have the same edge, only one sample is returned for it. Each result consists of the index of the edge, the offset of
-/// the edge and the index of the sample.
+/// A run is a series of successive samples on one pad. For each run and each edge of its pad, finds the sample whose
+/// contact is furthest towards the edge. Only the samples at the ends of [`PROBED`] intervals of the run are compared.
+/// If several runs have the same edge, only one sample is returned for it. Each result consists of the index of the
+/// edge, the offset of the edge and the index of the sample.
 pub(crate) fn edge_samples(
     samples: &[RollSample],
     runs: &[Run],

@@ -16,8 +16,8 @@ use crate::PadCell;
 /// Numbers of nodes of successive numerical integrals over the set of possible mobilities (contact travels per radian).
 /// The mean and the covariance from each integral are the first guess for the next one.
 const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
-/// The result of an integral is accepted if the effective number of its weighted nodes, divided by the number of all
-/// nodes, exceeds this value.
+/// The result of an integral is accepted only if the effective number of weighted nodes is more than this share of the
+/// number of all nodes.
 const MIN_EFFECTIVE: f64 = 0.15;
 /// Number of nodes at which the integrand is computed together.
 const BLOCK: usize = 32;
@@ -28,8 +28,8 @@ const MOST_NODES: usize = 2048;
 const NODE_WIDTH: f64 = 1.3;
 /// Largest distance of an integration node from the mean of all nodes, in standard deviations of the nodes.
 const NODE_RADIUS: f64 = 5.8;
-/// Largest change of a component of the mobility (contact travel per radian) that is considered, in radii of the probe.
-/// A set of mobilities that reaches this change counts as open, that is, as unbounded.
+/// Largest considered change of a component of the mobility (contact travel per radian), in radii of the probe. If
+/// mobilities with this change are possible, the set of possible mobilities counts as open, that is, as unbounded.
 pub(crate) const OPEN: f64 = 16.0;
 /// A bound (row) counts as violated if a point violates it by more than this distance, in radii of the probe.
 const TOLERANCE: f64 = 1e-12;
@@ -97,9 +97,9 @@ impl Programs {
     }
 }
 
-/// The corner of the polyhedron `rows` that is furthest in `direction`, by the dual simplex method. The search begins
-/// at the corner of the rows `numbers` if this corner is the furthest one for these three rows, otherwise at a corner
-/// of the bounding box. `None` if the polyhedron is empty.
+/// The corner of the polyhedron `rows` that is furthest in `direction`, computed with the dual simplex method. The
+/// search begins at the corner of the three rows `numbers`, if no point that fulfils these three rows is further in
+/// `direction`. Otherwise, it begins at a corner of the bounding box. `None` if the polyhedron is empty.
 fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Option<Corner> {
     // If an edge of the polyhedron is perpendicular to `direction`, the simplex method can repeat the same steps
     // forever. Therefore search in a slightly different direction.
@@ -153,8 +153,9 @@ fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Opti
     None
 }
 
-/// The change of the mobility (contact travel per radian) that is furthest in `direction` and agrees with all rolls,
-/// and the changes of the rolls' starts that belong to it. `None` if no change agrees with all rolls.
+/// The change of the mobility (contact travel per radian) that is furthest in `direction` and agrees with all rolls.
+/// The second result contains the changes of the rolls' starts for this change of the mobility. `None` if no change
+/// agrees with all rolls.
 pub(crate) fn furthest_change(
     rolls: &[RollRows],
     direction: &Vector3<f64>,
@@ -280,8 +281,8 @@ impl RollRows {
     }
 }
 
-/// A bound `form · β ≤ slack` of the change β of the mobility from one roll, with the index of the pad's edge and the
-/// index of the [`EdgeRow`].
+/// A bound of the mobility that follows from one roll: `form · β ≤ slack`, where β is the change of the mobility. It is
+/// stored with the index of the pad's edge and the index of the [`EdgeRow`].
 #[derive(Clone, Copy, Debug)]
 struct MobilityRow {
     edge: usize,
@@ -420,8 +421,8 @@ fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
         .max(0.0)
 }
 
-/// An integration node: a point of a low-discrepancy sequence with a normal distribution, and a weight proportional to
-/// the inverse of the normal density at this point.
+/// An integration node: a normally distributed point from a low-discrepancy sequence. Its weight is proportional to the
+/// inverse of the normal density at the point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) node: Vector3<f64>,

@@ -226,24 +226,8 @@ impl LeastSquares {
         })
     }
 
-    /// Covariance of the normal curvatures along u and v and of the twist `k_uv`, for an estimate of this fit,
-    /// 1/length². It is computed to first order from the stated noise; `None` if no noise was stated.
-    ///
-    /// ```
-    /// use nalgebra::Vector2;
-    /// use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
-    ///
-    /// let readings = [
-    ///     ProbeReading { rotation: Vector2::new(0.0, -0.1), shift: Vector2::new(0.2, 0.0) },
-    ///     ProbeReading { rotation: Vector2::new(0.1, 0.0), shift: Vector2::new(0.0, 0.2) },
-    /// ];
-    /// let noise = ReadingNoise { shift_std: 0.01, ..ReadingNoise::default() };
-    /// let (fit, estimate) = LeastSquares::fitted(2.0, noise, &readings)?;
-    /// let covariance = fit.covariance(&estimate).ok_or("noise is stated")?;
-    /// let std = estimate.normal_curvature_u.std.ok_or("noise is stated")?;
-    /// assert!((covariance[0][0] - std * std).abs() < 1e-12 * std * std);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
+    /// Covariance (1/length²) of three estimated components of the curvature: the normal curvatures along u and v, and
+    /// the twist `k_uv`. It is computed to first order from the stated noise; `None` if no noise was stated.
     pub fn covariance(&self, estimate: &Estimate) -> Option<[[f64; 3]; 3]> {
         if !self.noise.is_stated() {
             return None;

@@ -14,13 +14,14 @@ use crate::{PadCell, Quantity, RollSample, RollSeries};
 /// Largest number of times that the bounds are linearised to find one extreme value over the set of possible
 /// mobilities.
 const PASSES: usize = 8;
-/// An extreme value over the set of possible mobilities has converged if its last change is less than this fraction of
-/// its distance from the mean. The next change is estimated from the last change, and is added.
+/// While the bounds are linearised repeatedly, an extreme value over the set of possible mobilities has converged if
+/// its last change is less than this fraction of its distance from the mean. The next change is estimated from the last
+/// one, and is added.
 const CONVERGED: f64 = 0.03;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
-/// Up to this standard deviation of the mobility (contact travel per radian), relative to the mobility, the set of
-/// mobilities is assumed to be bounded.
+/// If the standard deviation of the mobility (contact travel per radian), relative to the mobility, is at most this
+/// value, the set of possible mobilities is assumed to be bounded.
 const MAX_SPREAD: f64 = 0.03;
 /// Largest deviation of a possible mobility (contact travel per radian) from the mean mobility, relative to the mean,
 /// for which the distribution of the mobility counts as normal.
@@ -34,8 +35,8 @@ const CENTRES: usize = 5;
 const MAX_HALVINGS: usize = 60;
 /// Distances, in radii of the probe, by which the linear bounds are widened if no mobility fulfils them.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
-/// Largest error of a computed path that is due to its bend between two computed points, relative to the mean rotation
-/// between two samples.
+/// Largest error of a computed path of the contact, divided by the mean rotation between two samples. The error arises
+/// because the path bends between two computed points.
 const PATH_ERROR: f64 = 2e-3;
 
 /// A roll whose active pads bound the position of the contact.
@@ -46,8 +47,8 @@ pub(crate) struct BoundedRoll {
     pub(crate) start: Vector2<f64>,
     /// Derivatives of the start with respect to the entries uu, uv, vv of the mobility (contact travel per radian).
     pub(crate) response: Matrix2x3<f64>,
-    /// For each bound, the index of the pad's edge, its offset in radii of the probe, and the index of the rotation in
-    /// `rotations`.
+    /// For each bound: the index of the pad's edge, the edge's offset in radii of the probe, and the index of the
+    /// bound's rotation in `rotations`.
     edges: Vec<(usize, f64, usize)>,
     rotations: RollRotations,
 }
@@ -497,8 +498,8 @@ fn entries(slopes: &Matrix2<f64>) -> Vector3<f64> {
     Vector3::new(slopes[(0, 0)], 2.0 * slopes[(0, 1)], slopes[(1, 1)])
 }
 
-/// The middle of the set of possible changes of the mobility: the mean of the extreme changes along the axes uu, uv,
-/// vv, the half-widths along these axes, and the mean change of the start of each roll.
+/// The middle of the set of possible changes of the mobility. It consists of the mean of the extreme changes along the
+/// axes uu, uv, vv, of the half-widths along these axes, and of the mean change of each roll's start.
 type Middle = (Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>);
 
 /// The middle of the set of possible changes of the mobility. `None` if the set is empty.

@@ -35,8 +35,8 @@ pub enum PadStart {
 pub struct ReadingNoise {
     /// Standard deviation of the error of each component of a rotation, divided by the magnitude of the rotation.
     pub relative_rotation_std: f64,
-    /// Standard deviation of the error of each component of a rotation that does not depend on the rotation's magnitude
-    /// (rad).
+    /// Standard deviation (rad) of the part of a rotation's error that does not depend on the rotation's magnitude. It
+    /// applies to each component of the rotation.
     pub rotation_std_rad: f64,
     /// Standard deviation (length) of the error of each component of a shift.
     pub shift_std: f64,

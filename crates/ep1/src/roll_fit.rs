@@ -20,12 +20,11 @@ const DECREMENT: f64 = 1e-6;
 const ROUGH: f64 = 1e-4;
 /// Change of an unknown of the fit in a finite difference.
 const STEP: f64 = 1e-6;
-/// A fit ends if the changes of its unknowns are below this value and no longer decrease to less than half in each
-/// step.
+/// A fit also ends if the changes of its unknowns are below this value and a step no longer halves them.
 const SETTLED: f64 = 1e-5;
 /// Smallest standard deviation of contact points, relative to the standard deviation of the rotation error that all
-/// samples of a roll share. This limit has no effect on the result, because contact points determine the path far
-/// better than this noise does.
+/// samples of a roll share. The result does not depend on this limit, because contact points at the limit determine the
+/// path far better than the rotations do.
 const MIN_SHARE: f64 = 0.01;
 /// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value, the
 /// errors that are common to a roll would vanish in rounding errors.
@@ -123,12 +122,12 @@ impl<const N: usize> RollFit<N> {
         self.response.fixed_view::<2, 3>(0, 0).into_owned()
     }
 
-    /// Paths of the contact after a small change of one unknown: of each entry of the curvature form or mobility, and
-    /// of each component of the roll's rotation error.
+    /// Paths of the contact, each after a small change of one unknown. The unknowns are the entries of the curvature
+    /// form or mobility, and the components of the roll's rotation error.
     ///
     /// The rotation error and the mobility change the path in nearly the same way. Therefore the small difference
-    /// between the two changes must be exact, and not only of first order in the curvature of the probe, as the other
-    /// derivatives are.
+    /// between the two changes must be exact. Other derivatives are correct only to first order in the curvature of the
+    /// probe.
     fn nearby(&self, roll: &RollData, shape: &LocalShape) -> Option<Vec<Vec<PathPoint>>> {
         let mut all = Vec::with_capacity(5);
         for unknown in 0..5 {

@@ -133,8 +133,8 @@ pub enum SeriesMethod {
 }
 
 /// Checks the numbers in the readings and their noise, which must be valid for every method. Returns the runs of each
-/// roll, which are successive samples on one pad, with the centres of the pads in radii of the probe. A roll with
-/// contact points has no runs.
+/// roll. A run is a series of successive samples on one pad, with the centre of the pad in radii of the probe. A roll
+/// with contact points has no runs.
 ///
 /// # Errors
 /// [`SeriesError`] for a radius, pitch or noise out of range, samples that are not finite, and times that do not

@@ -55,8 +55,9 @@ impl LocalShape {
         Matrix2::new(1.0 + uu, uv, uv, 1.0 + vv)
     }
 
-    /// The change of the curvature form at `x` that is due to the last term of the polynomial, or to the last term but
-    /// one if that change is larger. It is divided by the sum of the curvature forms of both bodies at the start.
+    /// The change of the curvature form at `x` that the last term of the polynomial causes, divided by the sum of the
+    /// curvature forms of both bodies at the start. If the last term but one causes a larger change, that change is
+    /// used.
     pub(crate) fn last_share(&self, x: &Vector2<f64>) -> f64 {
         let without = |terms| Self { terms, ..*self }.drive(x).1;
         let all: Vec<_> = (self.terms - 2..=self.terms).map(without).collect();
@@ -80,8 +81,8 @@ impl LocalShape {
         basis
     }
 
-    /// The drive (rotation vector, turned by 90°) that moves the contact to `x`, and its derivative, which is the sum
-    /// of the curvature forms of both bodies.
+    /// The drive (rotation vector, turned by 90°) that moves the contact to `x`. The second result is the derivative of
+    /// the drive, which is the sum of the curvature forms of both bodies.
     fn drive(&self, x: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let mut relative = self.relative();
         let (along, across) = (powers(x.x), powers(x.y));
@@ -325,8 +326,8 @@ fn rolled(along: &Vector2<f64>) -> Matrix3<f64> {
     )
 }
 
-/// The start of a roll on the unit sphere, and the axes of the pads, which are carried from the pads' origin to the
-/// start.
+/// The start of a roll on the unit sphere, and the axes of the pads at the start. The axes were carried there from the
+/// pads' origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StartFrame {
     frame: Matrix3<f64>,

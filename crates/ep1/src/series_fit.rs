@@ -26,8 +26,8 @@ const ROLLS_PER_OUTLIER: usize = 4;
 const GROUPS: usize = 12;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
-/// Tolerance of a fit that only finds a first guess for the set of mobilities (contact travels per radian) that agree
-/// with exact readings.
+/// Tolerance of a fit that only finds a first guess. The guess is for the set of mobilities (contact travels per
+/// radian) that agree with exact readings.
 const ROUGH_TOLERANCE: f64 = 1e-2;
 /// Largest standard deviation of a mobility (contact travel per radian) that counts as determined, divided by the
 /// mobility. With a larger value, the interval of the mobility would nearly reach 0, where the curvature is infinite.

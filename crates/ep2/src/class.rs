@@ -6,7 +6,7 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// Half the range of the mean curvature over which the probabilities of the classes are integrated, in standard errors
+/// Half-width of the range of the mean curvature over which the class probabilities are integrated, in standard errors
 /// of the mean curvature.
 const REACH: f64 = 8.0;
 /// Number of intervals of Simpson's rule in each part of the range of integration. It must be even.

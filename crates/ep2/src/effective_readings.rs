@@ -49,8 +49,8 @@ const MAX_LAG: usize = 1000;
 /// is a multiple of the number of consecutive residuals that count as one independent residual, according to the sum so
 /// far.
 const MAX_LAG_RATIO: f64 = 2.0;
-/// Correlations are corrected for the variance that the fit removes from the residuals, but only if the ratio of fitted
-/// parameters to independent readings is at most this value.
+/// Correlations are corrected for the variance that the fit has removed from the residuals. If the ratio of fitted
+/// parameters to independent readings exceeds this value, the correction is not used.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
 /// Contacts after merging: each group of equal contacts, and all contacts during one rest of a finger, were merged into

@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// The contacts' spread across a line or plane counts as a rounding error if its ratio to their spread along the line
-/// or plane is at most this value.
+/// The spread of the contacts across a line or plane counts as a rounding error if it is at most this share of their
+/// spread along the line or plane.
 const ROUNDING: f64 = 1e-12;
 /// Smallest length of the mean of the unit normals. If the mean is shorter, the normals have no mean direction.
 const LEAST_MEAN_NORMAL: f64 = 0.1;

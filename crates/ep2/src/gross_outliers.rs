@@ -10,11 +10,12 @@ use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
-/// A contact is a gross outlier if its distance from the spatial median of all contacts, divided by the median of all
-/// such distances, exceeds this value. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
+/// A contact is a gross outlier if it is farther from the spatial median of all contacts than this number of median
+/// distances. The median distance is the median of the distances of all contacts. In clean logs of strokes and caps,
+/// less than 0.01 % of the contacts exceed the limit.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
-/// A gap separates gross outliers from the other contacts only if the first distance beyond the gap, divided by the
-/// median distance, exceeds this value.
+/// A gap between distances separates gross outliers from the other contacts only if the first distance beyond the gap
+/// is larger than this number of median distances.
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
 /// Two consecutive distances from the spatial median, in ascending order, are separated by a gap if their ratio is at
 /// least this value.

@@ -26,11 +26,11 @@ const MAX_RESIDUAL_RATIO: f64 = 2.0;
 /// all contacts. If the ratio is smaller than this value, the cause of the correlation is the noise, and the surface
 /// follows a part of the noise. If the ratio is larger, no spline follows the object.
 const MAX_CORRELATED_RATIO: f64 = 3.0;
-/// The distances of contacts from a surface count as correlated if at least this number of consecutive distances counts
-/// as one independent distance.
+/// The distances of consecutive contacts from a surface count as correlated if at least this number of them counts as
+/// one independent distance.
 const MIN_CORRELATION: f64 = 1.5;
-/// If the correlation length of the residuals exceeds the length that the fit assumed by more than this factor, the fit
-/// is repeated with means over more contacts.
+/// The fit is repeated with means over more contacts if the correlation length of the residuals is larger than the
+/// assumed correlation length by more than this factor.
 const MAX_GROWTH: f64 = 1.3;
 
 /// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means, because the
@@ -219,8 +219,9 @@ impl IndependentFit {
         }
     }
 
-    /// Whether the contacts are two strokes without normals. The fit of a quadric is then not unique, because any multiple
-    /// of a quadric that is 0 on both strokes can be added. Noise across the strokes hides this.
+    /// Whether the contacts are two strokes without normals. The fit of a quadric is then not unique, because any
+    /// multiple of a quadric that is 0 on both strokes can be added. If the contacts have noise across the strokes, the
+    /// fit does not show that it is not unique.
     fn are_two_strokes(&self, outward: &Vector3<f64>) -> bool {
         let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
         for contact in &self.contacts {
@@ -264,8 +265,8 @@ impl IndependentFit {
     }
 
     /// Returns two results. The first is the root-mean-square distance of the contacts from the surface, in the unit of
-    /// the patch. The second contains the numbers of consecutive distances, and of consecutive normals, that count as
-    /// one because their errors are correlated.
+    /// the patch. The second contains two numbers: how many consecutive distances, and how many consecutive normals,
+    /// count as one because their errors are correlated.
     fn correlations<M>(&self, log: &Log<'_, M>) -> (f64, [f64; 2]) {
         let (mut distances, mut tilts) = (Vec::new(), Vec::new());
         let (mut square, mut count) = (0.0, 0.0);

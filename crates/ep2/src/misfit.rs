@@ -25,8 +25,8 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
 /// to rounding errors, or be smaller than the approximation error of the series that describes the surface.
 const MIN_POSITION_STD: f64 = 5e-4;
-/// Assumed variance of the surface at a contact that is not part of the fit, relative to the variance that follows from
-/// the most probable Gaussian process. The true variance is assumed to be at most this large.
+/// Assumed variance of the surface at a contact that was not used in the fit, divided by the variance of the most
+/// probable Gaussian process there. The true variance is assumed to be at most as large.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.

@@ -38,8 +38,8 @@ const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
 /// contacts are so exact that the approximation error of the spline is visible, and the automatic number of intervals
 /// is doubled.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// Smallest number of coefficients that the Chebyshev series of the posterior has in addition to the number of the
-/// spline's coefficients. With these coefficients, the series can represent shapes that the spline cannot.
+/// The Chebyshev series of the posterior has at least this number of coefficients more than the spline. With these
+/// additional coefficients, the series can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
 /// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root

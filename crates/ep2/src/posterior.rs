@@ -22,8 +22,8 @@ pub(crate) struct Posterior {
     degree: usize,
     /// Coefficients of the posterior mean of each derivative, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,
-    /// Coefficients of the covariance of each pair of derivatives, as a series of twice the degree of the surface. The
-    /// products T_i(a) T_j(b) are grouped by i.
+    /// Coefficients of the covariances between the derivatives, one series per pair of derivatives. The degree of these
+    /// series is twice the degree of the surface. The products T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
     /// Factor by which the mean products (variances and covariances) of the errors are multiplied.
     widening: f64,

@@ -5,8 +5,8 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// Smallest coherence (agreement, from 0 to 1) of a region's directions of largest curvature at which the region has a
-/// mean direction.
+/// A region has a mean direction of largest curvature only if the coherence of the directions at its points is at least
+/// this value. The coherence is the agreement of directions, from 0 to 1.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map that is divided into regions of one shape class.

@@ -77,8 +77,9 @@ pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
 }
 
-/// A quadric over the square, and the noise that was estimated from the contacts' distances to it. In general, the
-/// surface is the graph of an implicit quadric z = Q(a, b) + m z²/2, such as a sphere, an ellipsoid or a cylinder.
+/// A quadric over the square, and the noise of the contacts, estimated from the contacts' distances to the quadric. In
+/// general, the surface is the graph of an implicit quadric z = Q(a, b) + m z²/2, such as a sphere, an ellipsoid or a
+/// cylinder.
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
@@ -111,8 +112,8 @@ struct NormalEquations {
     of_square_term: SquareTerm,
 }
 
-/// The part of the normal equations that belongs to the coefficient m of the implicit quadric z = Q + m z²/2: its
-/// products with the other unknowns, its sum of squares, and its right side.
+/// The part of the normal equations that belongs to the coefficient m of the implicit quadric z = Q + m z²/2. It
+/// consists of the products of the coefficient's column with the other columns, its sum of squares, and its right side.
 #[derive(Default)]
 struct SquareTerm {
     products: Kinds<Row>,

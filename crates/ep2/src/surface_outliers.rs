@@ -15,8 +15,8 @@ use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
 const MIN_CONTACTS: usize = 24;
-/// A polynomial of more than the smallest degree is fitted only if there are at least this number of contacts per
-/// coefficient.
+/// A polynomial of higher than the smallest degree is fitted only if the number of contacts per coefficient is at least
+/// this value.
 const MIN_CONTACTS_PER_COEFFICIENT: usize = 3;
 const DEGREES: RangeInclusive<usize> = 2..=MAX_DEGREE;
 const MAX_DEGREE: usize = 4;
@@ -29,8 +29,8 @@ const MAX_REPEATS: usize = 5;
 /// by less than the share [`MAX_CHANGE`], and then uses Tukey's biweight.
 const ITERATIONS: usize = 16;
 const MAX_CHANGE: f64 = 0.03;
-/// A contact has no weight at the start of a fit if its distance from the median place along u or v exceeds the median
-/// distance by more than this factor. Otherwise a distant outlier would determine the polynomial.
+/// At the start of a fit, a contact has no weight if its distance from the median place, along u or along v, exceeds
+/// the median distance by more than this factor. Otherwise, a distant outlier would determine the polynomial.
 const MAX_START_RATIO: f64 = 3.0;
 /// Tukey's biweight is 0 if the residual exceeds this number of standard deviations.
 const BIWEIGHT: f64 = 4.685;
@@ -52,9 +52,9 @@ const MAX_EXAMINED: usize = 100;
 /// Smallest distance of an examined neighbour from an outlier, relative to the distance of the nearest contact that is
 /// no outlier. The limit excludes other outliers at the same point beside the surface.
 const MIN_DISTANCE_RATIO: f64 = 0.3;
-/// Largest mean share of outliers among the nearest contacts of an outlier, or `MAX_RELATIVE_NEIGHBOUR_SHARE` times the
-/// share of outliers among all contacts if that is larger. At a larger mean share, the outliers lie together and are
-/// kept as a part of the surface.
+/// Largest mean share of outliers among the nearest contacts of an outlier. If `MAX_RELATIVE_NEIGHBOUR_SHARE` times the
+/// share of outliers among all contacts is larger, that product is the limit. Above the limit, the outliers lie
+/// together and are kept as a part of the surface.
 const MAX_NEIGHBOUR_SHARE: f64 = 0.3;
 const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
 /// Longest step along the path of a finger, relative to the median step. `MAX_SKIPPED_STEP_RATIO` is added for each
@@ -300,8 +300,8 @@ fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
     Some(contacts.iter().map(is_suspect).collect())
 }
 
-/// Products of Chebyshev polynomials at a place of the square, in the order of [`products`], and their derivatives along
-/// both axes.
+/// Products of Chebyshev polynomials at a place of the square, and the derivatives of these products along both axes.
+/// Their order is that of [`products`].
 fn products_at(place: [f64; 2]) -> ([f64; COUNT], [f64; COUNT], [f64; COUNT]) {
     let [of_a, of_b] = place.map(|x| {
         let mut all = [[1.0, 0.0]; MAX_DEGREE + 1];

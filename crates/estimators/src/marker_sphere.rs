@@ -44,7 +44,7 @@ impl<'a> MarkerSphere<'a> {
         }
     }
 
-    /// Chart coordinates of the markers on the skin.
+    /// Skin coordinates of the markers (length).
     pub fn places(&self) -> Result<Vec<[f64; 2]>, FieldError> {
         self.layout
             .places(self.radius)

@@ -202,8 +202,8 @@ impl Family {
     }
 
     /// Fields in which a scene differs from the scenes of the family, in two lists. The first list contains fields that
-    /// have a single value in the family, and another value in the scene. The second list contains fields that have a
-    /// range in the family, and a number outside of this range in the scene.
+    /// have one fixed value in the family; the scene has another value. The second list contains fields that have a
+    /// range in the family; the scene's number is outside of this range.
     fn differences<'a>(&'a self, scene: &'a Fields) -> [Vec<&'a String>; 2] {
         let keys = self.fields.keys().chain(self.ranges.keys());
         let all: BTreeSet<&String> = keys.chain(scene.keys()).collect();

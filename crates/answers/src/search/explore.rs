@@ -30,8 +30,8 @@ pub enum EndReason {
 const EXPLORATION_SHARE: f64 = 0.6;
 /// Factor by which the number of trials at an undecided value is increased in each round of trials.
 const GROWTH: f64 = 4.0;
-/// Largest factor by which the number of trials is increased in one round at the undecided values within a crossing (a
-/// change between meeting and missing the target).
+/// Upper limit of the factor by which the number of trials is increased in one round. It applies to undecided values
+/// within a crossing (a change between meeting and missing the target).
 const MOST_GROWTH: f64 = 16.0;
 /// Smallest factor by which the number of trials is increased in a round. If the time budget is too short for a larger
 /// factor, the factor is halved repeatedly. The exploration ends when the factor would be smaller than this.
@@ -39,8 +39,8 @@ const LEAST_GROWTH: f64 = 1.5;
 /// Largest distance between neighbouring tested values within a crossing (a change between meeting and missing the
 /// target), as a share of the crossing's width. If two neighbours are farther apart, a value between them is tested.
 const MAX_SPACING: f64 = 0.34;
-/// Intended width of the range of undecided values within a crossing (a change between meeting and missing the target),
-/// as a share of the allowed gap.
+/// Width of a crossing's range of undecided values that the search aims at, as a share of the allowed gap. A crossing
+/// is a change between meeting and missing the target.
 const UNDECIDED_SHARE: f64 = 0.6;
 
 /// Tests values until each crossing (change from meeting the target to missing it, or back) is located accurately
@@ -117,8 +117,8 @@ fn request<C: Curves + ?Sized>(
     Ok(())
 }
 
-/// Whether a gap between values that meet and values that miss the target is too large, or a value outside of the gaps
-/// is undecided.
+/// Whether the search must continue: a gap between values that meet the target and values that miss it is too large, or
+/// a value outside of the gaps is undecided.
 fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
     stretches(points, rules)
         .into_iter()
@@ -164,8 +164,8 @@ fn stretches(points: &Points, rules: &Rules) -> Vec<Stretch> {
     stretches
 }
 
-/// Whether the gap between the ends of a crossing (a change between meeting and missing the target) is small enough, or
-/// no further value fits into it.
+/// Whether a crossing (a change between meeting and missing the target) is located accurately enough: the gap between
+/// its ends is small enough, or no further value fits into the gap.
 fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     let [low, .., high] = crossing else {
         return true;

@@ -30,8 +30,7 @@ pub(super) struct Rules {
     pub(super) most_trials: u64,
     /// A value meets the target if the scores of all cells of the study are at least this large.
     pub(super) meets: f64,
-    /// A value misses the target if the score of at least one condition in one cell of the study is below this negative
-    /// number.
+    /// A value misses the target if a score of one cell of the study is below this negative number.
     pub(super) misses: f64,
 }
 

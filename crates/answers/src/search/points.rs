@@ -67,8 +67,8 @@ impl Point {
         trials.max().unwrap_or(0)
     }
 
-    /// Requests `factor` times as many trials of each cell of the study that is undecided at this value. The requests
-    /// are added to `asks`.
+    /// Adds requests to `asks`: each cell of the study that is undecided at this value gets `factor` times as many
+    /// trials.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {

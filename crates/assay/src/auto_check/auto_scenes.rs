@@ -45,8 +45,8 @@ pub fn config_text(kind: Kind, number: u64) -> String {
     )
 }
 
-/// Config text of an object that a probe of radius `r` touches only at one point, and the largest distance from the
-/// object's middle at which a contact may lie.
+/// Config text of an object that a probe of radius `r` touches only at one point. The second result is the largest
+/// distance from the object's middle at which a contact may lie.
 fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     let size = r * draws.log_between(0.5, 30.0);
     match kind {

@@ -130,9 +130,9 @@ impl Layer {
         sum / weights
     }
 
-    /// Displacements per unit of relative curvature, inward and outward, at each of these distances from the middle of
-    /// the contact. Each displacement is that of a half-space under the same pressure, plus the effect of the rigid
-    /// core.
+    /// Inward and outward displacements per unit of relative curvature, for each of the `distances` from the middle of
+    /// the contact. A displacement is the sum of two parts: the displacement of a half-space under the same pressure,
+    /// and the effect of the rigid core.
     pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
         let waves = |k: f64| core_effect(k, depth).map(|share| share * self.transform(k));
         let reach = NEGLIGIBLE / (2.0 - depth);

@@ -71,7 +71,8 @@ impl From<f64> for RungError {
 pub(super) struct Rung {
     /// Name of the model, sensor or method, with its setting.
     pub(super) name: String,
-    /// Setting that this rung compares, if it is a number, for example a number of steps, a tolerance or a pitch.
+    /// The number that this rung compares, for example a number of steps, a tolerance or a pitch; `None` if the rung's
+    /// setting is not a number.
     pub(super) setting: Option<f64>,
     /// Computes the error of this model or setting. The function is called at most once, and never in the process in
     /// which instructions are counted.

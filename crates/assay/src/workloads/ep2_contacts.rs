@@ -55,8 +55,8 @@ pub fn patch(contacts: &[Contact]) -> Result<Patch, Ep2Error> {
     Patch::new(contacts, &Vector3::z())
 }
 
-/// A grid of 30 × 30 places on the sphere, within the rectangle that the contacts of [`few`] would cover without their
-/// errors.
+/// A grid of 30 × 30 places on the sphere. It covers the rectangle that the contacts of [`few`] would cover if they had
+/// no errors.
 pub fn places_on_sphere() -> Vec<Point3<f64>> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = |index: usize| {

@@ -1,7 +1,7 @@
-//! Tests that the model that `auto` chooses is cheap and that its error is at most the tolerance of `auto`. A test
-//! cannot count processor instructions. Therefore, the tests of rolls compare the numbers of evaluations of the contact
-//! equations. A glide must use the closed form if it is within the tolerance. For a press, the error of every cheaper
-//! model must exceed the tolerance.
+//! Tests the models that `auto` chooses: they must be cheap, and their errors must be at most the tolerance of `auto`.
+//! A test cannot count processor instructions. Therefore, the tests of rolls compare the numbers of evaluations of the
+//! contact equations. A glide must use the closed form if it is within the tolerance. For a press, the error of every
+//! cheaper model must exceed the tolerance.
 
 use palpate_assay::auto_check::{AutoChoice, Kind, SCENES};
 use palpate_scene::Scenes;

@@ -6,8 +6,8 @@ use palpate_assay::contact_reference::{
 
 const PLACES: [[f64; 2]; 5] = [[0.0, 0.0], [0.4, 0.0], [0.0, -0.7], [-0.5, 0.6], [1.1, 0.9]];
 
-/// Checks that the contact is on the object, and that the tip's centre lies on the normal at a distance of the
-/// tip's radius.
+/// Checks that the contact is on the object. Also checks that the tip's centre lies on the surface normal through the
+/// contact, at a distance that equals the tip's radius.
 #[track_caller]
 fn check_contact(
     tip: f64,

@@ -239,8 +239,8 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale of the image (pixels per radian). The bound is valid for steps in any direction from
-    /// image points with polar angles from 0 to `polar`, which must be in the field of view.
+    /// Upper bound of the scale of the image (pixels per radian), in all directions, for image points with polar angles
+    /// from 0 to `polar`. All these points must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -258,8 +258,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale of the image (pixels per radian). The bound is valid for steps in any direction from
-    /// all image points in the field of view.
+    /// Lower bound of the scale of the image (pixels per radian), in all directions, for all image points in the field
+    /// of view.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,

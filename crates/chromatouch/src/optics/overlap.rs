@@ -21,8 +21,8 @@ pub(super) enum Overlap {
 /// overlap.
 pub(super) struct Part {
     pub(super) direction: Vector3<f64>,
-    /// Unit vector that is perpendicular to `direction` and points from the middle of the magenta disc to the middle of
-    /// the yellow disc.
+    /// Unit vector from the middle of the magenta disc towards the middle of the yellow disc, perpendicular to
+    /// `direction`.
     pub(super) axis: Vector3<f64>,
     moments: Moments,
     /// Half-angles of the two segments that form the overlap. The first is a segment of the magenta disc, the second of
@@ -153,8 +153,8 @@ fn part(
 }
 
 /// Moments of the overlap of two circles whose edges cross, and the half-angles of its two segments. Each circle is
-/// given by the position of its centre on the axis and its radius. The centre of the second circle has the larger
-/// position.
+/// given by two numbers: the position of its centre on the axis, and its radius. The centre of the second circle has
+/// the larger position.
 #[inline]
 fn lens(
     (first, first_radius): (f64, f64),

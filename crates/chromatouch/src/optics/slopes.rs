@@ -45,7 +45,8 @@ struct Shared<'a> {
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
     /// For each requested transmittance: its index among the values of a departure, and the contributions of the
-    /// marker's regions to size and hue after one finite-difference step of this transmittance.
+    /// marker's regions to size and hue. These contributions are computed after one finite-difference step of the
+    /// transmittance.
     colours: Vec<(usize, Contrasts)>,
     requested: &'a [usize],
 }

@@ -1,5 +1,5 @@
-//! Compares the features of markers with exact formulas, for cameras that are not in the sensor's centre and for
-//! sensors whose parameters differ from their nominal values.
+//! Compares the features of markers with exact formulas. Some cameras are not in the sensor's centre, and some sensors
+//! have parameters that differ from their nominal values.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{

@@ -35,15 +35,16 @@ const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 /// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of the most probable
 /// amplitude.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// Number of amplitudes of the roughness on each side of the expected amplitude, over which the posterior is averaged.
+/// The posterior is averaged over several amplitudes of the roughness. This constant is the number of amplitudes on
+/// each side of the expected amplitude.
 const AMPLITUDE_STEPS: i32 = 6;
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// Exponent of the likelihood of an amplitude and a correlation length. It reduces the weight of the likelihood. The
 /// roughness of a real surface depends on place and direction, unlike the roughness of a surface that is drawn from the
 /// process. Therefore the contacts determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// A combination of length and amplitude of the roughness is omitted from the average over the posteriors if the
-/// logarithm of the ratio between its probability and the largest probability is below this value.
+/// The average over the posteriors omits combinations of length and amplitude that are too improbable. A combination is
+/// omitted if the logarithm of the ratio of its probability to the largest probability is below this value.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest allowed ratio of the information from the contacts (the normal equations) to the information in the prior at
 /// the expected amplitude. At a larger ratio, rounding errors would dominate.
@@ -107,8 +108,8 @@ struct Process {
 /// A Gaussian process with one correlation length and one amplitude, as one term of the average over the posteriors.
 struct Candidate {
     square_amplitude: f64,
-    /// Triangular factors of the matrix 1 + amplitude² × information, where the information of the contacts is in the
-    /// basis of the modes.
+    /// Triangular factors of the matrix 1 + amplitude² × information. The information of the contacts is expressed in
+    /// the basis of the modes.
     factors: Factors,
     /// For each mode, the posterior mean of its random factor.
     mean: Vec<f64>,

@@ -15,8 +15,8 @@ const MIN_WEIGHT_RATIO: f64 = 1e-2;
 /// Upper end of the search for the smoothing weight, relative to the largest weight that damps a mode by half. Beyond
 /// this end, the fit is nearly a quadric.
 const MAX_WEIGHT_RATIO: f64 = 1e3;
-/// A product of many factors that falls below this value is divided by it, so that the product does not underflow. The
-/// logarithm of the product is corrected afterwards.
+/// If a product of many factors falls below this value, it is divided by this value to avoid underflow. The logarithm
+/// of the product is corrected afterwards.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
 const SMALL_HALVINGS: f64 = 60.0;
 /// The half-damping weight of a mode is the smoothing weight that damps the mode by half. A mode does not extend the

@@ -63,8 +63,7 @@ impl Cells {
         )
     }
 
-    /// Covariance of the fitted parameters if all residuals of a cell count as one residual, and the degrees of freedom
-    /// of this covariance.
+    /// Covariance of the fitted parameters, and its degrees of freedom. All residuals of a cell count as one residual.
     pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
         let weights = solution.weights();
         let mut sums = vec![Row::zeros(); self.count];

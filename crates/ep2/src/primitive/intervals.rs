@@ -11,7 +11,7 @@ const PROBABILITY: f64 = 0.95;
 /// The curvature counts as determined only if the half-width of its 95 % interval, relative to the curvature, is below
 /// this value. At larger half-widths, the computed interval is too narrow.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
-/// The interval of the curvature is widened if the p-value of the test for lack of fit is below this value.
+/// If the p-value of the test for lack of fit is below this value, the interval of the curvature is widened.
 const MISFIT_P_VALUE: f64 = 0.01;
 /// The curvature counts as determined only if the ratio of the noise to the spread of the contacts is at most this
 /// value. With larger noise, errors of positions along the surface make the fitted radius too small.

@@ -13,11 +13,11 @@ use crate::effective_readings::correlation_time;
 
 /// Largest degree of the polynomial that describes the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// A patch counts as a graph over its plane if the angle of all normals to the mean normal has at least this cosine (72
-/// degrees).
+/// A patch counts as a graph over its plane if the cosine of the angle between each normal and the mean normal is at
+/// least this value (72 degrees).
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of the equations is skipped if at most this share of its squared length is independent of the earlier
-/// columns.
+/// A column of the equations is skipped if it depends almost completely on the earlier columns: at most this share of
+/// its squared length is independent of them.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// If the positions have noise, [`RANK_TOLERANCE`] is replaced by this factor times the variance of the positions, if
 /// this product is larger. The replacement is at most [`MAX_RANK_TOLERANCE`].

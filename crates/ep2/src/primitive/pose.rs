@@ -114,9 +114,9 @@ impl Pose {
         }
     }
 
-    /// The vector q to the position `place`, the part of q across the axis of a cylinder (of other shapes, q itself),
-    /// √(1 + 2 k f), and the signed distance d. The vectors are in the axes of the pose. The description of the module
-    /// defines the symbols.
+    /// Returns four results: the vector q to the position `place`, the part of q across the axis of a cylinder (for
+    /// other shapes, q itself), √(1 + 2 k f), and the signed distance d. The vectors are in the axes of the pose. The
+    /// description of the module defines the symbols.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);

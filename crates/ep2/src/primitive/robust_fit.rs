@@ -11,7 +11,8 @@ use crate::gross_outliers::{MAX_OUTLIER_SHARE, OUTLIER_PROBABILITY};
 
 const ITERATIONS: usize = 20;
 const VARIANCE_ITERATIONS: usize = 8;
-/// A fit ends if χ² decreases by less than this value, which is the square of 1 % of a standard error.
+/// A fit ends if χ² decreases by less than this value. It is the square of 0.01, because the parameters then change by
+/// at most about 1 % of a standard error.
 const MIN_DECREASE: f64 = 1e-4;
 /// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller values are treated as
 /// rounding errors.
@@ -32,15 +33,15 @@ const SUBSETS: u64 = 60;
 /// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
 const SUBSET_ITERATIONS: usize = 15;
-/// The fit that starts from a subset of the contacts replaces the fit that starts from all contacts only if its median
-/// distance and its variance are smaller by at least this factor.
+/// A fit from a subset of the contacts replaces the fit from all contacts only if both its median distance and its
+/// variance are below this share of those of the other fit.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits of outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// A fit that leaves out more than a fifth of the contacts is preferred to the fit to all contacts only if its variance
-/// is below this share of the other fit's variance. If it is preferred, the contacts have too many outliers.
+/// The contacts have too many outliers if a fit that leaves out more than a fifth of them has a far smaller variance than
+/// the fit to all contacts. This constant is the limit for the ratio of the two variances.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
@@ -90,8 +91,8 @@ impl Weights {
         (sensor + slope * pose.curvature * pose.curvature).recip()
     }
 
-    /// The derivative of the cost with respect to the curvature k contains a part that is due to the dependence of the
-    /// normals' variance on k. The result is this part, divided by −2k.
+    /// The variance of the normals depends on the curvature k. Therefore, the derivative of the cost with respect to k
+    /// contains an additional part. The result is this part, divided by −2k.
     fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
         self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
     }
@@ -308,8 +309,8 @@ pub(super) struct RobustFit {
     pub(super) solution: Solution,
     pub(super) is_used: Vec<bool>,
     limits: Limits,
-    /// The contacts that are used by a fit that leaves out more than a fifth of all contacts but has a much smaller
-    /// variance. `None` if there is no such fit.
+    /// The contacts that were used by another fit, which leaves out more than a fifth of all contacts but has a much
+    /// smaller variance. `None` if there is no such fit.
     pub(super) inliers_of_few: Option<Vec<bool>>,
 }
 

@@ -8,7 +8,8 @@ use super::{Candidate, Shape, start};
 
 /// At this p-value of the most probable shape, "none of these shapes" is as probable as this shape.
 const NONE_P_VALUE: f64 = 0.01;
-/// Positions count as a line if their variance across the line is below this multiple of the variance of their noise.
+/// Positions count as points on a line if their variance across the line is below this multiple of the variance of
+/// their noise.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'

@@ -152,8 +152,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Shares of all grid points and trials in which the true Gaussian curvature, and the true mean curvature, are within
-/// 1.96 standard errors of their estimates.
+/// Two shares of all grid points and trials: those whose true Gaussian curvature, and those whose true mean curvature,
+/// is within 1.96 standard errors of its estimate.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,

@@ -41,8 +41,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Fits shapes to contacts on random caps. Returns the share of fits whose interval contains the true radius, and the
-/// share of fits in which the radius is determined. `ratios` contains the smallest and the largest value of sagitta ·
-/// √n / noise, with the sagitta of the cap and the number n of contacts. Cases are skipped if the noise exceeds
+/// share of fits in which the radius is determined. `ratios` contains the smallest and the largest value of s √n /
+/// noise, where s is the sagitta of the cap and n the number of contacts. Cases are skipped if the noise exceeds
 /// `max_noise` times the extent of the contacts.
 fn coverage(shape: Shape, with_normals: bool, ratios: [f64; 2], max_noise: f64) -> [f64; 2] {
     let [mut held, mut resolved, mut count] = [0.0; 3];
@@ -247,8 +247,8 @@ fn dependent_readings_count_once() {
     }
 }
 
-/// Share of the logs whose interval contains the true mean curvature, share of the logs that are reported to have
-/// correlated noise, and median half-width of the intervals.
+/// Returns three results: the share of logs whose interval contains the true mean curvature, the share of logs that are
+/// reported to have correlated noise, and the median half-width of the intervals.
 fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 3] {
     let (mut shares, mut widths) = ([0.0; 2], Vec::new());
     let mut count = 0.0;

@@ -284,8 +284,9 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// Whether this point is better than `other`, that is, closer to the target. If the gradient at this point is less
-    /// than half the gradient at `other`, the squared distance may also be larger, by a factor below 1 + 1e-6.
+    /// Whether this candidate is better than the candidate `other`. Normally, the better one is closer to the target.
+    /// If the gradient at this candidate is less than half the gradient at `other`, the squared distance may also be
+    /// larger, by a factor below 1 + 1e-6.
     fn improves(&self, other: &Self) -> bool {
         let settles = self.gradient.norm() < 0.5 * other.gradient.norm();
         let allowance = if settles { 1.0 + 1e-6 } else { 1.0 };

@@ -5,9 +5,11 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Upper limit for the argument `long_enough` of [`seconds_per_trial`]. A measurement must take at least this argument.
+/// Longest duration that a measurement of [`seconds_per_trial`] is required to have (upper limit of its argument
+/// `long_enough`).
 const LONGEST: Duration = Duration::from_millis(10);
-/// Lower limit for the argument `long_enough` of [`seconds_per_trial`]. A measurement must take at least this argument.
+/// Shortest duration that a measurement of [`seconds_per_trial`] is required to have (lower limit of its argument
+/// `long_enough`).
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement of trials that takes longer than this time is not repeated: the delay of waking the threads is then
 /// negligible.

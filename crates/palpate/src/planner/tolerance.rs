@@ -1,8 +1,8 @@
 //! Chooses the tolerance of a model: the largest tolerance at which the model's error shifts the estimates by no more
 //! than an allowed amount.
 
-/// If the ratio of an rms error to the typical magnitude of its quantity is below this value, the rms error is caused
-/// by rounding and counts as 0.
+/// An rms error counts as 0 if it is below this share of the quantity's typical magnitude, because such an error is
+/// caused by rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// Estimates and true values of a cell of the study, computed without noise and with an ideal sensor.

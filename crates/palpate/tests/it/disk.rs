@@ -32,7 +32,8 @@ fn a_hash_in_a_title_does_not_count_as_an_edit() {
     desk.palpate("run o/run.toml --out o").printed();
 }
 
-/// Shell command that runs the program with a limit of 512 bytes per file, which acts like a full disk.
+/// Shell command that runs the program with a limit of 512 bytes per file. For the program, the limit has the same
+/// effect as a full disk.
 const FULL: &str = "ulimit -f 1; trap '' XFSZ; exec \"$palpate\"";
 
 #[test]

@@ -72,9 +72,9 @@ impl Blemishes {
 /// A Gaussian blur of a frame, computed row by row. The rows that were read last are stored, already blurred along the
 /// row.
 pub(super) struct Blur {
-    /// Weights of a pixel and of its neighbours on one side, up to a distance of 3.5 standard deviations. The
-    /// neighbours on the other side have the same weights. The sum of the weights of the pixel and of all its
-    /// neighbours on both sides is 1.
+    /// Weights of the blur: for a pixel, and for its neighbours on one side up to a distance of 3.5 standard
+    /// deviations. The neighbours on the other side have the same weights. All weights together, with those of the
+    /// other side, add up to 1.
     weights: Vec<f32>,
     rows: Vec<Row>,
     rows_read: usize,
@@ -197,8 +197,8 @@ impl SeamLines {
     }
 }
 
-/// Range of columns of a row that contains all pixels within `distance` (px) of a line through the centre of the image.
-/// `line` is the cosine and the sine of the line's angle. Only columns in the range `within` are returned.
+/// Columns of a row whose pixels are within `distance` (px) of a line through the centre of the image. `line` contains
+/// the cosine and the sine of the line's angle. Only columns in the range `within` are returned.
 fn crossed(
     line: &[f64; 2],
     y: f64,

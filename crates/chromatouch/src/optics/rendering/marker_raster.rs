@@ -24,11 +24,11 @@ struct DiscRaster {
     direction: [f64; 3],
     cosine: f64,
     per_sine: f64,
-    /// Upper bound of |v·n − cos α| for the direction v of a pixel that the edge of the disc crosses. Here n is the
-    /// direction of the disc's middle, and α its angular radius.
+    /// Upper bound of |v·n − cos α| for pixels that the edge of the disc crosses. Here v is the direction of the pixel,
+    /// n the direction of the disc's middle, and α the angular radius of the disc.
     band: f64,
-    /// Factor by which the share of light that the disc absorbs is multiplied. A disc that is smaller than a pixel has
-    /// a factor below 1, so that it is drawn fainter.
+    /// Factor on the share of light that the disc absorbs. It is below 1 for a disc that is smaller than a pixel, so
+    /// that the disc is drawn fainter.
     opacity: f64,
     /// Whether the disc is so small that its edge cannot be approximated by a straight line within a pixel.
     is_small: bool,
@@ -40,8 +40,8 @@ pub(super) struct Cover {
     pub(super) both: f64,
 }
 
-/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, `toward` is a vector of any length
-/// in the image that points towards the disc. Its first component is away from the image's centre, and its second
+/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, `toward` is an image vector, of any
+/// length, from the pixel towards the disc. Its first component is away from the image's centre, and its second
 /// component in the azimuthal direction.
 struct DiscCover {
     share: f64,

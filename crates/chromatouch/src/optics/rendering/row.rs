@@ -134,8 +134,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Half the length (px) of the part of a row that lies in a circle around the centre of the image. It is negative
-    /// if the circle does not reach the row.
+    /// Half the length (px) of a row's part inside the circle with the radius `radius` around the centre of the image.
+    /// It is negative if the circle does not reach the row.
     fn half_chord(&self, radius: f64, number: usize) -> f64 {
         let y = self.camera.centre_px()[1] - number as f64;
         let square = radius * radius - y * y;

@@ -108,7 +108,8 @@ fn text(name: &str, check: &Check) -> String {
 }
 
 /// Groups the measured coverages of 95 % intervals by kind: measured, outside the measured scenes, or not measured.
-/// Returns for each kind the number of its cells, the number of its coverages minus 1, and the lowest of its coverages.
+/// Returns for each kind the number of its cells, the number of its coverages without the lowest one, and the lowest
+/// coverage.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,
@@ -179,7 +180,7 @@ fn rungs(rungs: &Rungs) -> Vec<String> {
     }
 }
 
-/// Text that states what the errors in the list of models measure, and the length by which these errors are divided.
+/// Text about the errors in the list of models: what they measure, and by which length they are divided.
 fn errors_of(ladder: &Ladder) -> &'static str {
     match ladder.taken().model {
         ModelConfig::Roll(_) => {

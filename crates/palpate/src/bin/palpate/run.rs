@@ -199,8 +199,8 @@ fn study_of(args: &RunArgs) -> Result<Study, Failure> {
 }
 
 /// Loads a study, and replaces its seed and its number of trials by the arguments `seed` and `trials`, if these are
-/// given. `chosen_by` names another argument that chooses the number of trials, if it was given. If the study has a
-/// stop rule, `trials` and `chosen_by` are errors.
+/// given. `chosen_by` is the name of another argument that chooses the number of trials, if the user gave it. If the
+/// study has a stop rule, both arguments are errors, because the rule determines the number of trials.
 pub(crate) fn overridden(
     config: &Path,
     seed: Option<u64>,

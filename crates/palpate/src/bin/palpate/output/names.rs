@@ -77,8 +77,8 @@ pub(crate) fn text_of(path: &Path) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// Name of the study in a run's config, and the names of all files that palpate commands may write into the run's
-/// directory.
+/// Name of the study in a run's config. The second result contains the names of all files that palpate commands may
+/// write into the run's directory.
 pub(crate) fn run_files(config: &Path, text: &str) -> (String, Vec<String>) {
     let study = config::parse(&config.display().to_string(), text).ok();
     let writes = |output| {

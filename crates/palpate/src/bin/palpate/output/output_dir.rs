@@ -169,8 +169,8 @@ pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
     read.is_ok() && known == head
 }
 
-/// The part at the beginning of a file that shows which file of palpate it is: a table header, a comment or a page
-/// title. `None` for pictures and other formats.
+/// The beginning of a file by which palpate recognises its own files: a table header, a comment or a page title. `None`
+/// for pictures and other formats.
 fn head_of(contents: &[u8]) -> Option<&[u8]> {
     const TITLE: &[u8] = b"</title>";
     let is = |start: &[u8]| contents.starts_with(start);
