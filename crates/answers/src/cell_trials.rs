@@ -16,8 +16,8 @@ use crate::words::percent;
 /// Number of the first fresh trial. Fresh trials are used only to verify an answer; the search for the answer uses
 /// trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
-/// Largest number of scenes in memory. If there are more, scenes that are not needed in the current round are dropped,
-/// because scenes with a camera are large.
+/// Largest number of scenes in memory. A scene with a camera needs much memory, so if there are more scenes, those that
+/// the current round does not need are dropped.
 const MAX_CACHED_SCENES: usize = 64;
 /// Kind of failure of a scene whose readings do not determine an estimate, even without noise.
 const UNDETERMINED: &str = "undetermined";

@@ -75,8 +75,8 @@ pub struct Pair {
     /// Probability that one trial of each object distinguishes the two objects; `None` if both have the same true
     /// value.
     pub order: Option<Order>,
-    /// Number of trials of each object whose means distinguish the two objects with the required confidence; `None` if
-    /// both have the same true value.
+    /// Number of trials per object after which the mean estimates distinguish the two objects with the required
+    /// confidence; `None` if both objects have the same true value.
     pub repeats: Option<Repeats>,
 }
 

@@ -8,10 +8,11 @@ use palpate_sweep::{Runner, TrialMeans, in_order, repeats};
 use crate::discrimination::{Discrimination, Group, Object, Pair};
 use crate::error::{AnswerError, MAX_CELLS};
 
-/// The classification of a patch counts as correct if more than this share of its points are classified correctly.
+/// The classification of a patch counts as correct if the share of correctly classified points is larger than this
+/// value.
 const MAJORITY: f64 = 0.5;
-/// Distance between the first trial numbers of consecutive cells of the study. It is so large that no two cells use the
-/// same trial numbers, because trials with equal numbers have equal random numbers.
+/// Difference between the first trial numbers of consecutive cells of the study. Trials with equal numbers have equal
+/// random numbers, so the difference is so large that no two cells use the same trial numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
 /// Computes two results for each pair of objects that a study sweeps. The first is the probability that one trial of

@@ -14,8 +14,8 @@ use crate::search::Span;
 pub struct Question {
     /// Target that all cells of the study (combinations of its swept values) must meet.
     pub target: Target,
-    /// Field that is searched at each combination of values of the other varied fields (`grid`). The values in this
-    /// question replace the values that the config states or sweeps.
+    /// Field that is searched at each combination of values of the other varied fields (`grid`). Its values in this
+    /// question replace its values in the config.
     pub searched: Vary,
     /// The other varied fields, which form the grid. The grid contains all values of a field with listed values, and
     /// some values of a field with a range.

@@ -74,7 +74,7 @@ pub struct DesignPoint {
     pub fresh: Vec<Sample>,
 }
 
-/// Result of the trials of a cell of the study at a tested value of the searched field.
+/// Result of a cell of the study at a tested value of the searched field, computed from the cell's trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Index of the cell (combination of values that the study itself sweeps).
@@ -259,9 +259,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Compares the results of two cells of the study; the worse result is the greater one. Results with too many
-    /// failures or without a statistic are worse than all others, and are ordered by their shares of failures. The
-    /// other results are ordered by their statistics.
+    /// Compares the results of two cells of the study; the worse result is the greater one. A result with too many
+    /// failures or without a statistic is worse than a result with a statistic. Of two such results, the one with the
+    /// larger share of failures is worse. Other results are compared by their statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),

@@ -6,8 +6,8 @@ use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
 
-/// If no trial of a cell of the study succeeds, the target's statistic does not exist. The cell then counts as missing
-/// the target if its share of failed trials is significantly larger than this value.
+/// If all trials of a cell of the study fail, the target's statistic does not exist. The cell misses the target if its
+/// share of failed trials is significantly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
 /// Resolution of an estimated quantile, relative to the distance between the quantile and the true value. It is
 /// limited, because quantiles are computed from a histogram.

@@ -103,10 +103,10 @@ impl Optics {
         })
     }
 
-    /// Returns these optics with the camera in the pose `pose`, which may be outside the sensor's centre. The image of
-    /// a disc is approximated by the image of a circular cap with the same solid angle. This approximation is correct
-    /// to first order in the solid angle. The seams of the skin and the uneven light of the image are computed as if
-    /// the camera were at the sensor's centre.
+    /// Returns these optics with the camera in the pose `pose`. The camera need not be in the sensor's centre. The
+    /// image of a disc is approximated by the image of a circular cap with the same solid angle. This approximation is
+    /// correct to first order in the solid angle. The seams of the skin and the uneven light of the image are computed
+    /// as if the camera were at the sensor's centre.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `place` if the camera is too far from the centre of the sensor. The limit is 0.9

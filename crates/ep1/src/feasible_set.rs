@@ -31,7 +31,7 @@ const NODE_RADIUS: f64 = 5.8;
 /// Largest considered change of a component of the mobility (contact travel per radian), in radii of the probe. If
 /// mobilities with this change are possible, the set of possible mobilities counts as open, that is, as unbounded.
 pub(crate) const OPEN: f64 = 16.0;
-/// A bound (row) counts as violated if a point violates it by more than this distance, in radii of the probe.
+/// A point violates a bound (row) only if it is beyond the bound by more than this distance, in radii of the probe.
 const TOLERANCE: f64 = 1e-12;
 /// The start of a roll may violate the bounds (rows) of the roll by this distance, in radii of the probe. The distance
 /// is larger than the rounding errors of the sums of rows.
@@ -41,8 +41,8 @@ const MAX_STEPS: usize = 300;
 /// Relative change of the direction in which a linear program searches. This change avoids cycles of the simplex
 /// method.
 const OBLIQUE: f64 = 1e-7;
-/// Unit of length of the areas in which rolls can start, in radii of the probe. This unit keeps the products of many
-/// areas in the range of doubles.
+/// Unit of length, in radii of the probe, for the areas in which rolls can start. With this unit, the products of many
+/// areas stay in the range of doubles.
 const UNIT: f64 = 1e-3;
 
 /// A bound (row) `form · β ≤ slack` of the change β of the mobility (contact travel per radian).
@@ -403,8 +403,8 @@ fn multiply_areas(
     }
 }
 
-/// Area of the polygon of all places with `normal · place ≤ slack` for the six normals of a regular hexagon. Each
-/// normal is the sum of its two neighbours.
+/// Area of the hexagon of all places that fulfil six bounds `normal · place ≤ slack`. The normals are those of a
+/// regular hexagon, so each normal is the sum of its two neighbours.
 fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
     let beside = |slacks: &[f64; 6], edge: usize| slacks[(edge + 1) % 6] + slacks[(edge + 5) % 6];
     for edge in (0..12).map(|edge| edge % 6) {

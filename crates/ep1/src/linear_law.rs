@@ -28,8 +28,8 @@ pub(crate) struct Law {
     /// rotations decrease both sums by this value. Here `g` is the rotation vector of a probe, turned by 90°, and `d =
     /// Δp − R₁ g` is the deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
-    /// Covariance of the entries of `K₁ D` that is due to the noise of the shifts and to rounding. K₁ is the probe's
-    /// curvature, and D the deviation of the mobility from the mobility on a plane.
+    /// The part of the covariance of the entries of `K₁ D` that the noise of the shifts and rounding cause. K₁ is the
+    /// probe's curvature, and D the deviation of the mobility (contact travel per radian) from the mobility on a plane.
     pub(crate) from_shifts: Symmetric3,
     /// One matrix for each of the entries `uu`, `vv` and `uv` of `(K₁ B)²`, where K₁ is the probe's curvature and B the
     /// mobility. The sum of these matrices, each multiplied by its entry, is the covariance of the entries of `K₁ B`

@@ -29,8 +29,7 @@ const SINGULAR: f64 = 1e-10;
 const POOR_FIT_LEVEL: f64 = 0.02;
 /// Significance level for residuals that are too small for the stated noise.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
-/// If the ratio of the stated noise to the root-mean-square residual exceeds this value, the stated noise may be
-/// reported as too large.
+/// The stated noise is reported as too large only if its ratio to the root-mean-square residual exceeds this value.
 const MIN_NOISE_RATIO: f64 = 4.0;
 
 type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;

@@ -197,7 +197,7 @@ impl PadEdgeSet {
         Some(set)
     }
 
-    /// Removes the bounds of the mobility that other bounds of the same pad edge imply.
+    /// Removes bounds of the mobility (contact travel per radian) that follow from other bounds of the same pad edge.
     fn retain_needed(&mut self) {
         let Some(root) = self.covariance.cholesky().map(|root| root.unpack()) else {
             return;
@@ -243,7 +243,8 @@ impl PadEdgeSet {
         end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
     }
 
-    /// Whether there is a direction in which the contact moves against the roll for all mobilities of the set.
+    /// Whether, in some direction, the contact moves against the roll for every mobility (contact travel per radian) of
+    /// the set.
     pub(crate) fn is_reversed(&self) -> bool {
         let mut programs = Programs::default();
         (0..4).any(|at| {

@@ -15,8 +15,8 @@ const MAX_STEPS: usize = 25;
 
 /// A fit ends if Newton's decrement, the squared distance from the minimum in standard errors, is below this value.
 const DECREMENT: f64 = 1e-6;
-/// A fit with this tolerance or a larger one only finds a first guess, so its result is accepted even without
-/// convergence.
+/// A fit with this tolerance or a larger one only provides a first guess. Its result is accepted even if the fit did
+/// not converge.
 const ROUGH: f64 = 1e-4;
 /// Change of an unknown of the fit in a finite difference.
 const STEP: f64 = 1e-6;
@@ -338,8 +338,8 @@ impl<const N: usize> SeriesFit<N> {
         (tolerance >= ROUGH && fit.chi_squared.is_finite()).then_some(fit)
     }
 
-    /// Increase of chi-squared that is due to this roll, and its degrees of freedom. `None` if the other rolls do not
-    /// determine the coefficients.
+    /// Chi-squared of all rolls minus chi-squared without this roll, and the degrees of freedom of this difference.
+    /// `None` if the other rolls do not determine the coefficients.
     pub(crate) fn fall_without(&self, roll: &RollFit<N>) -> Option<(f64, usize)> {
         let others = inverse_of(&(self.information - roll.information))?;
         let fall = roll.chi_squared + roll.gradient.dot(&(others * roll.gradient));

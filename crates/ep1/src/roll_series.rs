@@ -108,7 +108,7 @@ pub struct SeriesNoise {
     /// Standard deviation of the error of each component of the rotation in each sample (rad). The errors of all
     /// samples are independent.
     pub rotation_std_rad: f64,
-    /// Standard deviation of the relative error of the rotation that all samples of a roll share. The error is drawn
+    /// Standard deviation of the part of the rotation's relative error that all samples of a roll share. It is drawn
     /// once for each roll and component.
     pub relative_rotation_std: f64,
     /// Standard deviation of the error of each component of the rotation in each sample, divided by the magnitude of

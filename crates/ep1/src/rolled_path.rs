@@ -335,8 +335,8 @@ pub(crate) struct StartFrame {
     turns: [Vector3<f64>; 2],
 }
 
-/// Position of a contact on the probe, in the coordinates of the exponential map at the pads' origin, with its
-/// derivatives.
+/// Position of a contact on the probe, and the derivatives of this position. The coordinates are those of the
+/// exponential map at the pads' origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) place: Vector2<f64>,

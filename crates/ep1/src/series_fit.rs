@@ -37,8 +37,8 @@ const FLAT: LocalShape = LocalShape {
     terms: 1,
     tensors: [0.0; MAX_COEFFICIENTS],
 };
-/// If the mobility (contact travel per radian) differs between directions by more than this ratio, the crossings of pad
-/// edges are located again.
+/// If the largest and the smallest mobility in any direction (contact travel per radian) differ by more than this share
+/// of their sum, the crossings of pad edges are located again.
 const ISOTROPY: f64 = 0.02;
 
 /// The curvature from time series of rolls of a probe of `radius`.

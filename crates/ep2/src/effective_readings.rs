@@ -10,7 +10,7 @@ use crate::Contact;
 use crate::patch::FingerMap;
 use crate::surface_outliers::median;
 
-/// Largest distance between consecutive contacts of a finger that count as one reading, relative to the length of a
+/// Consecutive contacts of a finger count as one reading if their distance is at most this share of the length of a
 /// long step.
 const REST_SHARE: f64 = 0.1;
 /// This quantile of the step lengths is the length of a long step.
@@ -21,8 +21,8 @@ const MIN_STEP_GAP: f64 = 8.0;
 /// Share of the shortest steps that always count as steps of a resting finger. A gap between the step lengths is
 /// searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// While a finger rests, its contacts stay near their mean. This constant limits the distance of a contact from the
-/// mean, as a multiple of the typical step of a resting finger.
+/// While a finger rests, its contacts stay near their mean. The distance of a contact from the mean is at most this
+/// multiple of the typical step of a resting finger.
 const MAX_REST_EXTENT: f64 = 3.0;
 /// Successive contacts at nearly the same place are merged into a run. This constant limits the share of short steps
 /// among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and the

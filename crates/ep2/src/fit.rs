@@ -265,8 +265,8 @@ impl Fit {
         jet
     }
 
-    /// Values of the Chebyshev polynomials at the coordinates `u`, from which the standard errors at these places are
-    /// computed; `None` if the fit has no standard errors.
+    /// Values of the Chebyshev polynomials at the coordinates `u`. The standard errors at these places are computed
+    /// from them. `None` if the fit has no standard errors.
     fn series(&self, u: [f64; LANES]) -> Option<Series> {
         let posterior = self.posterior.as_ref()?;
         Some(posterior.series(Lanes::from(u)))

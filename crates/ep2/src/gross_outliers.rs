@@ -17,8 +17,8 @@ const MAX_DISTANCE_RATIO: f64 = 6.0;
 /// A gap between distances separates gross outliers from the other contacts only if the first distance beyond the gap
 /// is larger than this number of median distances.
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
-/// Two consecutive distances from the spatial median, in ascending order, are separated by a gap if their ratio is at
-/// least this value.
+/// Limit for gaps between the distances from the spatial median, in ascending order. Two consecutive distances are
+/// separated by a gap if the larger distance, divided by the smaller one, is at least this value.
 const MIN_GAP_RATIO: f64 = 1.5;
 /// Smallest number of positions for which a gap between their distances from the spatial median is searched.
 const MIN_PLACES_WITH_GAP: usize = 20;
@@ -27,8 +27,8 @@ const MIN_PLACES_WITH_GAP: usize = 20;
 const MAX_BLOCK: usize = 3;
 /// Largest share of outliers among the contacts of a log. A larger share is an error.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
-/// P-value below which a contact that is no gross outlier counts as an outlier of the fitted surface. For many
-/// contacts, the limit is 4.5 standard deviations.
+/// A contact that is no gross outlier counts as an outlier of the fitted surface if its p-value is below this limit.
+/// For many contacts, the limit corresponds to 4.5 standard deviations.
 pub(crate) const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 const MAX_PLACES: usize = 5000;
 const MEDIAN_ITERATIONS: usize = 40;

@@ -33,8 +33,8 @@ const MIN_CORRELATION: f64 = 1.5;
 /// assumed correlation length by more than this factor.
 const MAX_GROWTH: f64 = 1.3;
 
-/// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means, because the
-/// fitted surface would otherwise follow the errors of single contacts across a stroke.
+/// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means, because a
+/// surface that is fitted to so many single contacts would follow their errors across a stroke.
 const MAX_FITTED: usize = 10_000;
 /// Largest ratio of two root-mean-square distances of contacts: from the means of consecutive contacts, and from the
 /// mean of all contacts. If the ratio is larger, the contacts of a finger are not in the order of its path, and means
@@ -379,8 +379,8 @@ impl<M: Method> Log<'_, M> {
         blocks.map(square).sum::<f64>() < MAX_BLOCK_RATIO * MAX_BLOCK_RATIO * square(&all)
     }
 
-    /// Fits the means of every `block` consecutive contacts of each finger. `times` are the numbers of consecutive
-    /// positions and of consecutive normals that count as one because their noise is correlated.
+    /// Fits the means of every `block` consecutive contacts of each finger. `times` states how many consecutive
+    /// positions, and how many consecutive normals, count as one because their noise is correlated.
     fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
         let means = self.means(block);
         // If noise is correlated over more contacts than are averaged, averaging does not reduce the noise. Then the

@@ -22,8 +22,8 @@ const MIN_CONTACTS: usize = 10;
 /// Largest number of contacts that are tested. If there are more contacts, an evenly spaced selection of them is fitted
 /// and tested.
 pub(crate) const MAX_CONTACTS: usize = 2000;
-/// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
-/// to rounding errors, or be smaller than the approximation error of the series that describes the surface.
+/// Smallest estimated position noise for which the contacts are tested, in the patch's unit. Smaller estimates may be
+/// due to rounding errors or to the approximation error of the series that describes the surface.
 const MIN_POSITION_STD: f64 = 5e-4;
 /// Assumed variance of the surface at a contact that was not used in the fit, divided by the variance of the most
 /// probable Gaussian process there. The true variance is assumed to be at most as large.

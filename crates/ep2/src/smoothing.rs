@@ -144,8 +144,9 @@ impl SmoothingSpline {
         }
     }
 
-    /// Adds knots until the sum of squared residuals of the least-squares spline is at most the required sum. If this
-    /// sum is smaller than required, returns a smoother spline with the same knots, which has the required sum.
+    /// Adds knots until the sum of squared residuals of the least-squares spline is at most the required sum. If the
+    /// sum of this spline is smaller than required, returns a smoother spline with the same knots, whose sum equals the
+    /// required sum.
     fn approach(
         &self,
         mesh: &mut Mesh,

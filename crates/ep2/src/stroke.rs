@@ -43,9 +43,9 @@ pub struct StrokeCurvature {
 }
 
 impl StrokeCurvature {
-    /// Adds normals to the contacts of the stroke. They are the normals of a surface that has this curvature along the
-    /// stroke, and no curvature across the stroke. The normal in the middle of the stroke is the part of `outward` that
-    /// is perpendicular to the stroke.
+    /// Adds normals to the contacts of the stroke. They are the normals of a surface that has the fitted curvature
+    /// along the stroke, and no curvature across the stroke. The normal in the middle of the stroke is the part of
+    /// `outward` that is perpendicular to the stroke.
     pub fn with_normals(&self, contacts: &[Contact], outward: &Vector3<f64>) -> Vec<Contact> {
         let middle = contacts
             .iter()

@@ -49,8 +49,8 @@ const ROUNDS: usize = 6;
 /// a part of the outliers is examined.
 const NEIGHBOURS: usize = 4;
 const MAX_EXAMINED: usize = 100;
-/// Smallest distance of an examined neighbour from an outlier, relative to the distance of the nearest contact that is
-/// no outlier. The limit excludes other outliers at the same point beside the surface.
+/// A neighbour of an outlier is examined only if its distance from the outlier is at least this share of the distance
+/// of the nearest contact that is no outlier. The limit excludes other outliers at the same point beside the surface.
 const MIN_DISTANCE_RATIO: f64 = 0.3;
 /// Largest mean share of outliers among the nearest contacts of an outlier. If `MAX_RELATIVE_NEIGHBOUR_SHARE` times the
 /// share of outliers among all contacts is larger, that product is the limit. Above the limit, the outliers lie
@@ -233,8 +233,8 @@ fn outliers(
     is_outlier
 }
 
-/// An evenly spaced selection of `count` contacts, which contains contacts of all fingers even if their contacts
-/// alternate.
+/// An evenly spaced selection of `count` contacts. It contains contacts of all fingers, even if the contacts of the
+/// fingers alternate.
 fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>, count: usize) -> Vec<Contact> {
     let step = count.div_ceil(MAX_CONTACTS).max(1);
     let is_prime_to_fingers =

@@ -39,7 +39,8 @@ pub struct Check {
     /// Number of cells that were set up completely. Presses that were set up without their camera, to save time, are
     /// not counted.
     pub set_up: usize,
-    /// Number of set-up cells that will run only one trial each, because they use no random numbers.
+    /// Number of cells that run only one trial, because they use no random numbers. Only cells that were set up are
+    /// counted.
     pub single: usize,
     /// Number of trials of all cells. If not all cells were set up, this is an upper limit.
     pub trials: u64,

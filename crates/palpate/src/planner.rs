@@ -271,8 +271,8 @@ impl Planner<'_> {
         Some(pilot)
     }
 
-    /// Cells in which every trial of the pilot failed. Returns an error if the goal has a target error and all random
-    /// cells fail.
+    /// Cells in which every trial of the pilot (a small run before the actual run) failed. Returns an error if the goal
+    /// has a target error and all cells with random numbers fail.
     fn failing<E>(
         &self,
         random: &[usize],
@@ -375,8 +375,8 @@ impl Planner<'_> {
     }
 }
 
-/// Largest shift of the estimates that the error of the contact model may cause in each cell. The shift is relative to
-/// the rms error, if the pilot estimated it.
+/// For each cell, the largest shift of the estimates that the error of the contact model may cause. The shift is
+/// relative to the rms error, if the pilot (a small run before the actual run) estimated it.
 fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64) -> Vec<Allowance> {
     let rms_errors = |cell: usize| {
         let found = random.iter().position(|&one| one == cell);

@@ -168,8 +168,9 @@ impl<'a> Simulation<'a> {
         Self { arch, ..self }
     }
 
-    /// Also outputs the rows of the table of trials. [`Simulation::stream`] passes the rows of a cell's trials on
-    /// before the result of the cell, and [`Simulation::run`] returns a table of all trials.
+    /// Returns this simulation with an additional output: the rows of the table of trials. [`Simulation::stream`]
+    /// passes the rows of a cell's trials on before the result of the cell, and [`Simulation::run`] returns a table of
+    /// all trials.
     #[must_use]
     pub fn with_trials(self) -> Self {
         Self {

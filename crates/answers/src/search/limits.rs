@@ -50,8 +50,8 @@ impl Rules {
         }
     }
 
-    /// Score that fresh trials must reach to confirm one end of a range, if the answer has `sides` such ends. Attempts
-    /// are counted from 0; each may be wrong with half the probability of the previous one.
+    /// Score that fresh trials must reach to confirm one of the `sides` range ends in the answer. `attempt` is the
+    /// number of the attempt, from 0; the allowed probability of an error is halved with each attempt.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);

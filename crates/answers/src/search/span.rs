@@ -102,8 +102,8 @@ impl Span {
         values
     }
 
-    /// Value in the middle between two values, rounded to a step that is small compared with a gap of size `gap`.
-    /// `None` if no rounded value lies between `low` and `high`.
+    /// A rounded value in the middle between `low` and `high`. The rounding step is small compared with a gap of size
+    /// `gap`. `None` if no rounded value lies between `low` and `high`.
     pub(crate) fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
         let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
         Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)

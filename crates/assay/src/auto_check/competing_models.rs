@@ -148,9 +148,9 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// Models of a glide, with their errors. If a model has a closed form for the object, this model and Newton's method
-/// are the references for each other. For other objects, the reference is the closed-form solution of the offset
-/// surface.
+/// Models of a glide, with their errors. If one of the models has a closed form for the object, the closed form is the
+/// reference for Newton's method, and Newton's method is the reference for the closed form. For other objects, the
+/// reference is the closed-form solution of the offset surface.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -211,8 +211,8 @@ fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Contacts of all fingers, from the closed-form solution of the offset surface (the surface of all centres of the
-/// tip). `None` for objects for which a competing model itself has a closed form.
+/// Contacts of all fingers, computed with the closed-form solution of the offset surface (the surface of all centres of
+/// the tip). `None` for objects for which one of the compared models has a closed form.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {

@@ -175,8 +175,8 @@ fn panel(distance: f64) -> f64 {
     (PHASE / distance).min(1.0)
 }
 
-/// The kernel g(k) of the integral equation: the surface displacement of a half-space minus that of the layer, divided
-/// by the displacement of the half-space. Both displacements are caused by the same pressure.
+/// The kernel g(k) of the integral equation. It compares the surface displacements of a half-space and of the layer
+/// under the same pressure: their difference, divided by the displacement of the half-space.
 fn reflected(k: f64) -> f64 {
     let q = libm::exp(-2.0 * k);
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)

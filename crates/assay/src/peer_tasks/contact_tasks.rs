@@ -125,8 +125,8 @@ fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedErro
     Ok(curvatures)
 }
 
-/// Relative errors of the mean curvatures at the points of the map, for a patch of the tasks with few contacts per
-/// patch.
+/// Relative errors of the mean curvatures at the points of a map. The map belongs to a patch of the tasks with few
+/// contacts per patch.
 fn map_errors(map: &[Curvature]) -> impl Iterator<Item = f64> {
     map.iter()
         .map(|curvature| curvature.mean * ep2_contacts::RADIUS - 1.0)

@@ -194,9 +194,9 @@ impl Camera {
         Some([column + radius * x, row - radius * y])
     }
 
-    /// Image area of a disc, px². `angular_radius` is the angular radius of the disc, and `polar` the polar angle of
-    /// its middle, both in rad. The result is `None` unless the whole disc is in the image circle and its angular
-    /// radius is less than 90°.
+    /// Image area of a disc, px². `angular_radius` is the angular radius of the disc, and `polar` is the polar angle of
+    /// the disc's middle, both in rad. The result is `None` unless the whole disc is in the image circle and its
+    /// angular radius is less than 90°.
     ///
     /// For a pinhole, the area is exact. For a fisheye, the scale of the lens is expanded to second order in the disc's
     /// angular radius α. The relative error is then of the order of α⁴. For α = 0.05 and up to 70° from the axis, it is

@@ -108,8 +108,8 @@ impl Optics {
         optics.seen_from(self.pose().moved(place, turn_rad))
     }
 
-    /// The departure that is nearest to `departure` and gives a physically possible sensor, that is, transmittances
-    /// from 0 to 1.
+    /// The departure that is nearest to `departure` among those for which the sensor is physically possible: all
+    /// transmittances must be from 0 to 1.
     pub fn possible(&self, departure: Departure) -> Departure {
         let within = |colour: [f64; 3], more: [f64; 3]| {
             std::array::from_fn(|at| (colour[at] + more[at]).clamp(0.0, 1.0) - colour[at])

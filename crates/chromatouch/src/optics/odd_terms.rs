@@ -45,9 +45,9 @@ impl OddTerms {
         1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
     }
 
-    /// Inverse of [`Self::map`]. It converts `scaled`, a distance from the image's centre divided by the focal length,
-    /// to the angle from the axis, which is at least 0. The map must increase up to the angle `rim`. For distances
-    /// beyond the rim, the map is continued as a straight line.
+    /// Inverse of [`Self::map`]. It converts a distance from the image's centre, divided by the focal length
+    /// (`scaled`), to the angle from the axis, which is at least 0. The map must increase up to the angle `rim`. For
+    /// distances beyond the rim, the map is continued as a straight line.
     #[inline]
     pub(super) fn angle(self, scaled: f64, rim: f64) -> f64 {
         let beyond = scaled - self.map(rim);
@@ -105,14 +105,13 @@ impl OddTerms {
         }
     }
 
-    /// Upper bound of the slope d(r/f)/dθ of the lens's map, and of the ratio (r/f)/θ, between the axis and the angle
-    /// `rim`.
+    /// Upper bound of both the slope d(r/f)/dθ of the lens's map and the ratio (r/f)/θ, for angles from 0 to `rim`.
     pub(super) fn most_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         1.0 + square * (3.0 * self.k3.max(0.0) + square * (5.0 * self.k5.max(0.0)))
     }
 
-    /// Smallest coefficient k3 with which the lens's map increases up to the angle `rim`, for the coefficient k5 of
+    /// Smallest coefficient k3 for which the lens's map increases up to the angle `rim`. The coefficient k5 is that of
     /// this lens.
     fn least_k3(self, rim: f64) -> f64 {
         let (square, constant) = (rim * rim, 1.0 - LEAST_SLOPE);

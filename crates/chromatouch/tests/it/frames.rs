@@ -1,4 +1,4 @@
-//! Tests rendered frames, and compares the features of markers that are measured in these frames with the projected
+//! Tests rendered frames. The features of markers that are measured in rendered frames are compared with the projected
 //! features.
 
 use image::RgbImage;

@@ -36,8 +36,8 @@ fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {
     *centres.iter().find(inside).unwrap_or(&centres[0])
 }
 
-/// Position of the contact in the coordinates of the probe's exponential map, after the contact has moved by `path`
-/// from a roll's `start`.
+/// Position of the contact on the probe, in the coordinates of the probe's exponential map. The contact starts at
+/// `start` and moves by `path`.
 fn chart(start: &Vector2<f64>, path: &Vector2<f64>) -> Vector2<f64> {
     let turned = |place: &Vector2<f64>| {
         Rotation3::from_scaled_axis(Vector3::new(-place.y, place.x, 0.0) / RADIUS)

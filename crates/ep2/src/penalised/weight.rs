@@ -22,11 +22,11 @@ const SMALL_HALVINGS: f64 = 60.0;
 /// The half-damping weight of a mode is the smoothing weight that damps the mode by half. A mode does not extend the
 /// range of the search if the ratio of its half-damping weight to the largest one is below this value.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// Smallest difference between the logarithms of two smoothing weights: the largest weight of the search, and the
-/// expected weight.
+/// Smallest distance of the expected smoothing weight from the upper end of the search, as a difference of the
+/// logarithms.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// Upper limit of the expected smoothing weight: largest difference between its logarithm and the logarithm of the
-/// largest weight that damps a mode by half.
+/// Upper limit of the expected smoothing weight. The limit is the largest weight that damps a mode by half, multiplied
+/// by e to the power of this value.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight of a penalised spline is chosen.

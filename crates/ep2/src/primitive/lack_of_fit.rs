@@ -19,8 +19,8 @@ const MIN_GRAPH_COSINE: f64 = 0.3;
 /// A column of the equations is skipped if it depends almost completely on the earlier columns: at most this share of
 /// its squared length is independent of them.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// If the positions have noise, [`RANK_TOLERANCE`] is replaced by this factor times the variance of the positions, if
-/// this product is larger. The replacement is at most [`MAX_RANK_TOLERANCE`].
+/// If the positions have noise, the rank tolerance is this factor times the variance of the positions, but at least
+/// [`RANK_TOLERANCE`] and at most [`MAX_RANK_TOLERANCE`].
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
@@ -38,8 +38,8 @@ const MIN_EQUATIONS_RATIO: f64 = 1.5;
 pub(super) struct LackOfFit {
     /// P-value of the fit: the probability that contacts on a surface of exactly this shape would fit worse by chance.
     pub(super) p_value: f64,
-    /// Numbers of consecutive positions, and of consecutive normals, that count as one because their errors are
-    /// correlated.
+    /// Two numbers: how many consecutive positions, and how many consecutive normals, count as one because their errors
+    /// are correlated.
     pub(super) correlations: [f64; 2],
 }
 

@@ -40,8 +40,8 @@ const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits of outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// The contacts have too many outliers if a fit that leaves out more than a fifth of them has a far smaller variance than
-/// the fit to all contacts. This constant is the limit for the ratio of the two variances.
+/// The contacts have too many outliers if a fit that leaves out more than a fifth of them has a far smaller variance
+/// than the fit to all contacts. This constant is the limit for the ratio of the two variances.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
@@ -172,8 +172,8 @@ impl Weights {
 }
 
 /// Fits a shape, starting at the pose `start`. Variances that are not stated are estimated from the residuals.
-/// `correlations` contains the numbers of consecutive positions and of consecutive normals that count as one because
-/// their errors are correlated.
+/// `correlations` states how many consecutive positions, and how many consecutive normals, count as one because their
+/// errors are correlated.
 pub(super) fn solve(
     start: Pose,
     cloud: &Cloud,

@@ -80,7 +80,7 @@ impl Trapezoid {
 /// The rotations that merged additional rows into a triangle, in the order in which they were applied.
 struct Rotations {
     band: usize,
-    /// For each additional row, its index and the first column in which it has entries.
+    /// For each additional row: the index of the row, and the first column in which the row has entries.
     rows: Vec<(usize, usize)>,
     /// Cosine and sine of each rotation. There are `band` pairs per additional row.
     planes: Vec<[f64; 2]>,

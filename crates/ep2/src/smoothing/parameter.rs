@@ -4,9 +4,8 @@ const MOST_TRIALS: usize = 20;
 /// Factor for steps of the search while the smoothing parameter is far from the root. If the parameter is too large, it
 /// is multiplied by this factor; if it is too small, it is divided by it.
 const FAR: f64 = 0.04;
-/// If a step by the factor [`FAR`] would pass a bound of the search, the next parameter lies between the bound and the
-/// last trial. This constant is the distance of the next parameter from the bound, as a share of the distance between
-/// the bound and the last trial.
+/// If a step by the factor [`FAR`] would pass a bound of the search, the next parameter lies between the last trial and
+/// the bound. Its distance from the bound is this share of the distance between the last trial and the bound.
 const NEAR: f64 = 0.1;
 
 /// A parameter that was tried. `excess` is its residual sum minus the required sum.

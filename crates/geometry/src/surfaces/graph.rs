@@ -186,7 +186,7 @@ impl Height for HeightField {
     }
 
     /// Returns a section only at the vertex of a polynomial of degree two, along its principal directions x and y. A
-    /// formula with other functions may be symmetric too, but its sections have no form of [`Meridian`].
+    /// formula with other functions may be symmetric too, but [`Meridian`] cannot represent its sections.
     fn meridian_at(&self, x: f64, y: f64, direction: &Vector3<f64>) -> Option<Meridian> {
         let [_, fx, fy, xx, xy, yy] = self.formula.quadratic()?;
         let is_vertex = fx + 2.0 * xx * x == 0.0 && fy + 2.0 * yy * y == 0.0 && xy == 0.0;

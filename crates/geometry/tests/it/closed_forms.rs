@@ -9,8 +9,8 @@ use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{ChartGeometry, CurvatureForm, Parameters, Shape, Surface};
 
-/// Calls `check` at several points of a chart whose two parameters are angles, with the first angle and the geometry at
-/// the point.
+/// Calls `check` at several points of a chart whose two parameters are angles. `check` receives the first angle and the
+/// geometry at the point.
 fn over_angles(surface: &impl Surface, check: impl Fn(f64, ChartGeometry)) {
     for i in -7..=7 {
         for j in -7..=7 {

@@ -15,7 +15,8 @@ const MARGIN: f64 = 2.0;
 /// If the relative standard error of v exceeds this value, the estimate of v is called rough: a few trials with very
 /// large errors determine it. Here v is the relative variance of a squared error.
 const MAX_RELATIVE_ERROR: f64 = 0.5;
-/// Number of pilot trials of a cell, as a share of the number of trials that the run needs.
+/// Number of trials of a cell in the pilot (a small run before the actual run), as a share of the number of trials that
+/// the run needs.
 const PILOT_SHARE: f64 = 1.0 / 16.0;
 /// Smallest number of trials of a cell in the first step of a pilot.
 const MIN_FIRST: u64 = 64;
@@ -50,7 +51,7 @@ pub(super) struct Figure {
     pub(super) is_rough: bool,
 }
 
-/// The rms error of a cell's quantity that needs the most trials, and the number of these trials.
+/// The rms error that needs the most trials among all quantities of all cells, and the number of these trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Need {
     pub(super) cell: usize,

@@ -265,7 +265,8 @@ fn unusable_frames_are_refused() {
     );
 }
 
-/// Each row: displacement and hue of each point, or a table with its header | words of the expected error.
+/// Each row has two parts, separated by `|`. The first part is a table: displacement and hue of each point, or a whole
+/// table with its header. The second part contains words of the expected error.
 const NO_CALIBRATIONS: &str = r"
 1,0.02 | 1 points; a calibration needs at least 2
 1,0.02\n1,0.03\n1,0.02 | all 3 points have a normal displacement of 1

@@ -174,7 +174,7 @@ impl MarkerRaster {
 
     /// Calls `paint` for each pixel of a row that the discs of the marker cover at least partly. `paint` receives the
     /// column and the covered shares of the pixel. Only pixels in the given range of columns are visited. The row is
-    /// `y` px above the centre of the image, which is in the column `middle`.
+    /// `y` px above the centre of the image, and this centre is in the column `middle`.
     pub(super) fn cover(
         &self,
         camera: &Camera,

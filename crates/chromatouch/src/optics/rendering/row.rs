@@ -145,7 +145,7 @@ impl<'a> Rows<'a> {
         square.sqrt()
     }
 
-    /// Columns of the pixels in a row that are at most `half` (px) from the column of the image's centre.
+    /// Columns of the pixels in a row whose distance from the column of the image's centre is at most `half` (px).
     fn columns(&self, half: f64) -> Range<usize> {
         if half < 0.0 {
             return 0..0;

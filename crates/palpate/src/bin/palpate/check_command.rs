@@ -134,8 +134,8 @@ fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     groups
 }
 
-/// Two texts: the first is about the measured coverage of the intervals, the second about the random scenes in which
-/// the coverage was measured.
+/// Two texts. The first is about the measured coverage of the intervals; the second is about the random scenes in which
+/// this coverage was measured.
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
