@@ -31,7 +31,7 @@ pub(crate) struct Run {
     pub(crate) centre: Vector2<f64>,
 }
 
-/// A crossing of the pad edge `normal · place = offset`.
+/// A crossing: the contact passes a pad edge, which lies on the line `normal · place = offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     pub(crate) normal: Vector2<f64>,

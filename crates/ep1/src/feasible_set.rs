@@ -36,7 +36,8 @@ const TOLERANCE: f64 = 1e-12;
 /// The start of a roll may violate the bounds (rows) of the roll by this distance, in radii of the probe. The distance
 /// is larger than the rounding errors of the sums of rows.
 const START_TOLERANCE: f64 = 1e-9;
-/// Largest number of steps of the simplex method, and of rounds that add bounds.
+/// Largest number of steps of the simplex method, and largest number of rounds in which bounds are added to a linear
+/// program.
 const MAX_STEPS: usize = 300;
 /// Relative change of the direction in which a linear program searches. This change avoids cycles of the simplex
 /// method.

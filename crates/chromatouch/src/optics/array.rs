@@ -250,7 +250,8 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Skin coordinates of the markers (length).
+    /// Positions (x, y) of the markers on the skin (length). A marker lies in the direction (x, y) from the apex, at
+    /// the distance √(x² + y²) along the skin.
     pub fn places(&self) -> &[[f64; 2]] {
         &self.places
     }

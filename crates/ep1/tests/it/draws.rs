@@ -7,7 +7,7 @@ use palpate_ep1::{ProbeReading, ReadingNoise};
 pub(crate) struct Draws(pub(crate) u64);
 
 impl Draws {
-    /// A number between 0 and 1.
+    /// A random number, uniformly distributed between 0 and 1.
     pub(crate) fn uniform(&mut self) -> f64 {
         self.0 = self
             .0
