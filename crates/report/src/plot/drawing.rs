@@ -211,7 +211,7 @@ impl Drawing {
         drop(backend);
         let mut png = io::Cursor::new(Vec::new());
         image::imageops::thumbnail(&large, width / DETAIL, height / DETAIL)
-            .write_to(&mut png, image::ImageFormat::Png)
+            .write_with_encoder(image::codecs::png::PngEncoder::new(&mut png))
             .map_err(|error| error.to_string())?;
         Ok(png.into_inner())
     }

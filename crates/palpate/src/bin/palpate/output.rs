@@ -13,6 +13,7 @@ pub(crate) mod table_writer;
 use std::io::{ErrorKind, Write};
 
 use anyhow::{Context, Error};
+use image::codecs::png::PngEncoder;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -60,7 +61,7 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
 pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture
-        .write_to(&mut bytes, image::ImageFormat::Png)
+        .write_with_encoder(PngEncoder::new(&mut bytes))
         .context("cannot write a picture as PNG")
         .map_err(Failure::work)?;
     Ok(bytes.into_inner())
