@@ -4,7 +4,7 @@ use palpate_ep2::{RoundTip, TipPoint};
 use palpate_estimators::GlideFit;
 use palpate_geometry::ShapeThresholds;
 use palpate_study::config::{
-    GlideEstimatorConfig, LengthUnit, SettingError, split_settings, with_settings,
+    GlideEstimatorConfig, LengthUnit, SettingError, SettingTable, split_settings, with_settings,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -63,6 +63,8 @@ pub struct GlideOptions {
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: Option<f64>,
 }
+
+impl SettingTable for GlideOptions {}
 
 impl Default for GlideOptions {
     fn default() -> Self {

@@ -3,7 +3,7 @@
 use palpate_statistics::Number;
 use palpate_study::config::{
     LengthUnit, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, SettingError,
-    StudyConfig, in_unit, split_settings, with_settings,
+    SettingTable, StudyConfig, in_unit, split_settings, with_settings,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -59,6 +59,8 @@ pub struct PressOptions {
     #[serde(skip)]
     pub length_unit: Option<LengthUnit>,
 }
+
+impl SettingTable for PressOptions {}
 
 impl Default for PressOptions {
     fn default() -> Self {

@@ -3,7 +3,8 @@
 use palpate_ep1::{PadCell, PadStart, ReadingNoise, SeriesNoise};
 use palpate_statistics::Number;
 use palpate_study::config::{
-    LengthUnit, PadLayout, RollEstimatorConfig, SettingError, split_settings, with_settings,
+    LengthUnit, PadLayout, RollEstimatorConfig, SettingError, SettingTable, split_settings,
+    with_settings,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,8 @@ pub struct RollSettings {
     #[schemars(extend("x-unit" = "length"))]
     pub start: Option<[f64; 2]>,
 }
+
+impl SettingTable for RollSettings {}
 
 /// Settings of an estimate from rolls, in addition to the readings.
 #[derive(Clone, Debug, PartialEq)]

@@ -185,6 +185,63 @@ impl fmt::Display for Range {
     }
 }
 
+/// A config table whose settings can be replaced.
+pub trait SettingTable: Clone + Serialize + DeserializeOwned + JsonSchema + 'static {
+    /// The table as JSON.
+    ///
+    /// # Errors
+    /// [`SettingError`] if a value of the table has no form in JSON.
+    fn to_json(&self) -> Result<Json, SettingError> {
+        json_of(self)
+    }
+
+    /// Reads the table from JSON.
+    ///
+    /// # Errors
+    /// [`SettingError`] with the path of the value that cannot be read.
+    fn from_json(json: Json) -> Result<Self, SettingError> {
+        table_of(json)
+    }
+}
+
+/// Implements [`SettingTable`] with methods of its own for each type. Otherwise, every crate that replaces settings of
+/// these types would compile the conversions again.
+macro_rules! setting_tables {
+    ($($table:ident),*) => {$(
+        impl SettingTable for super::$table {
+            fn to_json(&self) -> Result<Json, SettingError> {
+                json_of(self)
+            }
+
+            fn from_json(json: Json) -> Result<Self, SettingError> {
+                table_of(json)
+            }
+        }
+    )*};
+}
+
+setting_tables!(
+    GlideEstimatorConfig,
+    PressConfig,
+    PressEstimatorConfig,
+    PressModelConfig,
+    PressProbeConfig,
+    RollEstimatorConfig,
+    SceneConfig
+);
+
+fn json_of(table: &impl Serialize) -> Result<Json, SettingError> {
+    serde_json::to_value(table)
+        .map_err(|error| SettingError::new("kind", format!("cannot be read: {error}")))
+}
+
+fn table_of<T: DeserializeOwned>(json: Json) -> Result<T, SettingError> {
+    serde_path_to_error::deserialize(json).map_err(|error| {
+        let reason = format!("cannot be read: {}", error.inner());
+        SettingError::new(&error.path().to_string(), reason)
+    })
+}
+
 struct Known {
     schema: Json,
     settings: Vec<Setting>,
@@ -396,19 +453,14 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
 /// # Errors
 /// [`SettingError`] that names a setting which the kind does not have, whose value is out of range, or whose word is
 /// not one of the choices. Also an error if two given settings state the same quantity.
-pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, SettingError>
-where
-    T: Clone + Serialize + DeserializeOwned + JsonSchema + 'static,
-{
-    if given.is_empty() {
-        return Ok(base.clone());
+pub fn with_settings<T: SettingTable>(
+    base: &T,
+    given: &Map<String, Json>,
+) -> Result<T, SettingError> {
+    match given.is_empty() {
+        true => Ok(base.clone()),
+        false => T::from_json(known::<T>().with_settings(base.to_json()?, given)?),
     }
-    let unreadable = |error: &serde_json::Error| format!("cannot be read: {error}");
-    let table = serde_json::to_value(base)
-        .map_err(|error| SettingError::new("kind", unreadable(&error)))?;
-    let table = known::<T>().with_settings(table, given)?;
-    serde_path_to_error::deserialize(table)
-        .map_err(|error| SettingError::new(&error.path().to_string(), unreadable(error.inner())))
 }
 
 impl Known {
@@ -464,13 +516,10 @@ impl Known {
 /// let layer = |thickness| PressModelConfig::BondedLayer { thickness, modulus_kpa: None };
 /// assert_eq!(in_unit(&layer(5.0), 0.1), layer(0.5));
 /// ```
-pub fn in_unit<T>(table: &T, factor: f64) -> T
-where
-    T: Clone + Serialize + DeserializeOwned + JsonSchema + 'static,
-{
-    let scaled = serde_json::to_value(table).ok().and_then(|mut json| {
+pub fn in_unit<T: SettingTable>(table: &T, factor: f64) -> T {
+    let scaled = table.to_json().ok().and_then(|mut json| {
         scale(&known::<T>().schema, &mut json, factor);
-        serde_json::from_value(json).ok()
+        T::from_json(json).ok()
     });
     scaled.unwrap_or_else(|| table.clone())
 }
