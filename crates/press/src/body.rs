@@ -10,7 +10,7 @@ use crate::{PressError, half_space};
 /// displacements are set to 0.
 const MAX_DISTANCE: f64 = 1e50;
 
-/// A model of the soft body. It computes the displacement of the skin, at the depth of the markers, in a press.
+/// A model of the soft body. It computes how far a press displaces the points at the depth of the markers.
 ///
 /// Let a be the contact's radius, r the distance from the middle of the contact, and C_r the relative curvature. In
 /// every model, the displacement is C_r F(a, r) and the indentation is C_r D(a). The models differ in the functions F
@@ -128,8 +128,8 @@ impl Body {
     }
 
     /// Models of one incompressible layer bonded to a rigid core. Each model computes displacements at one of the
-    /// depths `depths`; the models have the order of `depths`. The tables of all models are computed together, in
-    /// little more time than the tables for one depth.
+    /// depths `depths`. The models are in the same order as `depths`. The tables of all models are computed together,
+    /// in little more time than the tables for one depth.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -196,7 +196,8 @@ impl Body {
         !matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Whether the errors of the model itself exceed the usual noise of readings, as in the Gaussian approximation.
+    /// Whether the model's own errors exceed the usual noise of readings: `true` for the Gaussian approximation,
+    /// `false` for the elastic bodies.
     pub(crate) fn is_approximate(&self) -> bool {
         matches!(self.0, Rung::Gaussian { .. })
     }
@@ -214,8 +215,8 @@ impl Body {
         end.map_or(f64::INFINITY, |[indentation, _]| indentation)
     }
 
-    /// Poisson's ratio, and the depth at which displacements are computed. The result is `None` unless the body has a
-    /// model of the object's sideways shift. Only half-spaces have this model.
+    /// Poisson's ratio and depth of a half-space, from which the effect of a sideways shift of the object is computed.
+    /// `None` for the other bodies, for which there is no model of such a shift.
     pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),
@@ -263,7 +264,8 @@ impl Body {
         self.contact(relative_curvature, indentation, radius)
     }
 
-    /// The contact with the radius `radius`, for a relative curvature of 1.
+    /// The contact with the radius `radius` for a relative curvature of 1. Displacements are proportional to the
+    /// relative curvature, so all other contacts of this radius follow from this contact.
     pub(crate) fn unit_contact(&self, radius: f64) -> Result<Contact<'_>, PressError> {
         let [indentation, _] = self.indentation_of(radius)?;
         self.contact(1.0, indentation, radius)

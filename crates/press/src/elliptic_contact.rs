@@ -35,8 +35,9 @@ const MAX_CURVATURE_RATIO: f64 = 1e6;
 /// Displacements are set to 0 if the distance from the contact, relative to its longer semi-axis, exceeds this value.
 const MAX_DISTANCE: f64 = 1e50;
 
-/// Number of panels (intervals) in the quadrature of the integral χ_x. Each panel is half as long as the panel before,
-/// because the integrand may have a peak at the end of the last panel.
+/// Number of panels (intervals) into which the quadrature of the integral χ_x is divided; the module's description
+/// defines χ_x. Each panel is half as long as the previous panel, because the integrand may have a peak at the end of
+/// the last panel.
 const PANELS: i32 = 12;
 
 /// Number of Gauss quadrature nodes in each panel.

@@ -210,9 +210,9 @@ impl Stds {
     }
 }
 
-/// Start values of the fit. The contact starts at the marker that moved most, and the object with the sensor's own
-/// curvature (relative curvature 2/R_s). On a nearly flat skin, the start value of the curvature is computed from the
-/// extent of the area of the markers instead.
+/// Start values of the fit. The contact starts at the marker that moved most, and the object's curvature starts at the
+/// curvature of the sensor. The relative curvature is then 2/R_s, with the sensor's radius R_s. On a nearly flat skin,
+/// the start value of the curvature is computed from the extent of the area of the markers instead.
 fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
     let markers = reading.markers;
     let (marker, largest) = reading
@@ -418,7 +418,8 @@ impl<'a> Problem<'a> {
         Ok(best)
     }
 
-    /// Estimates the noise that is not stated from the residuals of a fit. Returns `false` if all noise is stated.
+    /// Estimates the standard deviations of the noise that were not stated, from the residuals of a fit. Returns
+    /// `false` if all standard deviations were stated.
     fn estimate_noise(&mut self, fit: &Fit) -> bool {
         let count = self.reading.normal.len();
         let share = 1.0 - UNKNOWNS as f64 / self.readings().max(UNKNOWNS + 1) as f64;

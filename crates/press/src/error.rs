@@ -110,8 +110,9 @@ pub enum PressError {
         /// Number of equations that are necessary for the fit.
         needed: usize,
     },
-    /// All markers moved equally, or they did not move more than their noise. In presses without a contact, the fit
-    /// wrongly reports a contact in less than 5 % of cases (tested by `cargo xtask intervals press`).
+    /// No contact was detected: all markers moved equally, or no marker moved more than the noise. For readings without
+    /// a contact, the fit wrongly reports a contact in less than 5 % of cases (tested by `cargo xtask intervals
+    /// press`).
     #[error(
         "no contact was found: the best fit of a press reduces chi-squared by {improvement:.1}; \
          at least {needed:.1} is needed",
@@ -124,7 +125,7 @@ pub enum PressError {
         needed: f64,
     },
     /// The markers moved, but not as in a press on this body. Either no press fits the readings better than "no
-    /// contact", or presses of objects of very different sharpness fit them equally well.
+    /// contact", or presses of blunt and of very sharp objects fit the readings equally well.
     #[error(
         "the markers moved, but not as in a press on this body: chi-squared of the residuals is {chi_squared:.1}, and noise \
          alone would give about {freedom}; the stated body, its thickness, the depth of the markers or the noise is wrong",
@@ -152,7 +153,7 @@ pub enum PressError {
          markers can see it; the layout or the camera is wrong"
     )]
     HiddenMarker {
-        /// Number of the first such marker, counted from 0.
+        /// Number of the first marker that was found at rest but that the camera model cannot see, counted from 0.
         marker: usize,
     },
     /// The readings do not determine the fit parameters.

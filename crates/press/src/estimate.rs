@@ -145,8 +145,8 @@ pub struct PressEstimate {
     pub contact_radius: Estimated,
     /// Position (length) of the contact in the coordinates of the skin.
     pub contact: [f64; 2],
-    /// Standard errors (length) of the contact's position along the axes at the contact. If the markers are in a row,
-    /// the contact is only searched on this row. The standard error across the row is then 0.
+    /// Standard errors (length) of the contact's position along the axes at the contact. If all markers are in a row,
+    /// the fit assumes that the contact is on this row, and the standard error across the row is 0.
     pub contact_std: [f64; 2],
     /// Estimated offset (length) that is added to all normal displacements; `None` if it was not fitted.
     pub baseline: Option<Estimated>,
@@ -172,8 +172,9 @@ pub struct PressEstimate {
     /// compatible with the readings. In most cases, the interval has no upper end, and the position of the contact is
     /// unknown.
     pub is_detected: bool,
-    /// Number (from 0) of the only marker that moved significantly. Without this marker, the readings show no contact.
-    /// Either the marker is an outlier, or the object presses at a place where no other marker moves.
+    /// Number (from 0) of the marker, if only one marker moved significantly; otherwise `None`. Without this marker,
+    /// the readings show no contact. Either the marker is an outlier, or the object presses at a place where no other
+    /// marker moves.
     pub only_marker: Option<usize>,
     /// Conclusion about the sign of the object's curvature, from the 95 % interval of this curvature.
     pub verdict: Verdict,

@@ -26,7 +26,7 @@ pub struct Reading<'a> {
     /// Displacement (length) of each marker along the skin. The components are along the axes at the marker. `None` if
     /// the sensor does not measure this displacement.
     pub tangential: Option<&'a [[f64; 2]]>,
-    /// The indentation, if it is measured separately (for example from a robot's pose).
+    /// The indentation, if it was measured separately (for example from a robot's pose); otherwise `None`.
     pub indentation: Option<Measured>,
 }
 

@@ -49,10 +49,10 @@ const RECURRENCE: [[f64; 2]; ORDERS] = {
     factors
 };
 
-/// Factors of the terms of each series, without the powers of −s². Here s is the ratio of the contact's radius to the
-/// distance of the point. The factors are the coefficients of the series sin x − x cos x = Σ (−1)ⁿ (2n+2)
-/// x^{2n+3}/(2n+3)! and sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by a factorial. The factorial is that of the power
-/// of the wavenumber k in the integral.
+/// Factors of the terms of each series, without the powers of −s², where s is the ratio of the contact's radius to the
+/// distance of the point. Each factor is a coefficient of the series sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)!
+/// or sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by m! or (m−1)!, where kᵐ is the power of the wavenumber in the
+/// integral.
 const FACTORS: [[f64; SERIES]; TERMS] = {
     let mut factors = [[0.0; SERIES]; TERMS];
     let mut n = 0;

@@ -105,7 +105,8 @@ impl<V: View> ImageFit<V> {
             .transpose()
     }
 
-    /// Index and standard deviation of each uncertain sensor deviation, that is, with a standard deviation > 0.
+    /// Indices and standard deviations of the uncertain sensor deviations. Sensor deviations with the standard
+    /// deviation 0 are exact, and are left out.
     fn free_stds(&self) -> Vec<(usize, f64)> {
         let stds = self.common_stds.iter().copied().enumerate();
         stds.filter(|(_, std)| *std > 0.0).collect()

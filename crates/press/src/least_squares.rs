@@ -211,7 +211,8 @@ pub(crate) fn inverse<const N: usize>(
     (least > singular).then(|| factor.inverse().component_mul(&outer))
 }
 
-/// Factors by which rows and columns must be multiplied so that the diagonal of the matrix is 1.
+/// Factors by which the rows and the columns of a matrix must be multiplied so that its diagonal becomes 1; `None` if a
+/// diagonal entry is not positive.
 fn scale<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Option<SVector<f64, N>> {
     let scale = SVector::<f64, N>::from_fn(|index, _| matrix[(index, index)].sqrt().recip());
     scale.iter().all(|entry| entry.is_finite()).then_some(scale)

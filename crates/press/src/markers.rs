@@ -34,7 +34,7 @@ pub struct MarkerDisplacement {
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
-    /// Distance from the contact to the marker along the skin.
+    /// Distance (length) from the contact to the marker along the skin.
     pub(crate) distance: f64,
     /// The length R_s sin(distance/R_s), where R_s is the sensor's radius. It is the radius of the circle around the
     /// contact on which the marker lies.
@@ -216,9 +216,9 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Returns an error unless a marker is within twice the radius `contact_radius` of the contact, or markers surround
-    /// the contact. Otherwise, the markers cannot observe the contact. The markers on the opposite hemisphere do not
-    /// count.
+    /// Returns an error if the markers cannot observe a contact with the radius `contact_radius`: if the nearest marker
+    /// is farther from the contact than twice this radius, and the markers on the same hemisphere do not surround the
+    /// contact.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
@@ -257,8 +257,8 @@ impl Markers {
     }
 }
 
-/// Returns an error unless a marker is within twice the radius `contact_radius` of the contact, or markers nearer than
-/// `around` surround the contact. Otherwise, the markers cannot observe the contact.
+/// Returns an error if the markers cannot observe the contact: if the nearest marker is farther from the contact than
+/// twice the radius `contact_radius`, and the markers at distances below `around` do not surround the contact.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);

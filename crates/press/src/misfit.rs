@@ -21,7 +21,7 @@ const BY_DISTANCE: Range<usize> = 0..5;
 const BY_DIRECTION: Range<usize> = 5..7;
 
 /// A pattern of displacements is tested only if changes of the fit parameters leave at least this share of the pattern
-/// unexplained. A smaller rest is mostly an effect of the model's nonlinearity.
+/// unexplained. A smaller remainder is mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
 /// Displacements of a marker in all tested patterns, one column per pattern. The three rows are the components of the

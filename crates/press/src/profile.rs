@@ -4,8 +4,9 @@ use crate::Interval;
 use crate::least_squares::{LeastSquares, minimise};
 use crate::unknowns::{CURVATURE, INDENTATION, State};
 
-/// Tolerance of the search for an end of the interval. It is the largest relative error of the square root of the
-/// increase of chi-squared at the end. A result within this tolerance is then improved by interpolation.
+/// Tolerance of the search for an end of the interval. At an end, the increase of chi-squared must have a given value;
+/// the tolerance is the largest relative error of the square root of this increase. An interpolation then improves the
+/// result.
 const TOLERANCE: f64 = 0.03;
 const MAX_TRIES: usize = 40;
 /// Limit of the search for the ends of an interval: largest ratio between a tried curvature and the estimated

@@ -69,7 +69,7 @@ impl Skin {
         self.radius.min(*LENGTHS.end())
     }
 
-    /// Curvature of the skin, 1/R_s.
+    /// Curvature of the skin, 1/R_s (1/length), where R_s is the radius of the skin.
     pub fn curvature(&self) -> f64 {
         self.radius.recip()
     }

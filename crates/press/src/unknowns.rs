@@ -13,15 +13,16 @@ pub(crate) const ALONG: usize = 1;
 /// Index, among the fit parameters, of the contact's position along the y axis at the contact.
 pub(crate) const ACROSS: usize = 2;
 pub(crate) const INDENTATION: usize = 3;
-/// Index of the first of the two fit parameters that depend on the kind of fit.
+/// Index of the first of the two fit parameters that depend on the kind of fit: baseline and gain in a fit of
+/// displacements, the object's sideways shift in a fit of images.
 pub(crate) const OTHERS: usize = 4;
 
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// If the standard deviation of a parameter's prior, relative to the scale of the parameter, is at most this value, the
-/// parameter counts as exact, because a fit with such a prior would suffer from rounding errors. This value is also the
-/// smallest noise that a fit assumes, relative to the largest displacement.
+/// Limit below which a standard deviation is treated as 0. A parameter counts as exact if the standard deviation of its
+/// prior, relative to the scale of the parameter, is at most this value, because rounding errors would spoil a fit with
+/// such a prior. The smallest noise that a fit assumes is this value times the largest displacement.
 pub(crate) const EXACT: f64 = 1e-10;
 
 /// States which parameters of a press are fitted, and contains their normal priors.
@@ -34,8 +35,8 @@ pub(crate) struct Fitted {
 }
 
 impl Fitted {
-    /// Prepares a fit of all parameters; only an indentation that is stated exactly is not fitted. `others` contains
-    /// the priors of the two fit parameters that depend on the kind of fit.
+    /// Prepares a fit of all parameters. Only the indentation is not fitted if it is stated exactly; `None` means that
+    /// it is not stated. `others` contains the priors of the two fit parameters that depend on the kind of fit.
     pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
         let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
         sought[INDENTATION] = indentation.is_none_or(|known| known.std > EXACT * known.value);

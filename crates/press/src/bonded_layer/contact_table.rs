@@ -31,7 +31,7 @@ const RELATIVE_CUTOFF: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     range: [f64; 2],
-    /// Ends of the panels. A panel is an interval of distances from the contact.
+    /// Ends of the panels, which are intervals of distances from the contact.
     panels: Vec<f64>,
     terms: usize,
     rows: Vec<Vec<f64>>,

@@ -43,7 +43,8 @@ pub(super) struct Pressure {
     pub(super) slope: f64,
     /// ∫ φ dt, which is the force divided by π E* C_r, with the effective modulus E* and the relative curvature C_r.
     pub(super) force: f64,
-    /// −∫ φ'/t dt, which is the pressure in the middle of the contact divided by E* C_r/2.
+    /// −∫ φ'/t dt, which is the pressure in the middle of the contact divided by E* C_r/2. E* is the effective modulus,
+    /// and C_r the relative curvature.
     pub(super) peak: f64,
     /// Coefficients of φ and of ∂φ/∂α as series of Legendre polynomials.
     pub(super) terms: Vec<Term>,
@@ -139,9 +140,10 @@ impl Pressure {
     }
 }
 
-/// Pressure in the middle of a contact of radius 1: −∫ φ'/t dt over [0, 1], including the jump of φ to 0 at t = 1. φ is
-/// the series of Legendre polynomials P_n (n = 2j) with the given coefficients. P_n contributes (−1)ʲ n (2/3)(4/5) ⋯
-/// ((n−2)/(n−1)). P₀, which belongs to a flat punch, contributes 1.
+/// Computes −∫ φ'/t dt over [0, 1], including the jump of φ to 0 at t = 1, for a contact of radius 1. The pressure in
+/// the middle of the contact is proportional to this value. φ is a series of Legendre polynomials P_n (n = 2j). Each
+/// coefficient of the series is multiplied by 1 for j = 0 (a flat punch), and otherwise by (−1)ʲ n (2/3)(4/5) ⋯
+/// ((n−2)/(n−1)).
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];
@@ -165,9 +167,9 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Wavenumbers and weights on [0, reach], for integrals over wavenumbers. The integrand is a smooth decaying function
-/// multiplied by an oscillating function of the wavenumber times a distance. The integrals are accurate for distances
-/// up to `distance`.
+/// Nodes and weights of a quadrature over the wavenumbers from 0 to `reach`. The integrand is a smooth decaying
+/// function, multiplied by a Bessel function of the product of wavenumber and distance. The integrals are accurate for
+/// distances up to `distance`.
 pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
     let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
     let degree = NonZeroUsize::new(count).expect("there is at least one node");
@@ -202,8 +204,8 @@ fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
     coefficients
 }
 
-/// Joins two series to one list of terms: `curved` (for φ) and `flat` (for ∂φ/∂a). The coefficients with the index j
-/// are multiplied by the factor of their series and by (−1)ʲ.
+/// Combines two series of Legendre polynomials into one list of terms: `curved`, the series of φ, and `flat`, the
+/// series of ∂φ/∂a. The coefficient j of a series is multiplied by the factor of this series and by (−1)ʲ.
 fn terms(curved: &[f64], curved_factor: f64, flat: &[f64], flat_factor: f64) -> Vec<Term> {
     let at = |series: &[f64], j: usize| series.get(j).copied().unwrap_or(0.0);
     let count = curved.len().max(flat.len());

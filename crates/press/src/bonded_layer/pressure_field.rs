@@ -21,9 +21,10 @@ const POINT: f64 = 1e-10;
 /// The radial functions qₙ of the spheroidal harmonics are computed by an upward recurrence if this recurrence
 /// amplifies rounding errors by at most a factor of e^`UPWARD`, and otherwise by a downward recurrence.
 const UPWARD: f64 = 9.0;
-/// Terms of the series that are smaller than e^−`NEGLIGIBLE` are omitted.
+/// The series ends at the order beyond which its terms decay below e^−`NEGLIGIBLE`.
 const NEGLIGIBLE: f64 = 32.0;
-/// The downward recurrence starts at an order so high that its start value has an error of e^(−2 `START_DECAY`).
+/// The downward recurrence starts at a higher order than needed, so that the error of its start value decays to e^(−2
+/// `START_DECAY`).
 const START_DECAY: f64 = 15.0;
 /// Up to this number of orders, the values of the recurrence are stored on the stack instead of the heap.
 const FEW: usize = 64;
@@ -31,7 +32,8 @@ const FEW: usize = 64;
 /// contact's edge.
 const EDGE: f64 = 1e-7;
 
-/// Coefficients of the Legendre polynomial Pₙ (n = 2j) in a pressure: (−1)ʲ cₙ for φ and for its derivative ∂φ/∂a.
+/// Coefficients of the Legendre polynomial Pₙ (n = 2j) in the series of a pressure: (−1)ʲ cₙ for the function φ and for
+/// its derivative ∂φ/∂a.
 pub(super) type Term = [f64; 2];
 
 /// The displacements, and their derivatives, at the distance `r` and the depth `z` in a half-space. A pressure with the
@@ -104,7 +106,8 @@ struct Sums {
     by_xi: f64,
     by_eta: f64,
     by_both: f64,
-    /// The sum Σ n(n+1) cₙ Pₙ qₙ, from which the second derivatives of Φ follow by Legendre's equation.
+    /// The sum Σ n(n+1) cₙ Pₙ qₙ over all terms cₙ Pₙ qₙ of the series of Φ. The second derivatives of Φ follow from
+    /// this sum by Legendre's equation.
     weighted: f64,
 }
 

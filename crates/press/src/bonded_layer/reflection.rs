@@ -53,12 +53,13 @@ fn reach_at(depth: f64) -> f64 {
     NEGLIGIBLE / (2.0 - depth)
 }
 
-/// Distance beyond the contact's edge, in thicknesses, at which all displacements are below 1e-9 of the largest
-/// displacement. At the distance r, they decay as e^{−0.739 r}, where 0.739 is the solution of cos x = x.
+/// Distance from the contact's edge, in units of the layer's thickness, beyond which all displacements are below 1e-9
+/// of the largest displacement. At the distance r, they decay as e^{−0.739 r}, where 0.739 is the solution of cos x =
+/// x.
 pub(super) const BEYOND: f64 = 30.0;
 
-/// Largest distance from the contact's edge at which the first sum over wavenumbers is accurate. Each further sum is
-/// accurate up to twice the distance of the previous sum.
+/// Largest distance from the contact's edge, in units of the layer's thickness, at which the first sum over wavenumbers
+/// is accurate. Each further sum is accurate up to twice the distance of the previous sum.
 const FIRST_REACH: f64 = 4.0;
 
 /// Effect of the rigid base on the displacements under a pressure, at one depth, as sums over wavenumbers.

@@ -11,9 +11,9 @@ use crate::markers::see;
 use crate::outcome::no_contact;
 use crate::unknowns::State;
 
-/// False alarm rate: probability that a contact is detected although there is none, if contacts are searched only at
-/// the markers. On a thin layer, a fit also finds contacts between the markers, which increases the probability by
-/// about 0.005.
+/// False alarm rate: probability that a contact is detected although there is none, if contacts are tried only at the
+/// positions of the markers. On a thin layer, a fit also finds contacts between the markers, which increases the
+/// probability by about 0.005.
 const FALSE_ALARM_RATE: f64 = 0.04;
 /// If one marker moved significantly, a contact must also decrease chi-squared of the other markers by at least this
 /// value. Otherwise this marker alone shows the contact, and it may be an outlier.
@@ -93,7 +93,7 @@ fn squared(residuals: [f64; 3]) -> f64 {
     residuals.iter().map(|one| one * one).sum()
 }
 
-/// The most likely normal displacement that is common to all markers (the baseline) if there is no contact. It follows
+/// The normal displacement that all markers have if there is no contact (the baseline): its most likely value, computed
 /// from the mean reading and the prior of the baseline.
 fn resting(problem: &Problem<'_>) -> f64 {
     // The baseline is the normal displacement that is common to all markers. Its prior has the mean 0, and the same

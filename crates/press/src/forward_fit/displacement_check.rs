@@ -155,7 +155,7 @@ impl ForwardFit {
 }
 
 impl Problem<'_> {
-    /// Returns a misfit if the stated noise contradicts the residuals.
+    /// Returns a misfit if the residuals show that the stated noise is wrong, and `None` if they do not.
     fn stated_noise(&self, state: &State) -> Result<Option<Misfit>, PressError> {
         let contact = self.contact(state)?;
         let (mut normal, mut tangential) = (0.0, 0.0);

@@ -92,7 +92,8 @@ impl Problem<'_> {
         Some((others, state, sums))
     }
 
-    /// A copy of `slopes` in which the derivatives with respect to parameters that are not fitted are set to 0.
+    /// A copy of `slopes`, the derivatives with respect to all fit parameters. In the copy, the derivatives with
+    /// respect to parameters that are not fitted are 0.
     pub(super) fn of_sought(&self, slopes: &Unknowns) -> Unknowns {
         Unknowns::from_fn(|unknown, _| match self.fitted.sought[unknown] {
             true => slopes[unknown],

@@ -129,8 +129,8 @@ impl<'a> Problem<'a> {
         places.map(|marker| markers.sight(place, marker)).collect()
     }
 
-    /// Chi-squared without its derivatives. The function `moved` returns the normal and tangential displacement of a
-    /// marker that the model predicts.
+    /// Chi-squared, without its derivatives. The function `moved` returns the normal and the tangential displacement
+    /// that the model predicts for a marker.
     pub(super) fn cost(
         &self,
         state: &State,
@@ -208,8 +208,9 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// The sum of slopes × values over the used markers. Slopes are the derivatives of the readings with respect to the
-    /// fit parameters. Slopes and values are in standard deviations.
+    /// Sum of slope × value over all readings of the used markers. A slope is the derivative of a
+    /// reading with respect to the fit parameters, and `values` contains one value per reading. Slopes and values are
+    /// in standard deviations.
     pub(super) fn projected(
         &self,
         state: &State,

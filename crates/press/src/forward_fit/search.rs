@@ -1,5 +1,5 @@
-//! Searches the best fit of a press, from the start values to the intervals: robust fit, rejection of outliers,
-//! estimation of noise.
+//! Searches for the best fit of a press: robust fits from several start values, rejection of outliers, estimation of
+//! the noise, intervals.
 
 use std::f64::consts::GOLDEN_RATIO;
 
@@ -19,8 +19,8 @@ use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// If there are at least this number of outliers, a fit without another marker is also tried. The cause of several
-/// outliers may be the error of a marker that was not rejected.
+/// If there are at least this number of outliers, a fit without one more marker is also tried, because a single wrong
+/// marker that was not rejected can make several correct markers look like outliers.
 const SEVERAL: usize = 2;
 /// Significance level for the marker that contradicts the other markers most. If the p-value of this contradiction is
 /// lower, the 95 % interval is extended by the interval of a fit without the marker.
@@ -30,12 +30,13 @@ const SUSPECT: f64 = 0.05;
 const ROBUST: f64 = 3.0;
 /// The robust fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-2;
-/// Smallest relative change of an estimated noise that counts as a change. With many readings, the limit is lower, such
-/// that chi-squared changes by at most twice `MAX_RISE`.
+/// Smallest relative change of an estimated noise that counts as a change. With many readings, the limit is lower, so
+/// that a change below the limit changes chi-squared by at most 2 `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
-/// A search first uses this number of markers with the largest displacements, and about as many other markers. If there
-/// are at most twice this number of markers, the search uses all markers from the start.
+/// A search first uses a selection of the markers: this number of markers with the largest displacements, and about as
+/// many of the remaining markers. If there are at most twice this number of markers, the search uses all markers from
+/// the start.
 const MAX_START_MARKERS: usize = 10_000;
 
 #[derive(Clone)]
@@ -138,9 +139,10 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Searches a contact at another place, after a fit whose contact is shown by no marker or by only one. Returns the
-    /// new contact if the readings show it. Otherwise returns an estimate from the stated indentation, with the range
-    /// of curvatures that the readings allow, or `None` if such an estimate is impossible.
+    /// Searches for a contact at another place, if no marker or only one marker shows the contact of the previous fit.
+    /// Returns the new contact if the readings show it. Otherwise returns an estimate that relies on the stated
+    /// indentation and contains the range of curvatures that the readings allow. Returns `None` if such an estimate is
+    /// impossible.
     fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
         if let Some(marker) = only_marker {
@@ -333,8 +335,8 @@ impl<'a> Search<'a> {
     }
 
     /// If there are several outliers, tries a fit without the marker that is nearest to the contact, because an error
-    /// of this marker would look like a sharp object under it. Returns the fit without this marker if it explains all
-    /// markers better.
+    /// of this marker would look like a sharp object under it. Returns this fit if it explains the readings of all
+    /// markers better, otherwise `None`.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
         // Do not try a fit without the nearest marker if a window is set, because the markers outside of the window are

@@ -14,13 +14,14 @@ use crate::{Displacement, Place};
 /// Number of markers at which contacts are tried. They are the markers that moved most. Contacts are also tried at the
 /// mean positions of the first two, three and four of these markers.
 const MARKERS: usize = 4;
-/// Distances at which contacts outside the area of the markers are tried, in units of the length `Markers::scale`.
+/// Distances at which contacts outside the area of the markers are tried, in units of the length scale
+/// `Markers::scale`, which is at most the sensor's radius.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 /// A contact outside the area of the markers is a start value only if its chi-squared exceeds the smallest chi-squared
 /// of all tried contacts by less than this value.
 const MAX_EXCESS: f64 = 50.0;
-/// Contact radii that are tried, in units of the length `Markers::scale`. The first entry is a medium radius, which is
-/// tried at all places.
+/// Contact radii that are tried, in units of the length scale `Markers::scale`, which is at most the sensor's radius.
+/// The first entry is a medium radius, which is tried at all places.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of places at which all radii are tried: the most likely places for a contact of medium radius.
 const VIEWS: usize = 3;
@@ -74,7 +75,8 @@ impl Shapes {
         }
     }
 
-    /// For each radius, chi-squared and the fit parameters of the best contact at the place `place`.
+    /// For each tabulated radius, chi-squared and the fit parameters of the best contact of this radius at the place
+    /// `place`; `None` if such a contact is impossible.
     pub(super) fn states(&self, problem: &Problem<'_>, place: Place) -> Vec<Option<(f64, State)>> {
         let sights = problem.sights(&place);
         let state = |shape: &Option<_>| of_shape(problem, self, shape.as_ref(), place, &sights);

@@ -15,8 +15,8 @@ const MAX_RADIUS: f64 = 0.9;
 const RADIUS_RATIO: f64 = 0.8;
 const RADII: usize = 32;
 const MAX_PLACES: usize = 100;
-/// Radius of the widest contact that can remain undetected between neighbouring markers, relative to the distance
-/// between the markers.
+/// Radius of the widest contact that can remain undetected between two neighbouring markers, relative to the distance
+/// between these markers.
 const HIDDEN: f64 = 0.5;
 /// The fit of a tried contact stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-2;

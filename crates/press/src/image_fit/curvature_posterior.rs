@@ -42,8 +42,8 @@ impl<V: View + Clone> Problem<'_, V> {
         }
     }
 
-    /// The result of [`Self::log_determinant`] after a step of the fit parameters. The sensor's parameters also change
-    /// to those that fit best after the step.
+    /// The result of [`Self::log_determinant`] after the fit parameters changed by `step`, and the sensor's parameters
+    /// changed to the values that then fit best; `None` if it cannot be computed.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
@@ -61,7 +61,8 @@ impl<V: View + Clone> Problem<'_, V> {
     }
 
     /// Logarithm of the determinant of the Hessian with respect to all fit parameters, without an additive constant.
-    /// `fitted` must be the fit for which the weights of the readings were computed.
+    /// `fitted` must be the fit for which the weights of the readings were computed. The result is `None` if the
+    /// Hessian is singular.
     fn log_determinant(&self, fitted: &FitState) -> Option<f64> {
         let of_press = inverse(&fitted.sums.hessian, 0.0)?.determinant();
         let mut sum = 2.0 * self.root.diagonal().map(libm::log).sum() - libm::log(of_press);

@@ -18,7 +18,8 @@ pub struct DeparturePrior {
     pub covariance: DMatrix<f64>,
 }
 
-/// A [`DeparturePrior`] in the form of the equations for a frame at rest.
+/// A [`DeparturePrior`], converted to the sensor deviations that a fit of the frame at rest estimates, and to their
+/// units.
 pub(super) struct FreePrior {
     /// For each sensor deviation of the prior, its position in the list of all uncertain sensor deviations.
     places: Vec<usize>,

@@ -12,10 +12,11 @@ const MAX_STEPS: usize = 200;
 const DAMPING: f64 = 1.0;
 /// A search ends if its Levenberg–Marquardt damping exceeds this value.
 const MAX_DAMPING: f64 = 1e9;
-/// A search with the stated variances ends after a step that decreases chi-squared by less than this value.
+/// A search in which the variances of the readings have their stated values ends after a step that decreases
+/// chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
-/// A search with increased variances ends after a step that decreases chi-squared by less than this value. Such a
-/// search need not be exact.
+/// A search in which the variances of the readings are increased ends after a step that decreases chi-squared by less
+/// than this value. Such a search need not be exact.
 const ROUGHLY: f64 = 1.0;
 /// Largest factor by which the variances of the readings are multiplied.
 const MAX_VARIANCE: f64 = 1e12;

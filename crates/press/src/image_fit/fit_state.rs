@@ -6,8 +6,9 @@ use crate::least_squares::{LeastSquares, solve};
 use crate::unknowns::{Fitted, State, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// Limit of the decrease of chi-squared that is predicted for an undamped step: the square of four standard deviations.
-/// If the predicted decrease exceeds this limit at the end of a search, the search may have ended far from a minimum.
+/// Limit of the decrease of chi-squared that is predicted for the next undamped step; it corresponds to four standard
+/// deviations. If the predicted decrease exceeds this limit at the end of a search, the search may have ended far from
+/// a minimum.
 const STUCK: f64 = 16.0;
 
 /// If the logarithm of the curvature changes by at most this value, the derivatives of the images are reused instead of
@@ -19,8 +20,8 @@ pub(super) struct FitState {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) slopes: Slopes,
-    /// For each marker that the fit uses, the change of its image per inward displacement of both discs: the norm of
-    /// the derivative of its four numbers, in standard deviations.
+    /// For each marker that the fit uses, the change of its image per inward displacement of both its discs. The change
+    /// is the norm of the derivative of the image's four numbers, in standard deviations.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
     /// Whether the search may reuse derivatives from earlier fit parameters, to save time, as long as these derivatives
@@ -34,7 +35,8 @@ impl FitState {
         self
     }
 
-    /// The fit for the nearby fit parameters `state`, which reuses the derivatives of `self`.
+    /// The fit with the fit parameters `state`, which must be near those of `self`, because the derivatives of `self`
+    /// are reused.
     fn near<V: View>(
         self,
         problem: &Problem<'_, V>,

@@ -32,11 +32,11 @@ pub(super) type Jacobian = MatrixXx6<f64>;
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// The part of the derivatives that changes of the sensor's parameters can also explain, with one row per sensor
-    /// parameter.
+    /// The part of `jacobian` that changes of the sensor's parameters can also explain: its coordinates, with one row
+    /// per sensor parameter.
     pub(super) shared: Jacobian,
-    /// Scalar products of the columns of `jacobian` for each pair of fit parameters, minus the scalar products of the
-    /// columns of `shared`.
+    /// For each pair of fit parameters, the scalar product of their columns of `jacobian`, without the part that
+    /// changes of the sensor's parameters can also explain.
     pub(super) square: Square,
 }
 
@@ -320,13 +320,13 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals)
     }
 
-    /// Residuals after subtracting the part that the best change of the sensor's parameters explains.
+    /// The residuals without the part that the best change of the sensor's parameters explains.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// The part of the whitened columns `columns` that changes of the sensor's parameters can also explain, with one
-    /// row per sensor parameter.
+    /// The part of the whitened derivatives or residuals `columns` that changes of the sensor's parameters can also
+    /// explain: its coordinates, with one row per sensor parameter.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
         columns: &Matrix<f64, Dyn, C, S>,

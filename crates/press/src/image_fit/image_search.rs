@@ -1,4 +1,4 @@
-//! Searches the press that fits an image best, and computes the reported estimate.
+//! Searches for the press that fits an image best, and computes the reported estimate.
 
 use nalgebra::Vector3;
 use palpate_statistics::NORMAL_95;
@@ -286,7 +286,7 @@ impl<V: View> Problem<'_, V> {
 
 /// Contact radii that are tried for the start values, relative to the sensor's radius.
 const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
-/// Number of additional positions at which contacts are tried: the positions of the markers that moved most.
+/// Contacts are tried in the middle of the displaced markers, and also at this number of markers that moved most.
 const BESIDE: usize = 2;
 
 impl<V: View> Problem<'_, V> {

@@ -10,10 +10,10 @@ use crate::unknowns::State;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 impl<V: View> ImageFit<V> {
-    /// For each marker, the difference between its displacement and its displacement in the estimated press. The
-    /// difference is estimated from the image of this marker alone by least squares. The difference is assumed to be
-    /// the same for both discs of the marker. The result is `None` for a marker that is not visible in both frames, and
-    /// for a marker whose image does not determine all components of the difference.
+    /// For each marker, its actual displacement minus the displacement that the estimated press causes. The difference
+    /// is estimated from the image of this marker alone by least squares. The difference is assumed to be the same for
+    /// both discs of the marker. The result is `None` for a marker that is not visible in both frames, and for a marker
+    /// whose image does not determine all components of the difference.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for invalid settings and readings;

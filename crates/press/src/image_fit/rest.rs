@@ -29,8 +29,9 @@ pub struct Rest {
     /// Information matrix (inverse covariance) of the uncertain deviations in `common`, from the frame at rest and the
     /// priors.
     pub(super) information: DMatrix<f64>,
-    /// For each marker, the linear dependence of its estimated misalignment on the uncertain sensor parameters, and the
-    /// covariance that the misalignment would have if these parameters were known.
+    /// For each marker with a reading, how its estimated misalignment depends on the uncertain sensor parameters (a
+    /// linear function), and the covariance that the misalignment would have if these parameters were known. `None` for
+    /// a marker without a reading.
     pub(super) local: Vec<Option<Local>>,
     /// Images of the markers at rest that the model predicts, and their derivatives, for the sensor parameters at which
     /// the model was linearised.
@@ -108,8 +109,8 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit `rest` with the model linearised at the sensor parameters `sensor` instead; `None` if these parameters
-    /// are impossible.
+    /// The same fit as `rest`, but with the model linearised at the sensor parameters `sensor`; `None` if these
+    /// parameters are impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();

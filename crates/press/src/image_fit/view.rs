@@ -83,8 +83,7 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// Adds the parameters of the sensor `to` minus the parameters of the sensor `from` to the parameters of this
-    /// sensor.
+    /// Adds the difference between the parameters of two sensors, `to` minus `from`, to the parameters of this sensor.
     pub(super) fn shift(&mut self, to: &Self, from: &Self) {
         for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
             *one += to - from;
@@ -123,7 +122,7 @@ pub struct Steps<'a> {
 /// four numbers of its image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSlopes {
-    /// The image of each marker, as returned by [`View::pictures`].
+    /// The image of each marker, as returned by [`View::pictures`]; `None` for markers that are not visible.
     pub pictures: Vec<Option<[f64; 4]>>,
     /// Derivatives of the images with respect to the requested deviations of the sensor's parameters. There are four
     /// rows per marker and one column per deviation. The rows of markers that are not visible are 0.

@@ -69,7 +69,8 @@ fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
     range.contains(&value)
 }
 
-/// Returns the value if `is_good` is true. Otherwise checks that `result` is the error `bad-setting`.
+/// Returns the value of `result` if `is_good` is true. Otherwise checks that `result` is the error `bad-setting`, and
+/// returns `None`.
 fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>) -> Option<T> {
     if is_good {
         return Some(result.unwrap());

@@ -12,8 +12,8 @@ fn grid(radius: f64) -> Markers {
     Markers::new(Skin::new(radius).unwrap(), &places).unwrap()
 }
 
-/// The estimate from a press of a sensor with the radius `radius` on a ball of radius 4. The contact is not at the
-/// apex, but at the skin coordinates (1.2, −0.7).
+/// The estimate from a press of a sensor with the radius `radius` on a ball of radius 4. `indentation` is the stated
+/// indentation, `None` if it is fitted. The contact is not at the apex, but at the skin coordinates (1.2, −0.7).
 fn estimate(radius: f64, fit: &ForwardFit, indentation: Option<f64>) -> PressEstimate {
     let markers = grid(radius);
     let contact = markers.skin().contact(&fit.body, 0.25, 0.5).unwrap();

@@ -63,7 +63,7 @@ pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
 }
 
 /// Share of the trials with a misfit, which is a contradiction between readings and model. If `code` is given, only
-/// misfits with this code count.
+/// misfits with this code count; with `None`, all misfits count.
 pub(crate) fn misfit_share(codes: &[Vec<&str>], code: Option<&str>) -> f64 {
     let has = |one: &&Vec<&str>| code.map_or(!one.is_empty(), |code| one.contains(&code));
     codes.iter().filter(has).count() as f64 / codes.len() as f64
