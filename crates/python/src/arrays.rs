@@ -66,8 +66,8 @@ impl<'py> Numbers<'py> {
         self.flat().as_chunks::<D>().0
     }
 
-    /// Number of sets of readings, and number of columns. A two-dimensional array is a single set, for which the first
-    /// number is `None`. The number of columns must be one of `columns`.
+    /// Number of sets of readings, and number of columns. A two-dimensional array is a single set; the first number is
+    /// then `None`. The number of columns must be one of `columns`; otherwise the error states the shape `wanted`.
     pub(crate) fn sets(&self, columns: &[usize], wanted: &str) -> PyResult<(Option<usize>, usize)> {
         match *self.shape() {
             [_, last] if columns.contains(&last) => Ok((None, last)),

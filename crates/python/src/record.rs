@@ -300,7 +300,7 @@ macro_rules! record {
         pub(crate) struct $name;
 
         impl $name {
-            /// Converts a record to this class.
+            /// Converts a record to an object of this Python class.
             pub(crate) fn of(
                 py: pyo3::Python<'_>,
                 record: $crate::record::Record,

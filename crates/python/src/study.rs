@@ -313,8 +313,8 @@ impl Study {
         Results::of(py, &study, found)
     }
 
-    /// Traces one trial of a cell: the trial with the number `trial` and its noise, by default a trial without noise.
-    /// Returns a Trace.
+    /// Traces one trial of a cell, and returns a Trace. If `trial` is given, it is the trial with this number, with its
+    /// noise; by default, it is a trial without noise.
     ///
     /// Raises ConfigError if the study does not have the cell, and RunError if the trial ends early.
     #[pyo3(signature = (cell=0, trial=None))]

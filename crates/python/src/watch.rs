@@ -30,7 +30,7 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Sets the total amount of completed work to `done`. If the work is cancelled, this function panics on purpose,
+    /// Reports that the work `done` is completed in total. If the work is cancelled, this function panics on purpose,
     /// because there is no other way to end the work.
     pub(crate) fn reach(&self, done: u64) {
         let before = self.reached.swap(done, Ordering::Relaxed);
@@ -40,7 +40,7 @@ impl Watch {
         }
     }
 
-    /// Calls `progress` with the amount of work that was done since the previous call.
+    /// Calls `progress`, if it is given, with the amount of work that was done since the previous call.
     fn call(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
         let done = self.done.swap(0, Ordering::Relaxed);
         match progress {
@@ -50,11 +50,11 @@ impl Watch {
     }
 }
 
-/// Longest time to wait for the end of cancelled work, before the exception is raised.
+/// Longest time for which the caller waits until cancelled work ends. After this time, the exception is raised anyway.
 const PATIENCE: Duration = Duration::from_millis(60);
 
-/// Runs work on another thread, without the interpreter's lock. Meanwhile, this thread checks for signals and calls
-/// `progress`. After a signal, the work may continue for a short time, until it finds that it is cancelled.
+/// Runs work on another thread, without the interpreter's lock. Meanwhile, the calling thread checks for signals and
+/// calls `progress`. After a signal, the work may continue for a short time, until it finds that it is cancelled.
 ///
 /// # Errors
 /// The exception that the signal or `progress` raises.
@@ -99,7 +99,7 @@ pub(crate) fn watched<T: Send + 'static>(
 
 const MAX_THREADS: usize = 256;
 
-/// Converts the argument `threads` to a number of threads. The number 0 is an error.
+/// Converts the argument `threads` to a number of threads; `None` means the default. The number 0 is an error.
 pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> {
     let number = threads.map(|threads| NonZeroUsize::new(threads.min(MAX_THREADS)));
     if number == Some(None) {
@@ -109,8 +109,8 @@ pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> 
     Ok(number.flatten())
 }
 
-/// Starts the threads for one call. They end with the call, because a Python program can fork only without other
-/// threads.
+/// Starts the threads for one call; `None` means the default number. The threads end with the call, because a Python
+/// program that has running threads cannot fork safely.
 pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
     let threads = self::threads(threads)?.map_or(0, NonZeroUsize::get);
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();

@@ -1,4 +1,4 @@
-//! Finds the values of fields that meet a target.
+//! Finds values of a config's fields with which a study meets a target.
 
 use std::time::{Duration, Instant};
 

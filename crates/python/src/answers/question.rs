@@ -61,7 +61,8 @@ pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     }
 }
 
-/// Converts the values of a varied field. A tuple is a range, and a list contains single values.
+/// Converts the values of a varied field to a range or a list. A tuple of two numbers is a range; a list contains
+/// single values.
 fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
     if let Ok(range) = values.cast::<PyTuple>() {
         let (from, to): (f64, f64) = range

@@ -52,7 +52,8 @@ impl Member {
         self.object(py)?.bind(py).get().fields(py)
     }
 
-    /// Computes one field of this estimate without the other fields.
+    /// Computes one field of this estimate without the other fields. Returns `None` if the field cannot be computed
+    /// alone.
     fn alone(&self, name: &str) -> Option<Alone> {
         match self {
             Self::Made(made, ..) => made.alone(name),
@@ -83,8 +84,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Adds the number `set` of the set of readings to the front of the index in an error about an array. `with_sets` names
-/// the arrays whose first axis counts the sets.
+/// Extends an error about an array that contains several sets of readings: the index in the error then begins with the
+/// number `set` of the set. `with_sets` contains the names of such arrays; errors about other arrays do not change.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
@@ -148,7 +149,7 @@ fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
 }
 
 /// Combines the values that one field has in many estimates. Each value was computed without the other fields of its
-/// estimate.
+/// estimate; `None` if an estimate does not have the field.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());
     let mut unit = None;

@@ -11,8 +11,9 @@ use serde_json::{Map, Value as Json};
 use crate::error;
 use crate::study::Study;
 
-/// Finds the settings among the keyword arguments of a call, and returns a map from their keys to their values. Each of
-/// the two functions in `tables` returns the setting with a given key: a setting of the readings, or of the estimator.
+/// Finds the settings among the keyword arguments of a call, and returns a map from their keys to their values.
+/// `tables` contains two functions that return the description of a setting from its key: one for settings of the
+/// readings, and one for settings of the estimator.
 pub(crate) fn given(
     arguments: Option<&Bound<'_, PyDict>>,
     tables: [fn(&str) -> Option<Setting>; 2],
@@ -78,8 +79,8 @@ pub(crate) fn length_unit(name: Option<&str>) -> PyResult<Option<LengthUnit>> {
     name.map(unit).transpose()
 }
 
-/// Options of an estimate, taken from a cell of a study. Lengths are converted to the unit of the readings. If this
-/// unit is not stated (`None`), lengths keep the unit of the study.
+/// Options of an estimate, taken from a cell (grid point) of a study; `None` without a study. Lengths are converted to
+/// the unit of the readings. If this unit is not stated (`None`), lengths keep the unit of the study.
 pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,

@@ -39,8 +39,8 @@ pub(crate) struct Results {
     /// Table with the number of failed trials, by cell and kind of failure.
     #[pyo3(get)]
     failures: Py<PyAny>,
-    /// Table with the map of trial 0 of each cell; for a press, with its profile. None unless `outputs` in the config
-    /// requests maps.
+    /// Table with the map of trial 0 of each cell (for a press, the profile of the displacements). None unless
+    /// `outputs` in the config requests maps.
     #[pyo3(get)]
     map: Option<Py<PyAny>>,
     /// Table of all trials, with one row per estimate or failure; None without `trials_out=True`.
@@ -53,7 +53,7 @@ pub(crate) struct Results {
 }
 
 impl Results {
-    /// Converts the results of a run to Python objects, and also the trace of one trial if there is one.
+    /// Converts the results of a run to Python objects. If the run traced a trial, also converts its trace.
     pub(super) fn of(
         py: Python<'_>,
         study: &palpate::Study,
