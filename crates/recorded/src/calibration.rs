@@ -42,8 +42,8 @@ pub struct CalibrationPoints {
 pub struct CalibrateOptions {
     /// Feature of a marker's image (hue, size or both) from which the calibration computes normal displacements.
     pub from: NormalFrom,
-    /// Whether each marker uses its own calibrated slope (signal per displacement). A marker without a slope of its own
-    /// uses the slope that all markers have in common.
+    /// Whether a calibrated slope (signal per displacement) is used for each marker separately. A marker without a
+    /// slope of its own uses the slope that all markers have in common.
     pub per_marker: bool,
     /// Number of markers in the frame at rest; `None` if there is no such frame.
     pub markers: Option<usize>,
@@ -62,8 +62,8 @@ const GROWTH: Column = column("growth", Measure::Plain);
 const SHIFT: Column = column("centroid_shift_px", Measure::Pixel);
 const SERIES: Column = column("series", Measure::Plain);
 const MARKER: Column = column("marker", Measure::Plain);
-/// Columns of the calibration of a camera sensor: known displacements and changes of marker images. A file has only
-/// some of these columns.
+/// Columns of a table from which a camera sensor is calibrated: known displacements and changes of marker images. A
+/// file has only some of these columns.
 const COLUMNS: [Column; 7] = [NORMAL, TANGENTIAL, HUE, GROWTH, SHIFT, SERIES, MARKER];
 
 /// Largest change of a marker's hue, turns. A larger change would be ambiguous, because hues that differ by a whole
@@ -351,7 +351,8 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
 
 struct Pooled<'a, P> {
     points: Vec<P>,
-    /// For each point: the name of the file, the number of the series, and the line in the file.
+    /// For each point: the name of the file, the number of the series (`None` if the file has no series), and the line
+    /// in the file (`None` if the point was measured in frames).
     sources: Vec<(&'a str, Option<u64>, Option<usize>)>,
 }
 

@@ -112,7 +112,8 @@ impl FrameReader {
 type ImageReading = (CameraReading, TrackedPress);
 
 /// If the residuals of the markers at rest exceed their noise by more than this factor, the frames are read again with
-/// linearised pixels, because the pixels may be encoded by sRGB. If they are, the factor exceeds 100.
+/// linearised pixels, because the pixels may be encoded by sRGB. For pixels encoded by sRGB, the ratio of residuals to
+/// noise exceeds 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
 /// Scatter of the markers at rest (ratio of the markers' residuals to their noise); infinite if `read` is an error.
@@ -229,8 +230,9 @@ pub(super) struct CameraReading {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedPress {
     frames: TrackCounts,
-    /// Mean tangential displacement, within the contact, away from the marker with the largest normal displacement.
-    /// `null` if tangential displacements are not calibrated, or if no other marker was displaced inward.
+    /// Mean tangential displacement of the markers within the contact, positive away from the marker with the largest
+    /// normal displacement. `null` if tangential displacements are not calibrated, or if no other marker was displaced
+    /// inward.
     outward_displacement: Option<Value>,
     #[serde(flatten)]
     object: PressReport,

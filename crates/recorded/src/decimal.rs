@@ -24,9 +24,9 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
 
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
-    /// First number in the table whose comma can only be a decimal comma.
+    /// First number in the table whose comma can only be a decimal comma; `None` if there is none.
     comma: Option<String>,
-    /// First number in the table with a decimal point.
+    /// First number in the table with a decimal point; `None` if there is none.
     point: Option<String>,
 }
 

@@ -215,8 +215,8 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     is_row.then_some(units)
 }
 
-/// Number (from 1) of the first line with an unpaired quotation mark. Quotation marks are paired if they surround a
-/// field.
+/// Number (from 1) of the first line with an unpaired quotation mark; `None` if there is none. Quotation marks are
+/// paired if they surround a field.
 fn unclosed_quote(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
     #[derive(PartialEq)]
     enum At {

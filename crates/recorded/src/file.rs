@@ -11,7 +11,8 @@ use super::table_format::Form;
 /// Largest size of a recorded file, MiB.
 const MAX_MIB: u64 = 256;
 
-/// A recorded file: its name for messages, its bytes, and the form of its table.
+/// A recorded file: its name for messages, its bytes, and the settings that describe the form of its table (such as the
+/// delimiter).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordedFile {
     pub(super) name: String,
@@ -54,7 +55,7 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// The same file with the settings `form`, which describe the form of its table.
+    /// The same file, whose table is read with the settings `form` (such as the delimiter).
     #[must_use]
     pub fn written(self, form: Form) -> Self {
         Self { form, ..self }

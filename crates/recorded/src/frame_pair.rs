@@ -129,7 +129,8 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
 /// K.1).
 const LUMINANCE_AT_50: f64 = 3688.0;
 
-/// Quality of a JPEG file (1 to 100, as in libjpeg), computed from the luminance quantisation table of the file.
+/// Quality of a JPEG file (1 to 100, as in libjpeg), computed from the luminance quantisation table of the file; `None`
+/// if this table is not found.
 fn jpeg_quality(bytes: &[u8]) -> Option<f64> {
     let mut rest = bytes.get(2..)?;
     loop {
@@ -209,15 +210,16 @@ impl TrackCounts {
     }
 }
 
-/// Smallest median shift of the markers (px) from rest to press that causes the warning that all markers moved in the
-/// same way.
+/// Smallest common shift of the markers (median, px) for which a warning states that all markers moved in the same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// Smallest median shift that causes the same warning, as a multiple of the scatter of the markers' shifts.
+/// The warning that all markers moved in the same way also requires that their median shift, divided by the scatter of
+/// their shifts, exceeds this value.
 const MIN_COMMON_RATIO: f64 = 2.5;
-/// Smallest number of markers for which a common motion of the markers is computed.
+/// A motion that all markers have in common is only computed from at least this number of markers.
 const MIN_MARKERS: usize = 8;
 
-/// Difference between the green levels (0 to 255) of two frames that is drawn in the full colour in a difference image.
+/// In a difference image, a difference of this number of green levels (0 to 255) between the two frames has the full
+/// colour.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
@@ -295,7 +297,7 @@ impl FramePair {
     }
 
     /// Index of the marker for which the function `strength` has the largest absolute value, and this value with its
-    /// sign.
+    /// sign; `None` if `strength` has no value for any marker.
     pub(super) fn strongest(
         &self,
         strength: impl Fn(&Track) -> Option<f64>,
@@ -307,8 +309,8 @@ impl FramePair {
             .max_by(|one, other| one.1.abs().total_cmp(&other.1.abs()))
     }
 
-    /// Table with one row per marker: position and hue at rest (of a new marker: when pressed), and their changes if
-    /// the marker was tracked.
+    /// Table with one row per marker. A row contains the position and the hue at rest and, if the marker was tracked,
+    /// their changes in the press. For a new marker, it contains the position and the hue in the press.
     pub fn table(&self) -> Table {
         tracks_table(self.tracks.iter().map(Some))
     }
@@ -391,7 +393,7 @@ impl FramePair {
     }
 
     /// Motion that all markers have in common, as if the camera had moved: a shift, or a rotation about the centre of
-    /// the image circle. Returns the motion as text and as numbers.
+    /// the image circle. Returns the motion as text and as numbers, and `None` if there is no common motion.
     fn moved_alike(&self) -> Option<(String, Vec<(&'static str, f64)>)> {
         let shifts: Vec<([f64; 2], [f64; 2])> = self
             .tracks
@@ -427,8 +429,9 @@ impl FramePair {
         })
     }
 
-    /// If the marker whose diameter changed most shrank clearly more than the other markers changed, the change of the
-    /// logarithm of its diameter: the two frames are then probably swapped. Otherwise `None`.
+    /// Tests whether the two frames are probably swapped: whether the marker whose diameter changed most shrank, and
+    /// its change is clearly larger than the changes of the other markers. Returns the change of the logarithm of its
+    /// diameter, and `None` if the frames are probably not swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

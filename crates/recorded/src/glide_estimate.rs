@@ -52,7 +52,7 @@ pub struct GlideFitResult<'r> {
     unit: LengthUnit,
     used: UsedContacts,
     surface: Surface,
-    /// Curvature along the stroke, if all contacts form one stroke.
+    /// Curvature along the stroke, if all contacts form a single stroke; otherwise `None`.
     stroke: Option<StrokeCurvature>,
     centre: MapPoint,
     limits: ShapeThresholds,
@@ -201,7 +201,8 @@ impl<'r> GlideFitResult<'r> {
         refused(&self.recorded, error)
     }
 
-    /// Points of the fitted surface: one for each fitted contact, or one for each grid point.
+    /// Points of the fitted surface: one for each fitted contact if `at_contacts` is true, otherwise one for each grid
+    /// point.
     fn points(&self, at_contacts: bool) -> Result<Vec<MapPoint>, RecordedError> {
         let (contacts, side) = (&self.used.contacts, self.options.grid);
         let places = contacts.iter().map(|contact| contact.position);
@@ -275,8 +276,8 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
-    /// Goodness of fit and misfits of a fitted graph (height over a plane). Outliers have their row number in the
-    /// recording. If the test is impossible, the second result is the reason.
+    /// Goodness of fit and misfits of a fitted graph (height over a plane). Outliers are identified by their row number
+    /// in the recording. The second result is the reason why the test is impossible; `None` if it is possible.
     fn misfit(&self) -> (MisfitTest, Option<String>) {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
@@ -304,7 +305,8 @@ impl<'r> GlideFitResult<'r> {
         }
     }
 
-    /// Warnings about the contacts, including warnings about `misfits`.
+    /// Warnings about the contacts, including warnings about `misfits`. `unknown_fit` is the reason why the goodness of
+    /// fit could not be tested, if it could not.
     fn warnings(&self, misfits: &[Misfit], unknown_fit: Option<String>) -> Vec<Warning> {
         let (recorded, used, unit) = (&self.recorded, &self.used, self.unit);
         let (source, contacts) = (&recorded.source, &used.contacts);

@@ -40,26 +40,29 @@ pub struct GlideOptions {
     /// Whether the map has one point per fitted contact, in the order of the contacts, instead of the grid points.
     #[serde(skip)]
     pub map_at_contacts: bool,
-    /// Radius of round fingertips, in the readings' length unit. State it if the positions are not contacts but points
-    /// of the fingertips (see setting `reports`). The contacts are then computed from the normals or, if there are no
-    /// normals, from a first fit.
+    /// Radius of round fingertips, in the readings' length unit. State it if the positions in the readings are not
+    /// contacts but points of the fingertips (see setting `reports`). The contacts are then computed from these points
+    /// and the normals or, if there are no normals, from a first fit.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub tip_radius: Option<f64>,
     /// Point of round fingertips whose position is in the readings; lowest-point by default.
     pub reports: Option<TipReports>,
-    /// Direction that points out of the object. It is used for readings without normals and for lowest points. For
-    /// readings without normals, it only matters on which side of the patch the direction points.
+    /// Direction that points out of the object. It is used if the readings have no normals, or if they contain the
+    /// lowest points of fingertips. For readings without normals, it only matters on which side of the patch the
+    /// direction points.
     pub outward: [f64; 3],
-    /// Threshold of the Gaussian curvature, 1/length². If its magnitude is smaller, it counts as zero. The threshold
-    /// must be at least the square of the mean threshold. By default, it is computed from the size of the patch.
+    /// Threshold of the Gaussian curvature, 1/length². A Gaussian curvature of smaller magnitude counts as zero. The
+    /// threshold must be at least the square of the threshold of the mean curvature. By default, it is computed from
+    /// the size of the patch.
     #[schemars(extend("minimum" = 0))]
     pub gaussian_threshold: Option<f64>,
-    /// Threshold of the mean curvature, 1/length. If its magnitude is smaller, it counts as zero. By default, the
+    /// Threshold of the mean curvature, 1/length. A mean curvature of smaller magnitude counts as zero. By default, the
     /// threshold is computed from the size of the patch.
     #[schemars(extend("minimum" = 0))]
     pub mean_threshold: Option<f64>,
-    /// Distance between fingers, in the readings' length unit. Settings of two-pass, and position noise stated as a
-    /// fraction, are relative to this distance. By default, it is the mean distance between neighbouring fingers.
+    /// Distance between fingers, in the readings' length unit. The settings of the method `two-pass`, and a position
+    /// noise that is stated as a fraction, are relative to this distance. By default, it is the mean distance between
+    /// neighbouring fingers.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: Option<f64>,
 }

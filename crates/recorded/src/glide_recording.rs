@@ -1,4 +1,4 @@
-//! Reads files of recorded glides, and states the rows of a recording in errors.
+//! Reads files of recorded glides, and adds the row in the file to errors of fits.
 
 use std::collections::HashMap;
 
@@ -90,8 +90,8 @@ impl GlideRecording {
         self.contacts.iter().any(|contact| contact.normal.is_some())
     }
 
-    /// Returns an error if the file has a column with a radius. The positions may then be those of round fingertips
-    /// instead of contacts.
+    /// Returns an error if the file has a column with a radius of fingertips, because the positions may then be points
+    /// of round fingertips instead of contacts.
     pub(super) fn check_contacts(&self) -> Result<(), RecordedError> {
         let mut radii = self.radii();
         let Some((name, radius)) = radii.next() else {
@@ -110,8 +110,8 @@ impl GlideRecording {
         )))
     }
 
-    /// The positive radii in columns with the radius of fingertips, in the unit of the recording, with the names of
-    /// their columns.
+    /// The positive radii in all columns that contain the radius of fingertips, each with the name of its column. They
+    /// are in the unit of the recording.
     fn radii(&self) -> impl Iterator<Item = (&str, Number)> {
         let columns = self.extras.names.iter().enumerate();
         let columns = columns.filter(|(_, name)| is_tip_radius(name));
@@ -130,7 +130,7 @@ impl GlideRecording {
     }
 
     /// Text of a warning if the stated radius of the fingertips is not 0 and differs from the radius in a column of the
-    /// file.
+    /// file; otherwise `None`.
     pub(super) fn other_tip_radius(&self, stated: f64) -> Option<String> {
         let mut radii = self.radii().filter(|_| stated > 0.0);
         let (name, radius) =
@@ -140,8 +140,8 @@ impl GlideRecording {
         ))
     }
 
-    /// Text of a note for files whose columns state orientations that are not read. The positions may then be points of
-    /// fingertips instead of contacts.
+    /// Text of a note for files with columns that state orientations, which palpate does not read. In such files, the
+    /// positions may be points of fingertips instead of contacts. `None` if the file has no such column.
     pub(super) fn unused_orientation(&self) -> Option<String> {
         let names = &self.extras.names;
         let mut parts = names.iter();
@@ -230,8 +230,8 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     })
 }
 
-/// The positions of the contacts, for the search for steps between fingers. A gross outlier gets the position of the
-/// previous contact, so that lost readings do not separate fingers.
+/// The positions of the contacts, in which the search for steps between fingers is made. A gross outlier gets the
+/// position of the previous contact, because a lost reading would otherwise look like a step to another finger.
 fn with_outliers_moved(contacts: &[Contact]) -> Vec<Point3<f64>> {
     let mut places: Vec<_> = contacts.iter().map(|contact| contact.position).collect();
     if let Ok(sound) = SoundContacts::new(contacts) {
@@ -270,7 +270,8 @@ pub(super) fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedEr
     }
 }
 
-/// The error `error`, in which the contact's index in the fit is replaced by its row in the recording.
+/// The error `error` of a fit. The fit counts only the contacts that it uses, so the contact's index in the error is
+/// replaced by the contact's row in the recording.
 pub(super) fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     match error {
         Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {

@@ -103,7 +103,8 @@ pub struct GlideEstimate {
     pub(super) class: Option<&'static str>,
     /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
-    /// Class that follows from the signs of the estimated curvatures, without regard to their uncertainty.
+    /// Class that follows from the signs of the estimated curvatures, without regard to their uncertainty; `null` if
+    /// the contacts form a single stroke.
     pub(super) sign_class: Option<&'static str>,
     pub(super) thresholds: Thresholds,
     /// Noise of the contacts; `null` if the method does not estimate noise.
@@ -131,7 +132,7 @@ pub struct GlideEstimate {
     pub(super) correlated_contacts: f64,
     /// Contacts that are not used in the fit.
     pub(super) left_out: Vec<LeftOut>,
-    /// Curvature along the stroke, if there is only one stroke.
+    /// Curvature along the stroke if the contacts form a single stroke; otherwise `null`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) stroke: Option<StrokeReport>,
     /// Size and position of the fitted shape; `null` unless the method fits a shape.

@@ -11,8 +11,8 @@ use super::glide_options::GlideOptions;
 use super::misfit_warning::ReadingWords;
 use super::source::ReadingSource;
 
-/// Largest accepted ratio of two distances between fingers, the stated and the measured distance; the larger one is
-/// divided by the smaller one. A larger ratio causes a warning.
+/// Largest accepted ratio of the stated to the measured distance between fingers, or of the measured to the stated
+/// distance. A larger ratio causes a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
 /// Largest accepted ratio of the two largest distances between a contact and its nearest neighbour. A larger ratio
@@ -64,8 +64,8 @@ pub(super) fn distant(
     })
 }
 
-/// Largest accepted ratio of the estimated and the stated standard deviation of the noise; the larger one is divided by
-/// the smaller one. A larger ratio makes the intervals wrong, so it causes a warning.
+/// Largest accepted ratio of the estimated to the stated standard deviation of the noise, or of the stated to the
+/// estimated standard deviation. A larger ratio makes the intervals wrong, so it causes a warning.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
 /// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. A contact of the
@@ -179,8 +179,8 @@ const MIN_RATIO: f64 = 2.0;
 const MAX_ERROR: f64 = 0.1;
 
 /// Text about a likely mistake in the normals: swapped columns or a wrong sign. The normals are compared with a quadric
-/// surface that is fitted to the contacts. A mistake is likely if a change of the normals' components improves this fit
-/// clearly.
+/// surface that is fitted to the contacts. A mistake is likely if a swap or a reversed sign of components improves the
+/// fit clearly. `None` if no mistake is likely.
 pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     let has_normals = contacts.iter().all(|contact| contact.normal.is_some());
     if !has_normals || contacts.len() < MIN_CONTACTS {
@@ -224,7 +224,7 @@ fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
 }
 
 /// Changes of the normals that correct a possible mistake: two components are swapped, or the sign of one component is
-/// reversed. A reversed sign of all components is not a mistake.
+/// reversed. Normals with all signs reversed are not in this list: they point inward, and have a warning of their own.
 fn changes() -> [(Matrix3<f64>, &'static str); 6] {
     let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
     let swap = |one: usize, other: usize| {

@@ -1,4 +1,4 @@
-//! Finds the columns that palpate reads by their names in the header of a table.
+//! Finds, by their names in the header of a table, the columns that palpate reads.
 
 use palpate_study::readings::{Column, ColumnNames, ColumnUnit, Measure, QUATERNION, spelt};
 
@@ -70,8 +70,8 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Value for the setting `columns`: pairs of names, separated by commas. Each pair assigns to a column of `others`
-    /// the name that the corresponding column of `columns` has in the file.
+    /// Value for the setting `columns` with which palpate reads the file's columns `columns` as the columns `others`.
+    /// It consists of pairs of names, separated by commas.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
         let pairs = columns
             .iter()
@@ -312,8 +312,8 @@ impl<'a> Header<'a> {
         })
     }
 
-    /// Assignments for optional columns, as pairs of names. The columns of a quantity are assigned only if the file has
-    /// an unused, similar name for each of them.
+    /// Proposed assignments for optional columns, as pairs of names. A quantity may have several columns, one per axis.
+    /// Its columns are assigned only if the file has an unused column with a similar name for each of them.
     fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<String> {
         let quantity = |column: &Column| match column.stem().rsplit_once('_') {
             Some((quantity, axis)) if axis.len() == 1 => quantity,

@@ -8,10 +8,10 @@ pub(super) struct Heading<'a> {
     pub(super) name: &'a str,
     /// The column name without the unit in brackets, normalised by [`spelt`].
     pub(super) base: String,
-    /// Unit in brackets, if the column name has one.
+    /// Unit in brackets in the column name; `None` if there is none.
     pub(super) bracket: Option<&'a str>,
-    /// Component of a quaternion that this column contains. It is recognised by its name (`quat_x`), or because the
-    /// file has all four columns `rx` to `rw`.
+    /// Component of a quaternion that this column contains; `None` for other columns. A component is recognised by its
+    /// name (`quat_x`), or because the file has all four columns `rx` to `rw`.
     pub(super) part: Option<Column>,
 }
 
@@ -37,7 +37,8 @@ impl<'a> Heading<'a> {
         })
     }
 
-    /// Splits a name such as `rotation.x` into the name of the quaternion (`rotation`) and its component (`x`).
+    /// Splits a name such as `rotation.x` into the name of the quaternion (`rotation`) and its component (`x`). Returns
+    /// `None` if the name does not end with a component.
     pub(super) fn in_group(&self) -> Option<(&str, Column)> {
         QUATERNION.into_iter().find_map(|column| {
             let group = self.base.strip_suffix(&column.name[1..])?;
@@ -61,8 +62,8 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Whether a column or an array contains the radius of a fingertip. The radius of an object, for example, has another
-/// word in its name.
+/// Whether the name of a column or of an array denotes the radius of a fingertip. A name with any other word, for
+/// example for the radius of an object, does not count.
 pub(super) fn is_tip_radius(name: &str) -> bool {
     let name = spelt(bracketed(name).0);
     let is_known = |word: &str| {
@@ -97,8 +98,8 @@ pub(super) fn has_unit(word: &str) -> bool {
     .any(|measure| measure.unit(word).is_some())
 }
 
-/// Whether a column of this measure may have no unit. Lengths then have the unit of other columns or of a setting.
-/// Times need no unit, because they are only compared with each other.
+/// Whether a column that contains this kind of quantity may have no unit. Lengths without a unit then have the unit of
+/// other columns or of a setting. Times need no unit, because they are only compared with each other.
 pub(super) const fn has_no_need(measure: Measure) -> bool {
     matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
 }
@@ -216,7 +217,8 @@ fn may_be_position(words: &[&str]) -> bool {
     words.all(|word| !is_letter(word) && !is_other(word))
 }
 
-/// Whether a word of at least three letters, without the s of a plural, is the start of `whole`.
+/// Whether `whole` begins with the word `word`, after the s of a plural was removed from `word`. Words of fewer than
+/// three letters do not count.
 fn is_start(word: &str, whole: &str) -> bool {
     let word = word.strip_suffix('s').unwrap_or(word);
     word.len() > 2 && whole.starts_with(word)

@@ -439,7 +439,8 @@ pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Optio
     nearest
 }
 
-/// Index of the expected position that is nearest to a marker of a frame, and its distance (px).
+/// Index of the expected position that is nearest to a marker of a frame, and the distance between them (px). `None` if
+/// there is no expected position.
 pub(super) fn closest(expected: &[Option<[f64; 2]>], marker: &Marker) -> Option<(usize, f64)> {
     let [x, y] = marker.centroid_px;
     let all = expected.iter().enumerate().filter_map(|(at, centroid)| {

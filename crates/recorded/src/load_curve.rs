@@ -55,11 +55,12 @@ pub struct LoadOptions {
     /// Young's modulus of the soft body, kPa. If it is not given, only the product E*√R of effective modulus and root
     /// of the effective radius is estimated.
     pub modulus_kpa: Option<f64>,
-    /// Standard deviation of the given Young's modulus, kPa.
+    /// Standard deviation of the given Young's modulus, kPa; `None` if it is not stated.
     pub modulus_std_kpa: Option<f64>,
     /// Poisson's ratio of the soft body.
     pub poisson: f64,
-    /// Radius of the sensor, in the unit of lengths; infinite for a flat pad.
+    /// Radius of the sensor, in the unit of lengths; infinite for a flat pad. If it is not given, the curvature of the
+    /// object is not estimated.
     pub sensor_radius: Option<f64>,
     /// Standard deviation of the noise of each force, N. By default, it is estimated from the residuals.
     pub force_std_n: Option<f64>,

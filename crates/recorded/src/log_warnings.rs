@@ -59,8 +59,9 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
     })
 }
 
-/// Warning about the sign of a curvature from contacts without normals, if the sign follows from an assumption: that a
-/// shape is convex, or that the default outward direction is right although the object is then concave.
+/// Warning that the sign of a curvature rests on an assumption, because the contacts have no normals. Either a fitted
+/// shape is assumed to be convex, or the object is concave and its outer side is assumed to face the default outward
+/// direction. `None` if the sign rests on no assumption.
 pub(super) fn assumed_side(
     surface: Option<&ShapeFit>,
     curvature: &Curvature,

@@ -143,8 +143,9 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Images of the markers at rest in several simulated frames with the imperfections `blemishes`. The pixel noise of
-    /// a frame does not depend on the imperfections, so that results with different imperfections can be compared.
+    /// Images of the markers at rest in several simulated frames with the imperfections `blemishes`; `None` for a
+    /// marker that is not found. The pixel noise of a frame does not depend on the imperfections, so that results with
+    /// different imperfections can be compared.
     fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, FieldError> {
         let optics = self.optics_with(&self.geometry()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];

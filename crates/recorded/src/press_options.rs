@@ -17,13 +17,13 @@ use super::study_options::{StudyMismatch, factor, press_of};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PressOptions {
-    /// Radius of the sensor's skin, in the readings' length unit; `inf` for a flat pad. It must be given if setting
-    /// `like` is not given.
+    /// Radius of the sensor's skin, in the readings' length unit; `inf` for a flat pad. It must be given unless setting
+    /// `like` is given.
     #[serde(with = "palpate_study::config::infinite_length")]
     #[schemars(with = "Option<f64>", extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-infinite" = true))]
     pub sensor_radius: Option<f64>,
-    /// Depth of the markers under the skin. For readings of a calibrated camera, it must be given if setting `like` is
-    /// not given. For other readings, it is 0 by default (markers at the surface), with a warning.
+    /// Depth of the markers under the skin. For readings of a calibrated camera, it must be given unless setting `like`
+    /// is given. For other readings, it is 0 by default (markers at the surface), and there is a warning.
     #[serde(rename = "depth")]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub marker_depth: Option<f64>,
@@ -157,7 +157,8 @@ pub struct PictureOptions {
     pub(super) press: PressConfig,
     /// Unit of all lengths in these options.
     pub unit: LengthUnit,
-    /// Indentation of the press (length), if it was measured separately; see [`PressOptions::indentation`].
+    /// Indentation of the press (length), if it was measured separately; otherwise `None`. See
+    /// [`PressOptions::indentation`].
     pub indentation: Option<f64>,
     /// Young's modulus of the soft body, force per length². Without it, no force is computed.
     pub young: Option<f64>,

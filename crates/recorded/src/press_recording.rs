@@ -12,7 +12,8 @@ use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressRecording {
     pub(super) source: ReadingSource,
-    /// Position of each marker on the skin, in chart coordinates.
+    /// Position of each marker on the skin: (x, y) is the point at the distance √(x² + y²) from the apex, in the
+    /// direction (x, y).
     pub(super) places: Vec<[f64; 2]>,
     pub(super) normal: Vec<f64>,
     pub(super) tangential: Option<Vec<[f64; 2]>>,

@@ -16,8 +16,8 @@ use super::source::ReadingSource;
 /// assumed.
 const INDENTATION_SHARE: f64 = 0.02;
 
-/// The stated indentation with its standard deviation. If the standard deviation is not stated, it is assumed, with a
-/// warning.
+/// The stated indentation with its standard deviation. If the standard deviation is not stated, it is assumed, and the
+/// second result is a warning.
 pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<Warning>) {
     if std > 0.0 {
         return (Measured { value, std }, None);

@@ -84,16 +84,17 @@ pub struct RollValues {
     pub principal_curvature_min: Value,
     /// Largest normal curvature of the object at the first contact.
     pub principal_curvature_max: Value,
-    /// Direction of the largest curvature, degrees, from +u towards +v of the readings.
+    /// Direction of the largest curvature, degrees, from +u towards +v of the readings. `null` if all rolls have the
+    /// same direction.
     pub principal_direction_max_deg: Option<f64>,
     /// Standard error of `principal_direction_max_deg`, degrees; at most 52, the value for a completely unknown
-    /// direction. `null` if the noise is neither stated nor estimated.
+    /// direction. `null` if the noise is neither stated nor estimated, or if all rolls have the same direction.
     pub principal_direction_max_std_deg: Option<f64>,
     /// Error amplification along u: ratio of the relative error of the curvature to the relative error of the readings.
     /// It is 1 + 1/RCR, where RCR is the ratio of the object's curvature to the probe's curvature; `null` if the object
-    /// is flat.
+    /// is flat or all rolls have the same direction.
     pub amplification_u: Option<f64>,
-    /// Error amplification along v, as in `amplification_u`; `null` if the object is flat.
+    /// Error amplification along v, as in `amplification_u`; `null` in the same cases.
     pub amplification_v: Option<f64>,
     /// Root mean square of the residuals, over all components of the shifts.
     pub residual_rms: Value,
@@ -118,7 +119,7 @@ struct RollReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     terms: Option<usize>,
     /// Smallest and largest value of each curvature that is compatible with the readings, if the rotations and the pads
-    /// are exact.
+    /// are exact. Left out for rotations with noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<BTreeMap<&'static str, [Option<f64>; 2]>>,
     /// Shape class of the object at the first contact; `null` if all rolls have the same direction.

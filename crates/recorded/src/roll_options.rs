@@ -17,7 +17,7 @@ use super::roll_series::SeriesOptions;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RollSettings {
-    /// The probe's radius, in the readings' length unit.
+    /// The probe's radius, in the readings' length unit. It must be given unless setting `like` is given.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub probe_radius: Option<f64>,
     /// Pitch of the pads, in the readings' length unit. With a pitch, the estimates have standard errors. In addition,

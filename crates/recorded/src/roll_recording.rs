@@ -123,9 +123,9 @@ impl RollRecording {
         })
     }
 
-    /// Leaves out rolls that repeat an earlier roll, if these are at least half of all rolls, and returns a warning. No
-    /// roll is left out if some rolls have equal rotations but different shifts, because the repetitions may then be
-    /// due to a coarse sensor.
+    /// Leaves out rolls that repeat an earlier roll, if these are at least half of all rolls, and returns a warning;
+    /// `None` if no roll was left out. No roll is left out if some rolls have equal rotations but different shifts,
+    /// because the repetitions may then be due to a coarse sensor.
     pub(super) fn leave_out_copies(&mut self) -> Option<String> {
         let readings = &self.readings;
         let is_repeated = |(place, one)| readings[..place].contains(one);

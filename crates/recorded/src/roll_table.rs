@@ -409,8 +409,8 @@ impl Kind {
     }
 }
 
-/// Number of the probe of each row, for a table without a column `probe`. Also returns a note on how the probes were
-/// determined.
+/// Number of the probe of each row, for a table without a column `probe`. `is_series` states whether the table contains
+/// time series. Also returns a note on how the probes were determined.
 fn count_probes(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
     let rows = sheet.source.lines.len();
     if !is_series {

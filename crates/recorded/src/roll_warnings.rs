@@ -73,7 +73,8 @@ impl RollEstimate {
         })
     }
 
-    /// Warning if the object is so flat that rounding of the readings affects its estimated curvature.
+    /// Text of a warning if the object is so flat that rounding errors of the readings affect its estimated curvature;
+    /// otherwise `None`.
     fn flatness(&self) -> Option<String> {
         let principal = self.estimate.curvature.principal();
         let sharper = principal.k_min.abs().max(principal.k_max.abs());

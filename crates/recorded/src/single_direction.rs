@@ -13,8 +13,8 @@ use super::value::Value;
 /// Rolls have a single direction if the rms rotation across this direction, divided by the rms rotation along it, is
 /// below this value.
 const MAX_SPREAD: f64 = 0.05;
-/// Rotation of the invented roll (see [`single_direction`]), which is perpendicular to the recorded rolls, relative to
-/// the rms rotation of the recorded rolls.
+/// Rotation of the artificial roll that [`single_direction`] adds to the recorded rolls. The artificial roll is
+/// perpendicular to them. Its rotation is this value times the rms rotation of the recorded rolls.
 const ACROSS_SHARE: f64 = 0.1;
 
 /// Normal curvature along the path of the contact.
@@ -27,12 +27,12 @@ pub struct DirectedCurvature {
 }
 
 /// If all rolls have one direction, returns the angle of the contact's path (from u towards v), and readings for a fit.
-/// These readings contain one invented roll, because the fit would be impossible without it. The invented roll is
-/// perpendicular to the recorded rolls, and its shift is the shift of a roll on a plane.
+/// The readings for the fit contain one artificial roll, because the fit would be impossible without it. The artificial
+/// roll is perpendicular to the recorded rolls, and its shift is the shift of a roll on a plane.
 ///
 /// Let g be the direction in which the probe is turned (perpendicular to the rotation axis), and b the displacement of
 /// the contact per radian. The relative curvature along b is b·g/(|b|²|g|). This curvature does not depend on the
-/// curvature across b, so the invented roll has no effect on the curvature along b.
+/// curvature across b, so the artificial roll has no effect on the curvature along b.
 pub(super) fn single_direction(
     readings: &[ProbeReading],
     probe_radius: f64,

@@ -13,8 +13,8 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
-    /// Row (from 0) of each reading in the file. Empty if no row was left out, because the index of a reading is then
-    /// its row.
+    /// Row (from 0) of each reading in the file. The list is empty if no row was left out; the index of a reading is
+    /// then its row.
     pub(super) rows: Vec<usize>,
     /// Warnings about columns of the file that were not found by their names, or that are not read.
     pub(super) notes: Vec<Warning>,

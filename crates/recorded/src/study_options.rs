@@ -1,4 +1,4 @@
-//! Takes the options of an estimate from a study.
+//! Computes the options of an estimate from a study.
 
 use palpate_study::config::{
     FingertipConfig, GlideSensorConfig, LengthUnit, PadLayout, PressConfig, PressProbeConfig,
@@ -119,9 +119,9 @@ impl RollOptions {
 }
 
 impl GlideOptions {
-    /// Options with the estimator, the inter-finger distance and the thresholds of a study. If the readings state the
-    /// lowest point of a round tip, the options also contain the fingertip of the study. Lengths are converted to
-    /// `unit`.
+    /// Options with the estimator, the inter-finger distance and the thresholds of a study. If the study's sensor
+    /// reports the lowest point of a round fingertip instead of the contact, the options also contain the radius of the
+    /// fingertip. Lengths are converted to `unit`.
     ///
     /// # Errors
     /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, or if the thresholds

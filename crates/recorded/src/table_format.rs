@@ -11,12 +11,12 @@ use super::roll_rotation::RotationFrame;
 /// Form of a table of readings. Settings that are `None` are detected from the table if possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Form {
-    /// Names that the user assigned to columns, if the file does not use palpate's names. The keys are palpate's names
-    /// of the columns, with or without a unit. The values are the names in the file.
+    /// Names that the user assigned to columns of a file that does not use palpate's names. The keys are palpate's
+    /// names of the columns, with or without a unit. The values are the names in the file.
     pub columns: ColumnNames,
-    /// Character that separates the fields of a row.
+    /// Character that separates the fields of a row. By default, it is detected.
     pub delimiter: Option<Delimiter>,
-    /// Decimal sign of the numbers in the table.
+    /// Decimal sign of the numbers in the table. By default, it is detected.
     pub decimal: Option<Decimal>,
     /// Unit of lengths. If the header states another unit for a length, the length is converted. If the header states
     /// no unit, this unit is assumed.

@@ -65,7 +65,7 @@ pub(super) fn is_of_rostopic(header: &[String]) -> bool {
 
 /// Header of a log that `rostopic echo -p` wrote. Fields with the same meaning as a column of palpate get palpate's
 /// names. The second result lists the pairs of names (in the file, and of palpate). Lengths are in metres, as in all
-/// messages of ROS.
+/// messages of ROS. `None` for other headers.
 pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<String>, String)> {
     let headings: Vec<Heading<'_>> = header.iter().map(|name| Heading::of(name)).collect();
     let mut free: Vec<usize> = (1..header.len()).collect();
@@ -89,7 +89,7 @@ pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<
 }
 
 /// Indices of the columns of a quaternion whose components have only numbers as names, such as `q0` to `q3`, in the
-/// order of their numbers.
+/// order of their numbers. `None` if there is no such quaternion.
 pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
     let is_quaternion =
         |start: &[String]| quaternion_part(&format!("{}_x", start.join("_"))).is_some();
@@ -102,8 +102,8 @@ pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
     places.try_into().ok()
 }
 
-/// Header in which the elements of a rotation matrix have palpate's names. In the file, they are named for example
-/// `R_0_0` to `R_2_2`, or `rot.0` to `rot.8`.
+/// Header of a table with a rotation matrix. The names of the matrix's elements in the file (for example `R_0_0` to
+/// `R_2_2`, or `rot.0` to `rot.8`) are replaced by palpate's names. `None` if there is no such matrix.
 pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     const NAMES: &str = "r m t rot mat rotm rotmat dcm rotation rotations matrix orientation";
     let is_matrix = |start: &[String]| start.last().is_some_and(|last| is_one_of(NAMES, last));
@@ -226,7 +226,7 @@ pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Optio
 }
 
 /// Splits a column name of a wide table, such as `finger1_x_mm`, `x_1 [mm]` or `thumb.nx`. Returns the index of the
-/// column in `columns`, the unit and the name of the finger.
+/// column in `columns`, the unit and the name of the finger; `None` if the name has no such form.
 fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)> {
     let (base, bracket) = bracketed(name);
     let mut words = words(&spelt(base));
@@ -284,7 +284,7 @@ fn is_one_of(words: &str, word: &str) -> bool {
     words.split(' ').any(|one| one == word)
 }
 
-/// Words of a column name. Digits are separate words, and `nx` counts as the words of a normal's component.
+/// Words of a column name. Digits are separate words, and `nx` counts as the two words `normal` and `x`.
 fn words(name: &str) -> Vec<String> {
     let mut words = Vec::new();
     for word in name.split('_') {

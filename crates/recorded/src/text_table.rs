@@ -40,7 +40,7 @@ pub(super) struct TextTable<'a> {
     pub(super) header: Vec<String>,
     pub(super) header_line: usize,
     /// For a wide table, in which a row contains several fingers: the names of its columns, and the division of these
-    /// columns among the fingers.
+    /// columns among the fingers. `None` for other tables.
     wide: Option<(Vec<String>, Wide)>,
     /// Contacts that are missing in a wide table, because the fields of a finger are empty.
     lost: RefCell<Vec<String>>,
@@ -146,8 +146,8 @@ impl<'a> TextTable<'a> {
         own.unwrap_or(&self.header[index])
     }
 
-    /// Column names of a quaternion whose components have only numbers as names in the file. In the header, its scalar
-    /// part is assumed to be the last component.
+    /// Column names of a quaternion whose components have only numbers as names in the file; `None` if there is no such
+    /// quaternion. The last component is assumed to be the scalar part.
     pub(super) const fn numbered_quaternion(&self) -> Option<&[String; 4]> {
         self.numbered_quaternion.as_ref()
     }
@@ -169,7 +169,8 @@ impl<'a> TextTable<'a> {
         ))
     }
 
-    /// Warning about contacts of a wide table that have no numbers. Call this method after all rows were read.
+    /// Warning about contacts of a wide table that have no numbers; `None` if there are none. Call this method after
+    /// all rows were read.
     pub(super) fn left_out(&self) -> Option<Warning> {
         let lost = self.lost.borrow();
         let count = lost.len();
