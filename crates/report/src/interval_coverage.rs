@@ -62,8 +62,8 @@ fn measured(table: &Table, row: usize) -> Option<Coverage> {
     (successes >= 2.0).then_some(Coverage { row, shares })
 }
 
-/// Kinds of the scene, the estimator and the sensor of the table row `row`, as text. A kind that the study does not
-/// state is left out.
+/// Kinds of the scene, the estimator and the sensor of the table row `row`, as text. An estimator or sensor whose kind
+/// the study does not state is left out. `None` if the kind of the scene is not stated.
 fn name(study: &Study, row: usize) -> Option<String> {
     let scene = study.text(row, "scene.kind")?;
     let others = ["scene.estimator", "scene.sensor"].into_iter();
@@ -71,8 +71,8 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// The `kind` of the part of the scene at `path`, such as `scene.sensor`, for the cell of `row`. If a sweep sets this
-/// part, its label is returned.
+/// The `kind` of the part of the scene at `path`, such as `scene.sensor`, for the table row `row`. If the study sweeps
+/// this part as a whole, its label in the row is returned; `None` if the study states neither.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))

@@ -168,7 +168,8 @@ fn peers(folder: &Files) -> Result<Value, ReportError> {
     Ok(context! { table => shown(parts), machine })
 }
 
-/// Removes the column `name` of a table if all cells of this column have the same text. Returns this text.
+/// Removes the column `name` of a table if all cells of this column have the same text. Returns this text, and `None`
+/// if the column was not removed.
 fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     let at = header.iter().position(|column| column == name)?;
     let constant = rows.first()?[at].clone();

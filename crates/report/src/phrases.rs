@@ -42,7 +42,7 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     }
 }
 
-/// A sentence that begins with the settings in `shared`, which are the same for all points of a plot, and ends with
+/// A sentence that consists of the settings in `shared`, which are the same for all points of a plot, and of the text
 /// `then`.
 pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     let shared = match shared {
@@ -56,7 +56,8 @@ pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
-/// Text of a model's cost: instructions, time, or both.
+/// Text of a model's cost: the number of instructions, the time (from ns), or both. A number that is `None` is left
+/// out.
 pub(crate) fn cost(instructions: Option<f64>, ns: Option<f64>) -> String {
     let time = ns.map(|ns| match ns {
         _ if ns < 1e3 => format!("{} ns", number::significant(ns, 2)),

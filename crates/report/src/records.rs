@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Texts of a CSV file in which no two columns have the same name. `places` are the indices of the columns that were
-/// requested on reading.
+/// requested when the file was read.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,
@@ -64,7 +64,7 @@ impl Records {
         Ok(records)
     }
 
-    /// Index of the column with this name in the header. In the header, a unit may follow the name.
+    /// Index in the header of the column with this name, with or without a unit; `None` if there is no such column.
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         let is_it = |column: &String| column == name || split_unit(column).0 == name;
         self.header.iter().position(is_it)
@@ -101,8 +101,8 @@ impl Records {
         &self.header
     }
 
-    /// Index in the header of a column that was requested on reading. `column` is its index among the requested
-    /// columns.
+    /// Index, in the header, of a column that was requested when the file was read. `column` is its index among the
+    /// requested columns.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }
@@ -200,7 +200,7 @@ impl Records {
 
 const EMPTY: &str = "the table is empty";
 
-/// Largest absolute value of a coordinate. The square of this number is still finite.
+/// Largest accepted absolute value of a coordinate. It is so small that the squares of coordinates are finite.
 const LARGEST: f64 = 1e100;
 
 /// Groups items by their keys. Groups are in the order in which their keys first appear.

@@ -153,9 +153,9 @@ impl Study {
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// Number in the field at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of
-    /// the scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None` if
-    /// the value is not a finite number.
+    /// Number in the field at a path of the config, for the table row `row`. If the study sweeps the field, or a part
+    /// of the scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None`
+    /// if the value is not a finite number.
     pub(crate) fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -163,7 +163,7 @@ impl Study {
         }
     }
 
-    /// Text in the field at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of
+    /// Text in the field at a path of the config, for the table row `row`. If the study sweeps the field, or a part of
     /// the scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None` if
     /// the value is not a text.
     pub(crate) fn text(&self, row: usize, path: &str) -> Option<&str> {
@@ -174,7 +174,8 @@ impl Study {
     }
 
     /// Value of a field of the config that has no column of its own in `cells.csv`. If a sweep sets a part of the scene
-    /// that contains the field, the value comes from this part; otherwise from the config.
+    /// that contains the field, the value comes from this part; otherwise from the config. `None` if the field has no
+    /// value.
     fn value(&self, row: usize, path: &str) -> Option<&toml::Value> {
         let mut dots = path.match_indices('.').rev();
         let swept = dots.find_map(|(dot, _)| Some((dot, self.cells.axis(&path[..dot])?)));
@@ -188,8 +189,8 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// The table with the label `label` among the tables that the study sweeps at `path`. If a table has no label, its
-    /// `kind` counts as its label.
+    /// The table with the label `label` among the TOML tables that the study sweeps at `path`; `None` if there is none.
+    /// If such a table has no label, its `kind` counts as its label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
         let mut tables = sweeps
@@ -213,8 +214,8 @@ impl Study {
     }
 }
 
-/// Values that a sweep of the study sets for the field at `path`. The sweep varies this field alone, or several fields
-/// together.
+/// Values that `sweep`, one of the study's sweeps, sets for the field at `path`. A sweep may vary one field alone, or
+/// several fields together.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();

@@ -198,7 +198,7 @@ pub(crate) struct AutoModel {
     /// Number of scenes on which at least one model besides the chosen model meets the tolerance.
     pub(crate) with_rivals: usize,
     /// Largest ratio, over all scenes, of the instructions of the chosen model to the instructions of the cheapest
-    /// model within the tolerance.
+    /// model within the tolerance. `None` if `promise.csv` does not state it.
     pub(crate) largest_ratio: Option<f64>,
 }
 

@@ -37,13 +37,13 @@ pub(super) struct Check {
     /// it was computed or, for a value of a group of rows, one row of this group.
     pub(super) values: Values,
     /// Returns a name for the value that was computed from a row of the table. All values with the same name are
-    /// compared and printed as one range.
+    /// compared and printed as one range. With `None`, each value is compared by itself.
     pub(super) name: Option<fn(&Row<'_>) -> String>,
     pub(super) merge: Option<fn(&[f64]) -> f64>,
-    /// Selects the rows of the table whose values are compared with the bound. The values of all other rows are only
-    /// printed.
+    /// Selects the rows of the table whose values are compared with the bound; `None` selects all rows. The values of
+    /// all other rows are only printed.
     pub(super) compared: Option<fn(&Row<'_>) -> bool>,
-    /// Computed values that equal this number are ignored.
+    /// Computed values that equal this number are ignored; with `None`, no value is ignored.
     pub(super) without: Option<f64>,
     pub(super) bound: Option<Bound>,
     pub(super) portion: Portion,

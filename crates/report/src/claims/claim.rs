@@ -97,7 +97,7 @@ impl Claim {
         self
     }
 
-    /// Adds a check with one value per row of the table: `value(row)`.
+    /// Adds a check with one value per row of the table: `value(row)`. Rows without a value (`None`) are left out.
     pub(super) fn rows(self, value: impl Fn(&Row<'_>) -> Option<f64> + 'static) -> Self {
         self.values(move |rows| {
             let values = rows.iter().filter_map(|row| Some((*row, value(row)?)));
@@ -206,8 +206,8 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// In the check that was added last, compares only the values of table rows that `compared` accepts with the bound.
-    /// All other values are only printed.
+    /// Restricts the comparison with the bound, in the check that was added last, to the table rows that `compared`
+    /// accepts. The values of all other rows are only printed.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }

@@ -101,8 +101,8 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors of the shortest and of the longest roll in a group of table rows. `None` if both rolls have the same length
-/// or the same error.
+/// Errors of the estimate from the shortest and from the longest roll in a group of table rows. `None` if both rolls
+/// have the same length or the same error.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {
         [first, .., last] if !near(first.0, last.0) && !near(first.1, last.1) => {

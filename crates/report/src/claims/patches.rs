@@ -79,7 +79,7 @@ fn share(row: &Row<'_>) -> Option<f64> {
 
 /// Largest principal curvature of an object. If the true curvatures are the same in the whole patch, the table states
 /// them, and the result is computed from them. Otherwise, the result is 1/radius, or 2|a| in the middle of a saddle z =
-/// a (x² − y²).
+/// a (x² − y²). `None` if the curvature is 0 or cannot be computed.
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {

@@ -199,8 +199,9 @@ fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     Some(sensor * relative.or_else(|| Some(1.0 / sensor + object()?))?)
 }
 
-/// 1 if the sensor in the table row can sense the object in this row, otherwise 0. A sensor can sense an object if at
-/// most 10 % of the trials fail and at least 90 % of the 95 % intervals contain the true value.
+/// 1 if the sensor of the table row can sense the object of this row, otherwise 0. `None` if the row does not state the
+/// coverage although not all trials failed. A sensor can sense an object if at most 10 % of the trials fail and at
+/// least 90 % of the 95 % intervals contain the true value.
 fn sensed(row: &Row<'_>) -> Option<f64> {
     let failed = row.failed(|_| true)?;
     match row.statistic("coverage95") {

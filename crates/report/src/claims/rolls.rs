@@ -262,7 +262,7 @@ fn crossing() -> f64 {
 // ---- Sharp objects, whose contact stays on one pad
 
 /// Share of the trials of a table row in which the contact stays on one pad. Such a trial gives only an upper bound on
-/// the object's radius.
+/// the object's radius. `None` if the row has no trials.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
@@ -354,7 +354,8 @@ fn edge() -> Claim {
 /// The errors of a wrist sensor and of pads count as similar if their ratio is at most this number.
 const ALIKE: f64 = 1.5;
 
-/// Number after `word` in the label of a sensor, such as 0.5 in the label `pads 0.5 mm` for the word `pads `.
+/// Number after `word` in the label of a sensor, such as 0.5 in the label `pads 0.5 mm` for the word `pads `. `None` if
+/// the label does not begin with this word and a positive number.
 fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
     let label = row.text("scene.sensor")?.strip_prefix(word)?;
     let size: f64 = label.split_whitespace().next()?.parse().ok()?;

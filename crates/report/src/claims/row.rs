@@ -55,7 +55,8 @@ impl<'a> Row<'a> {
         cell.find(|row| row.quantity() == quantity)
     }
 
-    /// Share of the trials of the row's cell (grid point) that failed with a kind of failure that `is_it` accepts.
+    /// Share of failed trials in the row's cell (grid point). Only the kinds of failure that `is_it` accepts are
+    /// counted. `None` if the cell has no trials.
     pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
         let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
         let cell = self.study.cells().cell(self.at);
@@ -116,8 +117,9 @@ pub(super) fn size(row: &Row<'_>) -> Option<f64> {
     Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
 }
 
-/// Roll angle in rad. It is the product of rate and duration, the angle in the config, or s (1/R₁ + 1/R₂). Here s is
-/// the arc length on the probe, R₁ the radius of the probe, and R₂ the radius of the object.
+/// Roll angle in rad. If the config states the rate of rotation and the duration, it is their product; if the config
+/// states an angle, it is this angle. Otherwise, it is s (1/R₁ + 1/R₂) with the arc length s on the probe, the probe's
+/// radius R₁ and the object's radius R₂. `None` if the row lacks these numbers.
 pub(super) fn roll_angle(row: &Row<'_>) -> Option<f64> {
     let number = |path: &str| row.number(path);
     if let (Some(rate), Some(duration)) = (

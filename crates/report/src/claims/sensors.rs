@@ -166,7 +166,7 @@ fn linear() -> Claim {
         )
 }
 
-/// Slope of a fitted line, converted from the study's length unit to 1/mm.
+/// Slope of a fitted line, converted from the study's length unit to 1/mm; `None` if this unit is not metric.
 fn slope(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(line.slope / row.millimetres()?)
 }
@@ -191,8 +191,8 @@ fn is_rigid(row: &Row<'_>) -> bool {
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// For each line through hues, the larger of two relative deviations from the published slopes. The first is the
-/// deviation of this line. The second is the smallest deviation among the lines through centroids of the same sensor.
+/// For each line that is fitted to hues, the larger of two relative deviations from the published slopes: the deviation
+/// of this line, and the smallest deviation among the lines that are fitted to centroids of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);

@@ -5,7 +5,7 @@ use crate::{Study, study};
 use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
 
-/// Text of a swept value, for a place below a heading with the name and the unit of the field.
+/// Text of a swept value, to be shown below a heading that already states the name and the unit of the field.
 pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     match axis.header.as_str() {
         "quantity" => label::quantity(value),

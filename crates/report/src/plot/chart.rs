@@ -177,9 +177,9 @@ struct PanelLayout {
     margins: [i32; 2],
     panel: Point,
     columns: i32,
-    /// Height that is reserved for the title above each panel.
+    /// Height that is reserved for the title above each panel, in drawing units (1/3 px).
     heading: i32,
-    /// Distance from the top of a row of panels to the top of the next row.
+    /// Distance from the top of a row of panels to the top of the next row, in drawing units (1/3 px).
     row: i32,
     x: Scale,
 }

@@ -1,5 +1,5 @@
-//! Reads the shape class of each point from `map.csv`. Converts the classes in the map of a study's cell to coloured
-//! rectangles, and to lines between them.
+//! Reads the shape class of each point from `map.csv`. For each map, computes coloured rectangles that show the
+//! classes, and the boundaries between classes.
 
 use super::selection::Request;
 use super::style::CLASSES;
@@ -111,8 +111,8 @@ pub(crate) struct Band {
     pub(crate) y: (usize, usize),
 }
 
-/// Covers the grid with few rectangles of equal class: squares with the same class are joined along y, and equal
-/// columns of squares are joined along x. `classes` are sorted by x, then by y.
+/// Covers the grid with few rectangles, each of one class: neighbouring squares of the same class are joined along y,
+/// and neighbouring columns with equal squares are joined along x. `classes` are sorted by x, then by y.
 pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     let mut start = 0;

@@ -353,9 +353,9 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     rows_of_cells
 }
 
-/// The swept field whose values are side by side in a row of panels. Of the fields whose values fit into one row, this
-/// is the field with the most values, or the last of several such fields. If the values of no field fit, it is the last
-/// field.
+/// The swept field whose values are side by side in a row of panels. It is the field with the most values among the
+/// fields whose values fit into one row; the last of several such fields is used. If the values of no field fit, it is
+/// the last field. `None` if no field varies.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

@@ -92,7 +92,7 @@ fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
 }
 
 /// The statistic that the default plot shows. It is the first statistic, in the order of preference, that has a value
-/// in one of `rows`.
+/// in one of `rows`; `None` if no statistic has a value.
 fn statistic(table: &Table, quantity: &str, rows: &[usize]) -> Option<&'static str> {
     let is_estimated =
         Quantity::named(quantity).is_none_or(|known| known.kind == QuantityKind::Estimated);

@@ -108,8 +108,8 @@ pub struct MapPanel {
     /// Each value of the other field, in ascending order, with the ranges of the searched field as in
     /// [`DesignCurve::runs`].
     pub columns: Vec<(f64, Vec<Stretch>)>,
-    /// Point with the best value of the searched field, if this point is in this panel: first the value of the other
-    /// field, then the best value.
+    /// Point with the best value of the searched field: first the value of the other field, then the best value. `None`
+    /// if the best value belongs to another panel, or if there is none.
     pub best: Option<(f64, f64)>,
 }
 
@@ -363,7 +363,7 @@ impl FieldAxis {
         Scale::around(self.spacing(), ends)
     }
 
-    /// Factor from the field's values in the tables to the numbers on the axis.
+    /// Factor by which the field's values in the tables are multiplied for the axis.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,
@@ -410,8 +410,9 @@ impl Bands<'_> {
         [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
     }
 
-    /// Whether the ranges that meet and the ranges that miss the target follow each other in the same order in two
-    /// columns. Only such columns are connected by areas and contours.
+    /// Whether areas and contours connect two columns. In both columns, the ranges that meet and the ranges that miss
+    /// the target must follow each other in the same order, and both fields must have numbers as values. `is_named`
+    /// states whether the values of the other field are names.
     fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }

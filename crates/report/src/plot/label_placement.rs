@@ -17,8 +17,8 @@ const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover, in drawing units (1/3 px).
 const POINT: i32 = 18;
 
-/// Penalty for each other label that a label covers, and for each line from another label to its point (leader) that it
-/// covers. Penalties are in the same unit as the distance of a label from its point.
+/// Penalty for each other label that a label covers, and for each leader that it covers. A leader is the line from
+/// another label to its point. Penalties have the same unit as the distance of a label from its point.
 const HIDES_NAME: i32 = 3_000_000;
 /// Penalty for each other label that the leader of a label crosses.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
@@ -43,7 +43,7 @@ pub(super) struct PlacedLabel {
     pub(super) of_front: bool,
 }
 
-/// A rectangle: left, top, right, bottom.
+/// A rectangle: left, top, right and bottom, in drawing units (1/3 px).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bounds([i32; 4]);
 

@@ -323,7 +323,8 @@ impl<'a> Lines<'a> {
         phrases::sentence(&fixed, &phrases::sample(trials, "point"))
     }
 
-    /// Notes below the figure: about points that are not drawn, circles, error bars and failed trials.
+    /// Notes below the figure: about points that are not drawn, circled points, error bars and failed trials.
+    /// `is_circled` and `has_bars` state whether the figure has circled points and error bars.
     fn notes(&self, skipped: Skipped<'_>, is_circled: bool, has_bars: bool) -> Vec<String> {
         let note = |(why, (count, series)): (&str, (usize, Vec<&str>))| {
             let points = match count {

@@ -207,8 +207,8 @@ fn arrow((x, y): Point) -> [Point; 3] {
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of a model without its settings: the numbers in the name, the words that follow them, and parts with `=`.
-/// Models whose names differ only in settings form a family.
+/// Name of the family of a model. Models whose names differ only in settings form a family. Settings are the numbers in
+/// the name with the words that follow them, and the parts that contain `=`; they are removed from the name.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {

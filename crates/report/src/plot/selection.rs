@@ -116,7 +116,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// The column of a swept field, named with or without its unit, or the column `quantity`.
+/// The column of a swept field, named with or without its unit, or the column `quantity`; `None` for other names.
 fn axis<'a>(table: &'a Table, name: &str) -> Option<&'a Axis> {
     let quantities = || Some(table.quantities()).filter(|axis| axis.header == name);
     table.axis(name).or_else(quantities)

@@ -92,7 +92,8 @@ fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
 }
 
 /// Standard error of a standard deviation. If the bias of the estimates is small, the result is computed from the
-/// standard error of their rms error. Otherwise, the result assumes normally distributed estimates.
+/// standard error of their rms error. Otherwise, the result assumes normally distributed estimates. `None` if the table
+/// lacks the rms error or its standard error.
 fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f64) -> Option<f64> {
     if bias.abs() > 0.5 * std || std == 0.0 {
         return Some(std / (2.0 * (count - 1.0)).sqrt());
@@ -123,8 +124,8 @@ mod tests {
     use super::*;
     use crate::Files;
 
-    /// The interval of the statistic `of` in a table with one row of 100 trials. `columns` are the statistics in this
-    /// row.
+    /// The interval of the statistic `of` in a table with one row; `None` if it has no interval. `columns` are the
+    /// statistics in this row. By default, the row has 100 trials.
     fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
         let names = Statistic::ALL.map(Statistic::name).join(",");
         let texts = Statistic::ALL.map(|statistic| {

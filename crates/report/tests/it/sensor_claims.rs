@@ -221,7 +221,8 @@ fn claim_18_needs_each_number_of_gores() {
 
 // ---- Claim 19: the fisheye lens
 
-/// A study with the image area of a marker at 0°, 30° and 60°, for each lens.
+/// A study with the image area of a marker at the polar angles 0°, 30° and 60°, for each lens. The area is `None` if
+/// the image does not show the marker.
 fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> Study {
     let mut cells = Cells::new("scene.sensor.lens,scene.view.polar_deg");
     for (lens, areas) in lenses {

@@ -133,7 +133,7 @@ impl Trace {
     }
 
     /// Root-mean-square errors of the readings: the error of the normal displacement, and the error of the displacement
-    /// along the skin.
+    /// along the skin. An error is `None` if there are no such readings.
     pub(super) fn off(&self) -> (Option<f64>, Option<f64>) {
         let read = || {
             let markers = self.markers.iter();
