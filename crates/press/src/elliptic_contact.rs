@@ -32,7 +32,7 @@ use crate::PressError;
 /// the indentation depends on the unknown length of the line.
 const MAX_CURVATURE_RATIO: f64 = 1e6;
 
-/// Displacements are set to 0 if the distance from the contact, relative to its longer semi-axis, exceeds this value.
+/// Displacements are set to 0 if the distance from the contact exceeds this multiple of the contact's longer semi-axis.
 const MAX_DISTANCE: f64 = 1e50;
 
 /// Number of panels (intervals) into which the quadrature of the integral χ_x is divided; the module's description

@@ -170,8 +170,8 @@ impl Stds {
         (is_finite && is_positive).then_some(Self(inverse))
     }
 
-    /// Standard error of a weighted sum of the components xx, xy and yy of the tensor S. `weights` contains the three
-    /// weights.
+    /// Standard error of a weighted sum of the components xx, xy and yy of the tensor S, which is the logarithm of the
+    /// relative-curvature tensor. `weights` contains the three weights.
     fn tensor(&self, weights: &Vector3<f64>) -> f64 {
         let tensor: Matrix3<f64> = self.0.fixed_view::<3, 3>(0, 0).into();
         weights.dot(&(tensor * weights)).max(0.0).sqrt()
@@ -182,7 +182,8 @@ impl Stds {
         self.tensor(&along(angle))
     }
 
-    /// Standard error of the component xy of the tensor S in axes that are rotated by `angle`.
+    /// Standard error of the component xy of the tensor S (the logarithm of the relative-curvature tensor), in axes
+    /// that are rotated by `angle`.
     fn turn(&self, angle: f64) -> f64 {
         let (sine, cosine) = libm::sincos(2.0 * angle);
         self.tensor(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))

@@ -69,7 +69,7 @@ pub enum PressError {
     TooDeep {
         /// The impossible indentation (length).
         indentation: f64,
-        /// Limit of the indentation: it must be less than this length.
+        /// Limit (length): the indentation must be less than this value.
         limit: f64,
         /// Name of the quantity whose value is `limit`, such as "the layer's thickness".
         what: &'static str,

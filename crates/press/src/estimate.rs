@@ -16,7 +16,7 @@ pub struct Estimated {
 }
 
 impl Estimated {
-    /// A normally distributed estimate. `half_width` is the half-width of its interval in standard errors.
+    /// A normally distributed estimate. `half_width` is half the width of its interval, divided by the standard error.
     pub(crate) fn normal(value: f64, std: f64, half_width: f64) -> Self {
         let interval = Interval {
             low: Some(value - half_width * std),

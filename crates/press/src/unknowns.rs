@@ -124,8 +124,9 @@ impl Sums {
         self.hessian[(unknown, unknown)] += 1.0 / (std * std);
     }
 
-    /// Adds one reading to the gradient and the Hessian. `residual` is its residual in standard deviations, and
-    /// `slopes` contains the derivatives of the predicted reading with respect to the fit parameters.
+    /// Adds one reading to the gradient and the Hessian. `residual` is its residual in standard deviations, `weight`
+    /// its weight in the fit, and `slopes` contains the derivatives of the predicted reading with respect to the fit
+    /// parameters.
     #[inline]
     pub(crate) fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
         for row in 0..UNKNOWNS {

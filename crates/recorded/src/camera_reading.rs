@@ -149,8 +149,8 @@ fn linearised(
     Some((reading, press))
 }
 
-/// Largest accepted difference between the mean hues of the markers at rest and in the calibration, turns. The curve of
-/// sRGB changes the hue of markers of two discs by 0.03.
+/// Largest accepted difference between the mean hues of the markers at rest and in the calibration, turns. If the
+/// pixels are encoded by sRGB, the hue of a marker with two discs differs by about 0.03 turns.
 const MAX_HUE_DIFFERENCE: f64 = 0.01;
 
 /// Compares the hue of the markers at rest with the hue in the calibration. If only the linearised frames have this

@@ -7,7 +7,7 @@ use super::heading::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 
-/// If the header does not determine the delimiter, at most this number of rows is searched for it.
+/// Largest number of rows that are examined to find the delimiter, if the header does not determine the delimiter.
 const DECIDING_ROWS: usize = 100;
 
 /// A table in which a delimiter separates the fields of a line, such as a CSV file.
@@ -100,8 +100,8 @@ impl<'a> DelimitedText<'a> {
     }
 }
 
-/// Whether a first line holds numbers instead of names. The whole numbers 0, 1, 2, … are names, because pandas writes
-/// them as the names of an array's columns.
+/// Whether a first line contains numbers instead of names. The whole numbers 0, 1, 2, … count as names, because pandas
+/// writes them as the names of an array's columns.
 fn has_numbers(fields: &StringRecord) -> bool {
     let mut numbers = fields.iter().map(|field| tidy(field).parse::<f64>());
     let counts = |(field, column): (&str, usize)| tidy(field).parse() == Ok(column);

@@ -15,10 +15,12 @@ use super::source::ReadingSource;
 /// distance. A larger ratio causes a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
-/// Largest accepted ratio of the two largest distances between a contact and its nearest neighbour. A larger ratio
-/// causes a warning that the contact with the largest distance may be an outlier.
+/// Largest accepted ratio of two distances: for each contact, the distance to its nearest neighbour is computed, and
+/// the largest distance is divided by the second largest. A larger ratio causes a warning that the contact with the
+/// largest distance may be an outlier.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
-/// Largest number of contacts for which the search for a distant contact is made, because it compares all pairs.
+/// The search for a contact that is far from all other contacts is made only up to this number of contacts, because the
+/// search compares all pairs.
 const MAX_COMPARED: usize = 3000;
 
 pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {

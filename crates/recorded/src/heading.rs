@@ -1,4 +1,4 @@
-//! Names of single columns: their units, and the columns of palpate that they may mean.
+//! Interprets the name of a single column: its unit, and the columns of palpate that the name may mean.
 
 use palpate_study::readings::{Column, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt};
 

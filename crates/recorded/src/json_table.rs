@@ -185,8 +185,8 @@ fn nested(
         .then(|| (0..count).map(row).collect()))
 }
 
-/// Collects the values of an object that are neither lists nor in lists, each with its path in the object, such as
-/// `meta.tip_radius`.
+/// Collects the single values of a JSON object, that is, the values that are neither lists nor parts of lists. Each
+/// value is stored with its path in the object, such as `meta.tip_radius`.
 fn single_values(object: &Map<String, Json>, path: &str, values: &mut Vec<(String, Json)>) {
     for (name, value) in object {
         let name = format!("{path}{name}");

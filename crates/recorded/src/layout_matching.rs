@@ -1,4 +1,5 @@
-//! Matches the markers found in a frame at rest with the layout, and fits the camera to them.
+//! Matches the markers found in a frame at rest with the markers of the layout, and fits the camera to the matched
+//! markers.
 
 use nalgebra::DMatrix;
 use palpate_chromatouch::{Departure, Optics};

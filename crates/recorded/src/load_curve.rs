@@ -36,8 +36,8 @@ const LOADS: [Column; 2] = [
 /// below the rounding errors.
 const LEAST_NOISE: f64 = 1e-10;
 
-/// Confidence level of the test whether the force grows with the power 3/2 of the indentation. The readings of a
-/// Hertzian contact pass the test with this probability. If readings fail it, there is a warning.
+/// Confidence level of the test whether the force grows with the power 3/2 of the indentation. It is the probability
+/// that readings of a Hertzian contact pass the test. If the readings fail the test, there is a warning.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve: the forces that were measured at several indentations.

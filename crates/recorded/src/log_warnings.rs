@@ -27,8 +27,8 @@ const MIN_GAP_RATIO: f64 = 0.5;
 /// Two groups of contacts cause a warning only if the gap between the groups, relative to the largest gap within a
 /// group, is at least this large. The gaps within a group are gaps between strokes.
 const MIN_GAPS_RATIO: f64 = 2.0;
-/// Smallest ratio of the width of a group of contacts to its length (both root mean squares) for which the group does
-/// not count as a line.
+/// A group of contacts counts as a line if the ratio of its width to its length (both root mean squares) is below this
+/// value.
 const MIN_WIDTH_RATIO: f64 = 0.2;
 
 /// Text that lists the rows `rows`; if there are many, only the first of them.

@@ -52,7 +52,7 @@ pub struct PressOptions {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radial_scale: f64,
     /// Young's modulus of the soft body, force per squared length unit. If it is given, the output contains the force
-    /// and the peak pressure, which are proportional to it.
+    /// and the peak pressure, which are proportional to Young's modulus.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: Option<f64>,
     /// Unit of lengths, used if the header does not state it.

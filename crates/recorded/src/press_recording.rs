@@ -24,8 +24,9 @@ pub struct PressRecording {
 }
 
 impl PressRecording {
-    /// A press of the markers at `positions` on the skin. `normal` contains their inward displacements, and
-    /// `tangential` their displacements along the skin (if measured). Lengths are in `unit`.
+    /// The readings of a press, from arrays. `positions` contains the positions of the markers on the skin, `normal`
+    /// their inward displacements, and `tangential` their displacements along the skin (if measured). Lengths are in
+    /// `unit`.
     ///
     /// ```
     /// use palpate_recorded::PressRecording;

@@ -78,8 +78,8 @@ pub struct PressReport {
     /// Curvature 1/R_o of the object, positive if the object is convex (R_o is its radius).
     pub(super) object_curvature: Value,
     pub(super) object_radius: Radius,
-    /// Principal curvatures of the object, whose mean is then `object_curvature`; `null` unless the method is
-    /// `elliptic`.
+    /// Principal curvatures of the object; `null` unless the method is `elliptic`. The mean of the principal curvatures
+    /// is `object_curvature`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) principal: Option<Principal>,
     /// Contact regime of a press on an object with the estimated curvature.

@@ -39,8 +39,8 @@ pub(super) struct Table {
 
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// The indentation, its derivative with respect to the contact's radius, the force and the peak pressure; see
-    /// [`Pressure`].
+    /// Four results of [`Pressure`]: the indentation, the indentation's derivative with respect to the contact's
+    /// radius, and the integrals that determine the force and the peak pressure.
     pub(super) numbers: [f64; 4],
     pub(super) terms: Vec<Term>,
     pub(super) panels: Panels,

@@ -100,8 +100,8 @@ impl<V: View> Problem<'_, V> {
         })
     }
 
-    /// Changes of the markers' images, in standard deviations (whitened), if both discs of each marker move by a
-    /// pattern of displacements. There is one column per pattern.
+    /// Changes of the markers' images, in standard deviations (whitened), if both discs of each marker are additionally
+    /// displaced by a pattern of displacements. There is one column per pattern.
     fn patterns(&self, state: &State) -> Result<DMatrix<f64>, PressError> {
         let fit = self.fit;
         let slopes = self.by_displacements(&self.displaced(state)?)?;

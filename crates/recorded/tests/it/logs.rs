@@ -187,7 +187,8 @@ fn strokes_along_a_cylinder_are_open_across_it() {
     }
 }
 
-/// A finger may have recorded its contacts farther apart than the other fingers.
+/// The contacts of a finger are not left out only because this finger recorded its contacts farther apart than the
+/// other fingers.
 #[test]
 fn a_finger_with_long_steps_is_not_beside_its_path() {
     let mut noise = Stream::new(49, 0, Channel::Position);

@@ -293,7 +293,7 @@ fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
 
 /// Largest number of the study's cells in a row of panels.
 const MAX_PER_ROW: usize = 5;
-/// Number of the study's cells in a row of panels, if no swept field has so few values that they fit into one row.
+/// Number of the study's cells in a row of panels, if the values of no swept field fit into one row.
 const DEFAULT_PER_ROW: usize = 4;
 
 #[derive(Clone, Copy)]

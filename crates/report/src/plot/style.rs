@@ -1,4 +1,5 @@
-//! Colours and markers of series. The colours are those of Okabe and Ito; each series also has its own marker.
+//! Colours and markers of series. The colours are those of Okabe and Ito, which colour-blind readers can distinguish.
+//! Each series also has its own marker.
 
 pub(crate) use plotters::style::RGBColor as Colour;
 

@@ -1,4 +1,4 @@
-//! Tests the claims about patches with invented tables that agree with them or contradict them.
+//! Tests the claims about patches. The tables are invented: some agree with a claim, and others contradict it.
 
 use crate::fixture::{differs, holds, untestable};
 use crate::glides::{Made, cells, config, patches, study};

@@ -1,4 +1,4 @@
-//! Tests the claims about presses with invented tables that agree with them or contradict them.
+//! Tests the claims about presses. The tables are invented: some agree with a claim, and others contradict it.
 
 use crate::fixture::{Cells, Numbers, differs, holds, untestable};
 use crate::presses::{OBJECTS, config};
