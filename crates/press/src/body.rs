@@ -228,8 +228,9 @@ impl Body {
     ///
     /// # Errors
     /// [`PressError::EdgeContact`] or [`PressError::Conforming`] if the relative curvature is not positive,
-    /// [`PressError::NoIndentation`], [`PressError::TooDeep`] if the indentation reaches the thickness of a layer,
-    /// [`PressError::LayerTooThin`] and [`PressError::OutOfRange`] if the contact's radius cannot be computed.
+    /// [`PressError::NoIndentation`] if the indentation is not positive, [`PressError::TooDeep`] if the indentation
+    /// reaches the thickness of a layer, [`PressError::LayerTooThin`] and [`PressError::OutOfRange`] if the contact's
+    /// radius cannot be computed.
     pub fn press(
         &self,
         relative_curvature: f64,
@@ -317,8 +318,8 @@ impl Body {
 }
 
 impl Contact<'_> {
-    /// Displacement of a point of the skin. `r` is the distance of the point from the contact along the skin (length,
-    /// positive or negative). The displacement is 0 if `r` is NaN or beyond 1e50.
+    /// Displacement of a point of the skin. `r` is the distance of the point from the contact along the skin (length;
+    /// negative on the opposite side of the contact). The displacement is 0 if `r` is NaN or beyond 1e50.
     ///
     /// The relative error is at most 1e-11 for a half-space. For a layer, the documentation of [`Body::bonded_layer`]
     /// states the error.

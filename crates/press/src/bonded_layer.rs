@@ -30,7 +30,7 @@ use crate::body::Field;
 const MAX_RADIUS: f64 = 50.0;
 const STEPS: usize = 30;
 
-/// An incompressible layer on a rigid base, whose displacements are computed at one depth.
+/// An incompressible layer on a rigid base. Displacements are computed at one depth of the layer.
 #[derive(Clone, Debug)]
 pub(crate) struct BondedLayer {
     thickness: f64,
@@ -277,9 +277,9 @@ impl LayerContact {
         0.5 * self.numbers[3] * self.thickness
     }
 
-    /// Displacements at the distance `r` (positive or negative) from the contact, and their derivatives with respect to
-    /// `r` and the contact's radius. The displacements are 0 at the rigid base. Beyond 30 thicknesses from the
-    /// contact's edge, they are set to 0, because they are negligible there.
+    /// Displacements at the distance `r` from the contact (negative on the opposite side of the contact), and their
+    /// derivatives with respect to `r` and the contact's radius. The displacements are 0 at the rigid base. Beyond 30
+    /// thicknesses from the contact's edge, they are set to 0, because they are negligible there.
     pub(crate) fn field(&self, r: f64) -> Field {
         let r = r.abs() / self.thickness;
         if r.is_nan() || r > self.contact + reflection::BEYOND || self.depth == 1.0 {
@@ -302,8 +302,8 @@ impl LayerContact {
     }
 }
 
-/// An estimate of the contact's radius with an error of a few per cent. `root` is √(indentation / relative curvature).
-/// Lengths are relative to the thickness.
+/// Start value for the contact's radius, with an error of a few per cent. `root` is √(indentation / relative
+/// curvature). Lengths are relative to the thickness.
 fn guessed_contact(root: f64) -> f64 {
     let mut contact = root;
     for _ in 0..STEPS {

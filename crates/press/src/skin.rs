@@ -128,9 +128,9 @@ impl Skin {
     ///
     /// # Errors
     /// [`PressError::Conforming`] and [`PressError::EdgeContact`] if the relative curvature is not positive;
-    /// [`PressError::NoIndentation`]; [`PressError::TooDeep`] if the indentation reaches the sensor's centre or the
-    /// layer's base; [`PressError::TooWide`] if the contact would be wider than the sensor;
-    /// [`PressError::LayerTooThin`].
+    /// [`PressError::NoIndentation`] if the indentation is not positive; [`PressError::TooDeep`] if the indentation
+    /// reaches the sensor's centre or the layer's base; [`PressError::TooWide`] if the contact would be wider than the
+    /// sensor; [`PressError::LayerTooThin`] if the layer is too thin for the equations to be solved.
     pub fn contact<'b>(
         &self,
         body: &'b Body,

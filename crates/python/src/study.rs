@@ -66,7 +66,7 @@ impl Study {
         &self.study
     }
 
-    /// Copy of the study with another number of trials and another seed, if they are given.
+    /// Copy of the study with another number of trials and another seed; `None` keeps the value of the study.
     pub(crate) fn with(&self, trials: Option<u64>, seed: Option<u64>) -> PyResult<palpate::Study> {
         let mut study = palpate::Study::clone(&self.study);
         if let Some(trials) = trials {

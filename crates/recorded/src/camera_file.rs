@@ -16,12 +16,13 @@ use super::layout_matching::CAMERA;
 pub struct CameraEstimate {
     /// Unit of all lengths in this estimate.
     pub length_unit: LengthUnit,
-    /// Position of the camera relative to the sensor's centre (length). The first two coordinates are parallel to the
-    /// chart axes at the apex; the third is toward the apex.
+    /// Position of the camera relative to the sensor's centre (length). The first two coordinates are along the x and y
+    /// axes of the skin at the apex; the third is toward the apex.
     pub place: [f64; 3],
     /// Standard errors of the camera's position `place` (length).
     pub place_std: [f64; 3],
-    /// Rotation of the camera about the same three axes as in `place` (degrees).
+    /// Rotation of the camera (degrees) about three axes: the x and y axes of the skin at the apex, and the direction
+    /// toward the apex.
     pub turn_deg: [f64; 3],
     /// Standard errors of the camera's rotation `turn_deg`, degrees.
     pub turn_std_deg: [f64; 3],

@@ -43,7 +43,8 @@ const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
 
 pub(super) struct CameraPrior<'a> {
     pub(super) geometry: CameraGeometry,
-    /// Prior standard deviation of each sensor parameter. A [`Departure`] has entries in the same order.
+    /// Prior standard deviation of each sensor parameter, in the order of a [`Departure`], which contains the
+    /// differences between the sensor parameters and their nominal values.
     pub(super) stds: [f64; Departure::NUMBERS],
     /// Joint prior of the camera's parameters from a calibration: their differences from the nominal values, and the
     /// covariance of these differences. `None` without a calibration.
@@ -226,8 +227,9 @@ fn numbers(geometry: &CameraGeometry) -> [f64; CAMERA.len()] {
     [x, y, geometry.px_per_rad, a, b, c, d, e, f, k3, k5]
 }
 
-/// Factors that convert the camera entries of a [`Departure`] to the units of the camera parameters. In a `Departure`,
-/// the change of the scale is relative to `px_per_rad`, and angles are in rad.
+/// Factors that convert the camera entries of a [`Departure`] to the units of the camera parameters. A `Departure`
+/// contains the differences between the sensor parameters and their nominal values. In it, the change of the scale is
+/// relative to `px_per_rad`, and angles are in rad.
 fn scales(camera: &CameraEstimate) -> [f64; CAMERA.len()] {
     let mut scales = [1.0; CAMERA.len()];
     scales[2] = camera.px_per_rad;

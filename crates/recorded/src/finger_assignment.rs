@@ -9,7 +9,7 @@ const MIN_JUMP: f64 = 3.0;
 /// Steps separate the fingers only if the shortest step between two fingers is at least this many times as long as the
 /// longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;
-/// Advice at the end of notes that contacts may be assigned to the wrong fingers.
+/// Advice at the end of notes on how contacts were assigned to fingers, because the assignment may be wrong.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
 
 /// Returns the index of the finger of each contact, and a note on how the fingers were determined. If the file has

@@ -60,7 +60,7 @@ impl Frame {
         self
     }
 
-    /// The square in the middle of the frame. Its side is the shorter side of the frame.
+    /// The same frame, cut to the square in its middle. The side of the square is the shorter side of the frame.
     #[must_use]
     pub fn central_square(self) -> Self {
         let (width, height) = self.image.dimensions();

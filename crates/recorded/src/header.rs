@@ -84,7 +84,8 @@ impl<'a> Header<'a> {
         columns.iter().any(|column| self.assigned(column).is_some())
     }
 
-    /// Places of the columns in the file.
+    /// Places of the columns `columns` in the file; all of them are required. `may` contains optional columns, which
+    /// the error message also considers.
     ///
     /// If columns are missing, the message lists the missing columns and the columns of the file. It proposes a value
     /// of the setting `columns`, which assigns names in the file to missing columns.
@@ -342,8 +343,8 @@ impl<'a> Header<'a> {
         missing.iter().map(&mut pair_of).collect()
     }
 
-    /// Pair of names that assigns a column of the file to palpate's `column`. It contains a unit only if the file's
-    /// name states none.
+    /// Pair of names that assigns a column of the file to palpate's `column`. The pair contains a unit only if the
+    /// column's name in the file states none.
     fn pair_of(&self, column: &Column, index: usize) -> String {
         let heading = &self.headings[index];
         let states = heading.bracket.is_some() || suffix(heading, column).ok().flatten().is_some();

@@ -15,7 +15,8 @@ use palpate_estimators::{ImageModel, marker_image};
 
 /// Largest accepted difference between a disc parameter and its nominal value, in prior standard deviations.
 const MAX_DEPARTURE: f64 = 6.0;
-/// Indices of the disc parameters in a [`Departure`], with the names of the parameters in messages.
+/// Index of each disc parameter in a [`Departure`] (the list of all sensor parameters' differences from their nominal
+/// values), and the name of the parameter in messages.
 const DISCS: [(usize, &str); 10] = [
     (0, "depth of the magenta discs"),
     (1, "depth of the yellow discs"),
@@ -28,7 +29,8 @@ const DISCS: [(usize, &str); 10] = [
     (17, "transmission of green light by the yellow discs"),
     (18, "transmission of blue light by the yellow discs"),
 ];
-/// Indices of the camera parameters in a [`Departure`].
+/// Indices of the camera parameters in a [`Departure`], the list of all sensor parameters' differences from their
+/// nominal values.
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 const ROUNDS: usize = 4;
 /// Standard deviations of the four numbers of a marker's image in the rough fits, which come before the final fit: both
@@ -38,7 +40,8 @@ const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Two limits for the final round of matching: the smallest share of the layout's markers that must be found, and the
 /// largest share of found markers that do not belong to the layout.
 const SHARES: [f64; 2] = [0.66, 0.2];
-/// The same two shares as in [`SHARES`], but for the rough rounds of matching, which come before the final round.
+/// Two limits for the rough rounds of matching, which come before the final round: the smallest share of the layout's
+/// markers that must be found, and the largest share of found markers that do not belong to the layout.
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 /// Largest accepted median difference (turns) between the measured and the nominal hues of the markers.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
@@ -50,7 +53,8 @@ const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
 /// Start values of the camera's height that are tried in addition to the nominal height. They are differences from the
 /// nominal height, in prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
-/// Index of the camera's height (its position toward the apex) in a [`Departure`].
+/// Index of the camera's height (its position toward the apex) in a [`Departure`], the list of all sensor parameters'
+/// differences from their nominal values.
 const HEIGHT: usize = 9;
 const CAUSES: &str = "possible causes: the frame is from another layout or camera; its pixels are encoded by sRGB (then use setting `srgb`); the camera differs from `place`, `turn_deg` or `field_deg` of the study's `scene.sensor`; or the discs are misaligned by more than `scene.probe.discs.misalignment`";
 /// Maximum number of fits. Each fit starts at the result of the previous fit.

@@ -18,7 +18,8 @@ const CAMERA_STDS: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
 /// Prior standard deviations of the odd terms of a lens, k3 and k5. The terms of all usual fisheye projections, from
 /// orthographic to stereographic, differ from 0 by at most two of these standard deviations.
 pub(super) const TERM_STDS: [f64; 2] = [0.1, 0.05];
-/// Indices of the odd terms k3 and k5 of the lens in a [`Departure`].
+/// Indices of the odd terms k3 and k5 of the lens in a [`Departure`], the list of all sensor parameters' differences
+/// from their nominal values.
 pub(super) const TERMS: [usize; 2] = [19, 20];
 /// Prior standard deviations of disc parameters, used if the study states none: depth (as a share of the sensor's
 /// radius), diameter (relative) and colours (relative).
@@ -47,7 +48,8 @@ pub(super) struct CameraGeometry {
     pub(super) centre_px: [f64; 2],
     pub(super) px_per_rad: f64,
     pub(super) place: [f64; 3],
-    /// Rotation of the camera about the same three axes as in `place`, degrees.
+    /// Rotation of the camera (degrees) about three axes: the x and y axes of the skin at the apex, and the direction
+    /// toward the apex.
     pub(super) turn_deg: [f64; 3],
     pub(super) odd_terms: OddTerms,
 }

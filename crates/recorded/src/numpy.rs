@@ -483,7 +483,7 @@ pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
     Ok(members)
 }
 
-/// A number of `size` bytes; the first byte is the lowest (little-endian).
+/// A number of `size` bytes; the first byte is the lowest (little-endian). `None` if `bytes` is too short.
 fn number(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
     let bytes = bytes.get(at..at + size)?.iter().rev();
     Some(bytes.fold(0, |number, &byte| number << 8 | usize::from(byte)))

@@ -232,7 +232,7 @@ const MAX_NOISE: f64 = 0.2;
 type Change = fn([f64; 2]) -> [f64; 2];
 
 /// Text about a likely mistake in the displacements along the skin: swapped columns or a wrong sign. The displacements
-/// are checked only if the fit has misfits or large residuals.
+/// are checked only if the fit has misfits or large residuals. `None` if no mistake is likely.
 pub(super) fn swapped_columns(
     fit: &ForwardFit,
     reading: &Reading<'_>,

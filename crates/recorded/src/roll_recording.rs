@@ -11,7 +11,8 @@ use super::reading_table::ExtraColumns;
 use super::roll_series::SeriesReadings;
 use super::source::{ReadingSource, copies, finite, same_length};
 
-/// Largest number of rolls for which all pairs are compared. For more rolls, a hash table is faster.
+/// Largest number of rolls for which repeated rolls are found by comparing all pairs. For more rolls, a hash table is
+/// faster.
 const MAX_COMPARED: usize = 32;
 
 /// Recorded readings of rolls.
@@ -167,7 +168,7 @@ impl RollRecording {
         self.rows = rows.collect();
     }
 
-    /// Number of a reading's probe in the file or, for arrays, index of the probe.
+    /// Number of the probe to which a reading belongs, as the file states it; for arrays, the index of the probe.
     pub(super) fn probe(&self, reading: usize) -> u64 {
         self.probes.get(reading).copied().unwrap_or(reading as u64)
     }

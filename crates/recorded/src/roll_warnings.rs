@@ -16,8 +16,8 @@ use super::single_direction::DirectedCurvature;
 /// R_probe/R_object. If it is larger, the rotations are probably in degrees, and there is a warning.
 const MAX_TURN_RATIO: f64 = 25.0;
 /// Smallest accepted ratio of a probe's rotation to the rotation that causes the same shift on a plane. If the ratio is
-/// smaller, there is a warning, because the rotations are probably in rad although the header states degrees.
-/// Otherwise, such a small ratio occurs only in a dish that is hardly wider than the probe.
+/// smaller, there is a warning, because the rotations are probably in rad although the header states degrees. With
+/// correct units, such a small ratio occurs only in a dish that is hardly wider than the probe.
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 
 /// Significance level below which a fit of time series is reported as poor.

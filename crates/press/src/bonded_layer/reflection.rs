@@ -28,7 +28,7 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
     2.0 * q * (1.0 + 2.0 * h + 2.0 * h * h + q) / ((1.0 + q) * (1.0 + q) + 4.0 * h * h * q)
 }
 
-/// The wavenumber beyond which the result of [`at_surface`] is negligible.
+/// The wavenumber beyond which the effect of the rigid base on displacements at the surface is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
 /// The difference between the displacements of layer and half-space at the depth `depth`, for one wavenumber: the
@@ -48,7 +48,7 @@ fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     [decay * normal / denominator, decay * radial / denominator]
 }
 
-/// The wavenumber beyond which the result of [`at_depth`] is negligible at the depth `depth`.
+/// The wavenumber beyond which the effect of the rigid base on displacements at the depth `depth` is negligible.
 fn reach_at(depth: f64) -> f64 {
     NEGLIGIBLE / (2.0 - depth)
 }
@@ -68,7 +68,8 @@ pub(super) struct Waves {
     pressure: Pressure,
     depth: f64,
     resolution: f64,
-    /// Sums over wavenumbers, for increasing distances. Each sum is computed when it is first needed.
+    /// Sums over wavenumbers. Each sum is accurate up to a larger distance than the previous sum, and is computed when
+    /// it is first needed.
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
 

@@ -81,7 +81,7 @@ fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     interval.high.map_or(corrected, |high| corrected.min(high))
 }
 
-/// Step of the second differences of the model, in standard errors of the fit parameters.
+/// Step of the fit parameters, in their standard errors, for second differences of the model.
 const STEP: f64 = 0.3;
 
 /// Relative bias of the estimated relative curvature, to first order. It is the bias of the logarithm of the curvature

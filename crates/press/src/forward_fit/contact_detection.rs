@@ -44,8 +44,7 @@ impl Problem<'_> {
 }
 
 /// Returns an error if the contact with the fit parameters `state` does not decrease chi-squared enough to count as
-/// detected. If only one
-/// marker moved significantly, returns the number of this marker.
+/// detected. If only one marker moved significantly, returns the number of this marker, otherwise `None`.
 ///
 /// # Errors
 /// [`PressError::NoContact`], or [`PressError::OtherBody`] if the markers moved significantly.

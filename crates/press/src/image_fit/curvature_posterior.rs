@@ -14,8 +14,8 @@ use crate::unknowns::{CURVATURE, Square, State, Unknowns};
 /// Step of the logarithm of the curvature for a numerical derivative, in standard errors. All other fit parameters are
 /// changed with the curvature such that chi-squared stays minimal.
 const STEP: f64 = 0.3;
-/// Largest variance of the logarithm of the curvature for which the mean is computed. If the variance is larger, the
-/// images only determine the order of magnitude of the curvature.
+/// Largest variance of the logarithm of the curvature for which the posterior mean of the curvature is computed. If the
+/// variance is larger, the images only determine the order of magnitude of the curvature.
 const MAX_VARIANCE: f64 = 1.0;
 /// Largest difference between mean and mode of the curvature, in standard errors, for which the formula of the mean is
 /// used. For larger differences, the expansion is not valid.

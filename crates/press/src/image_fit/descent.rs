@@ -140,7 +140,8 @@ impl<V: View> Resting<'_, V> {
     }
 
     /// Noise variance of the residuals, relative to the stated variances. It is the median over the markers of the mean
-    /// squared residual, so up to half of the markers may be outliers.
+    /// squared residual, so up to half of the markers may be outliers. `None` if the sensor parameters `state` are
+    /// impossible.
     fn variance_at(&self, state: &State) -> Option<f64> {
         let pictures = self.pictures(state)?;
         let costs = self.own_costs(state, &pictures);

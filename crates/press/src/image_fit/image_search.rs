@@ -34,7 +34,8 @@ const MIN_IMPROVEMENT: f64 = 16.0;
 /// Largest standard error of the logarithm of the curvature for which a bad fit still counts as a contact. If the
 /// standard error is larger, the images are compatible with objects of any sharpness.
 const MAX_LOG_STD: f64 = 10.0;
-/// A rough fit stops if the next step is predicted to decrease chi-squared by less than this value.
+/// A preliminary fit, from whose result a more accurate fit starts, stops if the next step is predicted to decrease
+/// chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-1;
 const EXACTLY: f64 = 1e-6;
 

@@ -72,8 +72,9 @@ fn rolls() -> Vec<(Vector3<f64>, [f64; 2])> {
         .collect()
 }
 
-/// Table of rolls, as text. Each row contains a probe, a time (only in time series), a rotation and a position. `start`
-/// is the orientation of the probe at the start of each roll.
+/// Table of rolls, as text. Each row contains a probe, a time (only in time series), a rotation and a position. If
+/// `start` is given, the table contains time series, and `start` is the orientation of the probe at the start of each
+/// roll. With `None`, the table has one row per roll.
 fn table(header: &str, start: Option<UnitQuaternion<f64>>, write: Write) -> String {
     let mut table = format!("{header}\n");
     for (probe, (turned, [u, v])) in rolls().into_iter().enumerate() {
@@ -218,7 +219,7 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     same(followed(&swapped), "swapped");
 }
 
-/// Each row is for one time. It contains the orientations and contacts of all probes side by side.
+/// Each row of the table is for one time. It contains the orientations and contacts of all probes side by side.
 #[test]
 fn wide_tables_hold_rotations_of_several_probes() {
     for (parts, write) in [

@@ -279,7 +279,7 @@ fn poses_of_tips_need_their_radius() {
     );
 }
 
-/// Each row is for one time. It contains the columns of three fingers side by side.
+/// Each row of the table is for one time. It contains the columns of three fingers side by side.
 #[test]
 fn wide_tables_hold_several_fingers() {
     let expected = glide(BALL, "").unwrap();
