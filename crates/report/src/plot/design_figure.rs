@@ -105,8 +105,8 @@ pub struct DesignMap {
 pub struct MapPanel {
     /// Text with the panel's values of the further varied fields; may be empty.
     pub title: String,
-    /// Each value of the other field, in ascending order, with the ranges of the searched field as in
-    /// [`DesignCurve::runs`].
+    /// Each value of the other field, in ascending order, with the ranges of the searched field that meet or miss the
+    /// target at this value.
     pub columns: Vec<(f64, Vec<Stretch>)>,
     /// Point with the best value of the searched field: first the value of the other field, then the best value. `None`
     /// if the best value belongs to another panel, or if there is none.

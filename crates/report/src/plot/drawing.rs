@@ -192,7 +192,8 @@ impl Drawing {
         named
     }
 
-    /// The image as PNG data on a white background. It is drawn larger by the factor `DETAIL`, and then reduced.
+    /// The image as PNG data on a white background. It is drawn larger by the factor `DETAIL` and then reduced, so that
+    /// edges are smooth.
     #[cfg(feature = "png")]
     fn png(&self) -> Result<Vec<u8>, String> {
         use plotters::backend::BitMapBackend;
