@@ -25,7 +25,7 @@ use crate::{Contact, HeldAxis, Motion};
 
 /// Number of state components: the chart parameters `u₁, v₁` on the probe and `u₂, v₂` on the object, the contact angle
 /// ψ, an angle φ, and the arc length of the path. φ is the angle from the probe's Gauss frame (whose x axis is along a
-/// coordinate line of the chart) to the frame in which the motion is steady.
+/// coordinate line of the chart) to the frame in which the components of the probe's motion are constant.
 pub(crate) const STATE: usize = 7;
 
 pub(crate) struct ChartForm<'a, S> {
@@ -38,7 +38,8 @@ pub(crate) struct ChartForm<'a, S> {
 }
 
 impl<'a, S: Surface> ChartForm<'a, S> {
-    /// The contact equations for `motion`, and the initial state, in which the bodies touch at the contact `from`.
+    /// Returns the contact equations for `motion`, with the state at the start of the motion, when the bodies touch at
+    /// the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

@@ -23,13 +23,13 @@ use crate::roller::Bodies;
 use crate::{Contact, Motion};
 
 /// Number of state components: x and y of the contact on the object; x and y of the axis `x₁` of the contact frame; the
-/// quaternion `w, i, j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and
-/// an unused component (an even number of components is faster).
+/// quaternion `w, i, j, k` from the contact frame to the probe's body frame; z of `x₁`; z of the contact; the arc
+/// length; and an unused component (an even number of components is faster).
 const STATE: usize = 12;
 /// Number of leading state components on which the derivative of the state depends, if the object is a general surface.
 pub(crate) const OF_SPACE: usize = 10;
 /// Number of leading state components on which the derivative of the state depends, if the object is a graph z = f(x,
-/// y). The derivative does not depend on the height of the contact there.
+/// y). On a graph, the derivative does not depend on the contact's height, which is the next component.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
@@ -42,7 +42,8 @@ pub(crate) struct ChartFree<'a, S, const READ: usize> {
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// The contact equations for `motion`, and the initial state, in which the bodies touch at the contact `from`.
+    /// Returns the contact equations for `motion`, with the state at the start of the motion, when the bodies touch at
+    /// the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

@@ -1,8 +1,8 @@
 //! Clearance: the distance between a rolling probe and the parts of the object beside the contact.
 //!
-//! A hill beside the path may extend into the probe, although the curvatures at the contact point are possible. To
-//! detect this, the heights of the object are sampled once along a path of the probe. Searches from the samples nearest
-//! to the probe then find the closest points of the object.
+//! The curvatures at the contact point do not show whether a hill beside the contact extends into the probe. To detect
+//! this, the heights of the object are sampled once along a path of the probe. Searches from the samples nearest to the
+//! probe then find the closest points of the object.
 
 use std::collections::HashMap;
 
@@ -39,9 +39,9 @@ pub struct Terrain {
     spacing: f64,
 }
 
-/// A sample of the roll: the time, the distance that the probe's centre has travelled (in probe radii), and the
-/// clearance. The clearance is the distance (length) from the probe to the nearest examined part of the object beside
-/// the contact.
+/// One instant of a roll: its time, the distance that the probe's centre has travelled (in probe radii), and the
+/// clearance, which is the distance (length) between the probe and the nearest part of the object beside the contact.
+/// Parts that are far from the probe are not examined.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     time_s: f64,
@@ -53,8 +53,8 @@ struct Sample {
 #[derive(Clone, Copy, Debug)]
 struct Start {
     place: Vector2<f64>,
-    /// Whether the place lies on a steep wall. The search may then end at a point beside the wall, so the place itself
-    /// is tested too.
+    /// Whether the place lies on a steep wall. A search that starts on a wall may end at a point beside the wall, so
+    /// the place itself is tested too.
     is_on_wall: bool,
 }
 
@@ -92,8 +92,9 @@ impl Terrain {
         tile.map_or(f64::NAN, |heights| heights[index as usize])
     }
 
-    /// Points within `reach` of `centre` where searches for closest points start: samples that are nearer to the
-    /// centre than all their neighbours, and points on walls between neighbours.
+    /// Places at which searches for the object's closest points to the probe start. They are within `reach` of the
+    /// probe's centre `centre`: height samples that are nearer to the centre than all their neighbours, and points on
+    /// walls between two neighbouring samples.
     fn starts(&self, object: &Shape, centre: &Point3<f64>, reach: f64) -> Vec<Start> {
         let range = |axis: usize| {
             let end = |end: f64| ((centre[axis] + end) / self.spacing) as i64;
@@ -188,8 +189,8 @@ impl Roller {
         self.object().may_touch_twice(self.probe().radius())
     }
 
-    /// Heights of the object around a roll by `motions`. The sampled area is wide enough for all rolls that deviate
-    /// from this roll by up to `margin` (length).
+    /// Heights of the object below and beside a roll by `motions`. The sampled area is wide enough for all rolls whose
+    /// distance from this roll is at most `margin` (length).
     ///
     /// # Errors
     /// [`RollError`] if the roll ends early.
@@ -291,8 +292,8 @@ impl Roller {
         })
     }
 
-    /// The contact and the centre of the probe at `time_s`. Integration errors may have moved the contact off the
-    /// surface, so it is projected back onto the object.
+    /// The contact and the centre of the probe at `time_s`. The contact is projected onto the object's surface, because
+    /// integration errors may have moved it off the surface.
     fn centre(&self, motions: &[Motion], time_s: f64) -> Result<(Contact, Point3<f64>), RollError> {
         let mut contact = self.roll(&until(motions, time_s))?;
         let Point3 { coords } = contact.on_object;

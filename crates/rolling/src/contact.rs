@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{Surface, SurfaceError};
 
-/// A contact: its positions on both bodies, and the contact frame in which the motion is steady.
+/// A contact: its positions on both bodies, and the contact frame in which the components of a steady motion are
+/// constant.
 ///
 /// ```
 /// use nalgebra::Point3;
@@ -93,10 +94,9 @@ impl Contact {
         (vectors.sum() + turn + self.arc_length).is_finite()
     }
 
-    /// The displacement on a probe of `radius` from `first` to this contact.
-    ///
-    /// Beyond half a turn, the result is the displacement along the shorter way around the probe, because a sensor
-    /// would measure this displacement.
+    /// The displacement on a probe of `radius` from `first` to this contact, along the shortest great circle, as a
+    /// sensor measures it. If the contact has moved by more than half a turn, this displacement leads the other way
+    /// around the probe.
     pub fn shift_from(&self, first: &Self, radius: f64) -> Shift {
         let in_first_frame = first.body_from_contact.inverse() * self.probe_direction();
         Shift {

@@ -41,8 +41,8 @@ impl Chart {
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object for this state. The result also exists for some states for which the method
-    /// `contact` returns an error.
+    /// The contact point on the object for this state. Unlike the method `contact`, this method also returns a point
+    /// for some invalid states, so that an error message can state where a roll ended.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 

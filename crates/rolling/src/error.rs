@@ -18,7 +18,8 @@ pub enum RollFault {
         relative_curvature = Number(*relative_curvature)
     )]
     Conforming {
-        /// The smaller eigenvalue of the relative curvature `K₁ + K̃₂` (1/length).
+        /// The smaller eigenvalue of the relative curvature (1/length), which is the sum of the curvature forms of
+        /// probe and object.
         relative_curvature: f64,
     },
     /// A part of the object beside the contact extends into the probe. [`RollError::on_object`] is then the deepest

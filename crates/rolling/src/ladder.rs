@@ -11,12 +11,14 @@ use crate::meridian::MeridianRung;
 use crate::roller::Bodies;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
-/// Error bound of the model "closed form", relative to the contact's length scale (displacement per radian of rolling).
+/// Error bound of the model "closed form". Errors of positions are divided by the contact's length scale, which is its
+/// displacement per radian of rolling.
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
-/// Error bound of the meridian model, relative to the contact's length scale (displacement per radian of rolling).
+/// Error bound of the meridian model. Errors of positions are divided by the contact's length scale, which is its
+/// displacement per radian of rolling.
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
-/// Tolerance of a step divided by the tolerance of a whole roll. It is below 1, because the errors of steps may grow
-/// during a roll.
+/// Tolerance of a single step divided by the tolerance of a whole roll. It is below 1, because the error of a step may
+/// grow during the rest of the roll.
 const STEP_SHARE: f64 = 0.1;
 /// Smallest tolerance of a step of DOP853.
 const MIN_STEP_TOLERANCE: f64 = 1e-15;
@@ -88,8 +90,8 @@ pub(crate) const fn dop853_method(tolerance: f64) -> Method {
     })
 }
 
-/// The integrator for motions that the chosen model (closed form or meridian) cannot compute. The rolls for which the
-/// model was chosen, which have no noise, contain no such motion.
+/// The integrator for motions that the chosen model (closed form or meridian) cannot compute. Such motions arise only
+/// from noise, because the model was chosen for the rolls without noise.
 pub(crate) const FALLBACK: Integration = Integration {
     method: dop853_method(MERIDIAN_ERROR),
     chart: Chart::Free,

@@ -18,11 +18,10 @@ const RELATIVE_COST: f64 = 1.5;
 /// Numbers of steps per motion that are tried for RK4, in ascending order of the cost.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// To choose a model, all rolls are integrated several times. This is the largest number of evaluations of the contact
-/// equations in one integration of all rolls, if the rolls have few motions.
+/// Largest number of evaluations of the contact equations in one integration of all rolls, when the errors of models
+/// are measured. Longer rolls are not measured, because this would take too long.
 const MAX_EVALUATIONS: usize = 20_000;
-/// If the rolls have many motions, one integration of all rolls may need up to this number of evaluations per motion,
-/// if this is more than [`MAX_EVALUATIONS`] in total.
+/// If the rolls have many motions, the limit is larger than [`MAX_EVALUATIONS`]: this number of evaluations per motion.
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -106,7 +105,7 @@ impl Roller {
 pub(crate) enum Unmeasured {
     /// A roll cannot begin, or it ends before all of its motions are complete.
     Ends,
-    /// The rolls need more evaluations of the contact equations than are allowed during the choice of a model.
+    /// Measuring the errors on these rolls would need more evaluations of the contact equations than are allowed.
     TooLong,
 }
 
@@ -142,7 +141,8 @@ impl Setting<'_> {
     /// without noise is within the tolerance. If no integrator meets the tolerance, the result is DOP853 with the
     /// tolerance of the reference integration.
     ///
-    /// For DOP853, the largest tolerance that is small enough is also the cheapest, even for rolls with noise.
+    /// Of all tolerances with which DOP853 meets the required tolerance, the largest is the cheapest, also for rolls
+    /// with noise.
     pub(crate) fn cheapest_integrator(
         &self,
         tolerance: f64,

@@ -24,8 +24,8 @@ const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
-    /// The meridian of an object that is a surface of revolution about the apex, so that its meridian is the same in
-    /// every direction; `None` for other objects.
+    /// The meridian of an object that is a surface of revolution about the apex. All its meridians are equal, so one is
+    /// stored. `None` for other objects.
     revolved: Option<Meridian>,
     /// The sections of the object along the x and y axes of the contact frame; `None` for an axis along which the
     /// object is not symmetric.
@@ -181,7 +181,8 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     None
 }
 
-/// First estimate, for Halley's method, of the slope at which the probe has turned by `theta`.
+/// First estimate of the slope of the parabola at which the probe has turned by `theta`. Halley's method starts from
+/// this estimate.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
     // With σ = `sign` and the slope q, the equation of `along_parabola` is θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 −
     // a/40) q⁵ + …. The first terms of the inverse of this series give q.
@@ -215,8 +216,8 @@ impl Bracket {
         }
     }
 
-    /// Narrows the bracket of the root by the sign of the function's value `excess`, and moves the estimate of the root
-    /// by `−step`, but not out of the bracket.
+    /// Narrows the bracket of the root, using the sign of the function's value `excess`. Then moves the estimate of the
+    /// root by `−step`, but not out of the bracket.
     fn step(&mut self, excess: f64, step: f64) {
         if excess > 0.0 {
             self.high = self.at;

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
 
-/// Tolerances that a search for a sufficiently small tolerance tries, largest first.
+/// Tolerances that are tried, from the largest to the smallest, until one of them is accurate enough.
 pub const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
@@ -20,7 +20,7 @@ pub enum Model {
         /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
         /// [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
-        /// Form of the contact equations, which is used if the chosen model is an integrator.
+        /// Form of the contact equations that is used if the chosen model is an integrator.
         chart: Chart,
     },
     /// Exact formulas for the contact. [`crate::Roller::new`] returns an error if there are no exact formulas for the

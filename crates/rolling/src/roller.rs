@@ -9,8 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// If the relative curvature, divided by the probe's curvature, is below this limit, the reported cause of a singular
-/// motion is that the bodies conform.
+/// Limit for the relative curvature, divided by the probe's curvature. If a motion is singular and the relative
+/// curvature is below this limit, the reported error is that the bodies conform.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -57,8 +57,8 @@ impl<'a, S> Bodies<'a, S> {
 }
 
 impl<S: Surface> Bodies<'_, S> {
-    /// The cause of a fault. If the bodies conform, the contact moves infinitely fast, so the integrator reports a
-    /// singular motion; the cause is then that the bodies conform.
+    /// Replaces the fault `fault` by its cause, if this is known. If the bodies conform, the contact moves infinitely
+    /// fast, so the integrator reports a singular motion. The cause is then [`RollFault::Conforming`].
     pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
         if fault == RollFault::Singular
             && let Ok(contact) = last

@@ -10,8 +10,7 @@ use crate::{Contact, Motion, RollError, Roller};
 
 /// Largest accepted error of the interpolated path, relative to the probe's radius.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
-/// Contacts are computed at instants called nodes. This is the smallest number of intervals between the nodes of a
-/// motion.
+/// Smallest number of intervals between the nodes of a motion. Nodes are the instants at which contacts are computed.
 const MIN_INTERVALS: usize = 4;
 const MAX_INTERVALS: usize = 128;
 
@@ -107,7 +106,7 @@ impl Roller {
         Numbers::from([shift.x, shift.y, turned.x, turned.y, turned.z])
     }
 
-    /// Whether the contact at any instant of the motion can be computed by exact formulas, without interpolation.
+    /// Whether exact formulas return the contact at any instant of the motion, so that no interpolation is needed.
     fn is_quick(&self, motion: &Motion) -> bool {
         let is_plain = !motion.spins() && !motion.slides();
         is_plain
@@ -190,7 +189,7 @@ impl Roller {
     }
 }
 
-/// The instant of a Chebyshev node, as a fraction of the motion's duration.
+/// The instant of the Chebyshev node with the index `node`, as a fraction of the motion's duration.
 fn fraction(node: usize, intervals: usize) -> f64 {
     let sine = libm::sin(0.5 * PI * node as f64 / intervals as f64);
     sine * sine

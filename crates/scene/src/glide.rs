@@ -1,4 +1,4 @@
-//! A glide: fingers slide over a patch. The method EP2 estimates the curvature of the patch.
+//! A glide: fingers slide over a patch. The curvature of the patch is estimated from their contacts.
 
 mod fingertip_sensor;
 mod glide_plan;

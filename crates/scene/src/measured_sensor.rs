@@ -18,8 +18,8 @@ pub struct MeasuredSensor {
 }
 
 impl MeasuredSensor {
-    /// Quantities that are computed for the sensor of a config. Folding strains are included if the skin is cut into
-    /// gores, and the marker area is included if the markers have discs.
+    /// Quantities that are computed for the sensor of a config: folding strains if the skin is made from gores (flat
+    /// pieces), and the marker area if the markers consist of discs.
     pub(crate) fn quantities_of(probe: &PressProbeConfig) -> &'static [Quantity] {
         let sphere = MarkerSphere::of(probe);
         let all: &'static [Quantity] = &[

@@ -1,4 +1,4 @@
-//! Flat pattern from which the skin of a sensor is cut.
+//! The flat pattern from which the skin of a sensor is cut.
 
 use palpate_chromatouch::{FoldStrain, Layout, Pattern, PatternError};
 use palpate_study::config::{

@@ -26,7 +26,7 @@ pub use trial::PressScene;
 /// Reason why a press or one of its trials has no estimate.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 pub enum PressFailure {
-    /// The press is impossible, or no press fits its readings.
+    /// The press is impossible, or no simulated press agrees with the readings.
     #[error(transparent)]
     #[strum(transparent)]
     Press(#[from] PressError),

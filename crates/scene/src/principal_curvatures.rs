@@ -1,12 +1,13 @@
-//! Principal curvatures, their direction and the radius: quantities of rolls and glides that only some configs list.
+//! Principal curvatures, their direction and the radius. Rolls and glides report these quantities only if the config
+//! has `principal_curvatures`.
 
 use palpate_geometry::{CurvatureForm, UNKNOWN_DIRECTION_STD};
 use palpate_statistics::HALF_WIDTHS;
 use palpate_study::Quantity;
 use palpate_sweep::{Observation, Summary};
 
-/// Principal curvatures that differ by less than this share have no directions, because the object is nearly a sphere
-/// there. On a sphere, rounding causes such differences.
+/// If the two principal curvatures differ by less than this share, the object is nearly a sphere at this point, and the
+/// curvatures have no directions. On a sphere, rounding errors cause such small differences.
 const UMBILIC_TOLERANCE: f64 = 1e-9;
 
 /// Curvatures at a point of the object, either true or estimated.
@@ -136,8 +137,9 @@ pub(crate) fn finite(value: f64) -> Option<f64> {
 const MIN_DEVIATIONS: f64 = 4.0;
 
 /// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign
-/// of the inverted quantity. The inverse of a Gaussian number has no mean and no standard deviation: a computed mean
-/// would depend on the few trials nearest to 0. Quantiles of inverse quantities are kept, because they are defined.
+/// of the inverted quantity. The inverse of a Gaussian number has no mean and no standard deviation: a mean over trials
+/// would depend on the few trials in which the inverted quantity is nearest to 0. Quantiles of inverse quantities are
+/// kept, because they are defined.
 pub fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
     for (place, quantity) in quantities.iter().enumerate() {
         let Some(inverted) = quantity.inverse_of(quantities) else {

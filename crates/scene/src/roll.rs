@@ -1,5 +1,5 @@
-//! A roll: probes roll on an object from a first contact. The method EP1 estimates the curvature of the object at the
-//! first contact.
+//! A roll: probes roll on an object from a first contact. The curvature of the object at the first contact is estimated
+//! from the rotations of the probes and the displacements of their contacts.
 
 mod linear_rolls;
 mod motion_noise;

@@ -155,8 +155,8 @@ pub trait Scenes {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of the grid point with the number `cell`, with the model of the ladder's rung `rung` instead of
-    /// the model in the config.
+    /// Builds the scene of the grid point with the number `cell`, but with the model `rung` of its ladder (the list of
+    /// models that can compute it) instead of the model in the config.
     ///
     /// # Errors
     /// The errors of [`Scenes::scene`]. The error is at `scene.model` if the model cannot simulate the scene.
@@ -292,8 +292,8 @@ pub trait Trials {
         self.trial(trial, observe).map(|()| Vec::new())
     }
 
-    /// True value of the quantity with the index `quantity`; `None` if the true value differs between the points of the
-    /// scene, such as the grid points of a patch.
+    /// True value of the quantity with the index `quantity`; `None` if this value is not the same at all points of the
+    /// scene, for example at all grid points of a patch.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
     /// Name of the true shape class of the patch: the class of more than half of its points. `None` if there is no such

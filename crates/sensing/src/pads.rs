@@ -67,7 +67,7 @@ enum Tiling {
     Uniform(UniformLattice),
 }
 
-/// Position and orientation of the array of pads relative to a first contact.
+/// Position and orientation of the array of pads relative to the first contact of a roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadPlacement(Placement);
 
@@ -75,7 +75,7 @@ pub struct PadPlacement(Placement);
 enum Placement {
     /// For a square grid: offset of the first contact from the centre of the nearest pad, in pitches.
     Square(Vector2<f64>),
-    /// For hexagonal pads: position of the first contact in the lattice of pads, in pitches.
+    /// For hexagonal pads: position of the first contact relative to the centre of a pad, in pitches.
     Hexagonal(Vector2<f64>),
     /// For a uniform lattice: rotation from the contact frame to the lattice's frame, and direction of the pad at the
     /// first contact.
@@ -136,9 +136,9 @@ impl Pads {
         self.pitch
     }
 
-    /// Position error that these pads cause at the start and at the end of a shift, divided by the position error of
-    /// square pads with the same pitch. The first number is the ratio of the standard deviations per axis, the second
-    /// the ratio of the largest errors along an axis.
+    /// Two ratios that compare these pads with square pads of the same pitch: the ratio of the standard deviations of
+    /// the position error (per axis), and the ratio of the largest position errors (along an axis). The position error
+    /// is that at the start or at the end of a shift.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
             // A reading of a hexagonal pad has the error variance 5/72 pitch² per axis; of a square pad, 1/12 pitch².

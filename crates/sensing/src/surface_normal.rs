@@ -29,7 +29,8 @@ impl NormalError {
     }
 
     /// The measured unit normal for the true unit normal `normal`. The two tilt angles are the components of a
-    /// displacement along a great circle (exponential map), so tilts of any size are valid. Draws two random numbers.
+    /// displacement along a great circle (exponential map), so tilts by any angle are possible. Draws two random
+    /// numbers.
     #[inline]
     pub fn read(&self, stream: &mut Stream, normal: &Vector3<f64>) -> Vector3<f64> {
         if !self.is_random() {

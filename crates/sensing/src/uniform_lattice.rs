@@ -67,8 +67,8 @@ impl UniformLattice {
         Vector3::new(sine * cos, sine * sin, 1.0 - below)
     }
 
-    /// Index of the pad that is nearest to the unit vector `direction`. If `direction` has another length, the result
-    /// is arbitrary.
+    /// Index of the pad that is nearest to the unit vector `direction`. If the length of `direction` is not 1, the
+    /// result is arbitrary.
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;

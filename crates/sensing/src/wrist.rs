@@ -13,8 +13,8 @@ pub struct Wrist {
 }
 
 impl Wrist {
-    /// A sensor on a fingertip of `radius`. `std` (length) is the standard deviation of the contact point along each
-    /// tangent direction.
+    /// A sensor on a fingertip of `radius`. `std` (length) is the standard deviation of the inferred contact point
+    /// along each tangent direction.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless `0 < radius <= 1e300`, and `std` is at least 0 and at most 1e150 radii.
@@ -30,7 +30,8 @@ impl Wrist {
     }
 
     /// Standard deviation (length), along each tangent direction, of the displacement between two inferred contact
-    /// points. The errors of the first and the last contact point are independent.
+    /// points. It is √2 times the standard deviation of a single point, because the errors of both points are
+    /// independent.
     pub fn shift_std(&self) -> f64 {
         std::f64::consts::SQRT_2 * self.std
     }

@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::{chi_squared_tail, ratio_tail};
 
 /// A pattern is tested only if changes of the model's parameters leave more than this share of the pattern unexplained.
-/// A smaller remainder may be caused by the model's nonlinearity. For patterns that contain noise, use a larger limit.
+/// A smaller unexplained part may be due to the model's nonlinearity. Use a larger limit for patterns that contain
+/// noise.
 pub const LEFT: f64 = 0.02;
 
 /// Decrease of a fit's chi-squared, to first order, if the amplitudes of patterns in the residuals are fitted in
@@ -23,9 +24,9 @@ impl Explained {
     /// The decrease of a fit's chi-squared if the amplitudes of patterns are fitted too. Patterns and residuals are
     /// divided by the standard deviations of the readings. The remainder of a pattern is the part that the fitted
     /// parameters do not explain. `squares` are the squared norms of the patterns, `left` the inner products of all
-    /// pairs of remainders, and `by_residuals` the inner products of the remainders with the residuals. Combinations of
-    /// patterns are skipped if their remaining share is smaller than `least` (usually [`LEFT`]). If a number is not
-    /// finite, all patterns are skipped.
+    /// pairs of remainders, and `by_residuals` the inner products of the remainders with the residuals. A combination
+    /// of patterns is skipped if its remainder is less than the share `least` (usually [`LEFT`]) of the combination. If
+    /// a number is not finite, all patterns are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -77,8 +78,8 @@ impl Explained {
 }
 
 /// The number of the hypothesis with the smallest p-value, and this p-value multiplied by the number of hypotheses
-/// (Bonferroni). `chances` are pairs of a hypothesis's number and its p-value. A hypothesis is, for example, that the
-/// roll with this number is an outlier. Without hypotheses, the result is (0, 1).
+/// (Bonferroni). `chances` are pairs of a hypothesis's number and its p-value. An example of a hypothesis: the roll
+/// with this number is an outlier. Without hypotheses, the result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());

@@ -88,8 +88,8 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     .clamp(0.0, 1.0)
 }
 
-/// Larger numbers of degrees of freedom are replaced by this number, because the powers xᵃ (1 − x)ᵇ of the beta
-/// distribution would lose too many digits.
+/// Limit for the number of degrees of freedom; larger numbers are replaced by this number. With more degrees of
+/// freedom, the powers xᵃ (1 − x)ᵇ of the beta distribution would lose too many digits.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
 /// Half-width of the interval that contains the true value with the probability `probability`, in standard errors
@@ -135,7 +135,7 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
     high
 }
 
-/// If the probability of an interval is at most this number, the density of Student's t is treated as constant over the
+/// For intervals with at most this probability, the density of Student's t distribution is treated as constant over the
 /// interval. The relative error of the half-width is then at most 1e-11.
 const STRAIGHT: f64 = 1e-6;
 

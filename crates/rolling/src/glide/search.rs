@@ -15,9 +15,9 @@ use super::touch::{Foot, GlideError};
 
 const MAX_STEPS: usize = 100;
 const MAX_HALVINGS: i32 = 40;
-/// Largest accepted horizontal distance between the tip's actual centre and the centre of a tip at the found contact.
-/// The distance is divided by the sum of three lengths: the tip's radius, and the distances of the actual centre and of
-/// the contact from the origin.
+/// Largest accepted horizontal distance between the tip's centre and the place where the found contact requires this
+/// centre to be. The distance is divided by the sum of three lengths: the tip's radius, and the distances of the centre
+/// and of the contact from the origin.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
 /// The search stops if the next Newton step is shorter than this share of the tolerance. The length of the next step
 /// estimates the contact's error; for small steps, this estimate is correct within a factor of 2.
@@ -26,8 +26,8 @@ const STEP_SHARE: f64 = 0.5;
 const MAX_LAST_STEP: f64 = 1e-3;
 /// Tip and object count as touching if their distance is at most this share of the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// Limit for [`Foot::clearance`]. If the search makes no further progress at a place where the clearance is smaller, it
-/// has reached a fold of the offset surface.
+/// If the search makes no further progress at a place where [`Foot::clearance`] is below this limit, the tip touches
+/// the object at two places. At such a place, the offset surface, on which the tip's centre moves, has a fold.
 const FOLD: f64 = 1e-3;
 /// A contact counts as lying on the object's silhouette if the vertical component of its unit normal is below this
 /// value.
@@ -93,9 +93,9 @@ impl<S: Surface> Search<'_, S> {
         }
     }
 
-    /// Start of the search: the point of the object below the tip's centre. If there is none, it is the point of the
-    /// object that is closest to a point high above the tip's position. If there is no such point either, it is the
-    /// object's default contact.
+    /// Start of the search: the point of the object below the tip's centre. If the object has no point there, the
+    /// search starts at the point that is closest to a point high above the tip. If this fails too, the search starts
+    /// at the object's default contact.
     fn start(&self) -> Result<Foot, SurfaceError> {
         let beneath = self.foot(self.centre);
         let Err(off_domain) = beneath else {
@@ -203,8 +203,8 @@ impl<S: Surface> Search<'_, S> {
         PLACES.iter().map(place)
     }
 
-    /// Whether a higher contact than `foot` is possible: at one of the sixteen places under the tip, the object extends
-    /// into the tip or the tip does not fit.
+    /// Whether the tip may touch the object at a higher contact than `foot`. This is possible if, at one of the sixteen
+    /// places under the tip, the object extends into the tip or the tip does not fit.
     fn has_rivals(&self, foot: &Foot) -> bool {
         let centre = foot.tip_centre(self.radius);
         let rounding = 8.0 * f64::EPSILON * centre.coords.abs().sum();

@@ -41,8 +41,8 @@ pub enum GlideError {
     #[error("the finger left the object: {0}")]
     #[strum(transparent)]
     Surface(#[from] SurfaceError),
-    /// The tip passes beside the object: at this place, the surface on which the tip's centre can move does not exist,
-    /// or its normal is horizontal.
+    /// The tip passes beside the object. At this x and y, the tip's centre cannot lie on the offset surface, because
+    /// this surface does not exist there or its normal is horizontal.
     #[error(
         "a tip of radius {radius} at x = {x}, y = {y} passes beside the object",
         radius = Number(*radius), x = Number(*x), y = Number(*y)

@@ -72,7 +72,7 @@ pub enum InvalidTouch {
 /// A model that finds contacts, prepared for one fingertip and one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TouchRung {
-    /// The model of a point tip, which touches the object vertically below its position.
+    /// The model of a point tip. The contact is the point of the object vertically below the tip.
     Point,
     Offset(Offset),
     Newton {
@@ -138,9 +138,9 @@ impl TouchRung {
 pub(super) struct Offset {
     kind: Kind,
     pub(super) tip_radius: f64,
-    /// Radius of the object (length); 1 for a plane.
+    /// Radius of the object (length). It is 1 for a plane, so that the ratio of both radii is 1.
     radius: f64,
-    /// Radius of the offset surface (length); 1 for a plane.
+    /// Radius of the offset surface (length). It is 1 for a plane, so that the ratio of both radii is 1.
     offset_radius: f64,
 }
 

@@ -17,18 +17,18 @@ pub(crate) struct Dop853 {
     pub(crate) most_steps: usize,
 }
 
-/// Intended change of the state in the first step for a tolerance of 1: the root mean square of the weighted changes of
-/// the components.
+/// Length of the first step: with a tolerance of 1, the root mean square of the weighted changes of the state's
+/// components is about this number.
 const FIRST_CHANGE: f64 = 2.0;
-/// The next step is the longest step that the error estimate allows, multiplied by this factor.
+/// Safety factor: the next step is this factor times the longest step that the error estimate allows.
 const SAFETY: f64 = 0.8;
 const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
-/// The last steps before the end of a motion are equally long if fewer than this number of steps remain.
+/// If fewer than this number of steps remain until the end of a motion, these steps are made equally long.
 const LAST_FEW: f64 = 3.0;
 /// Smallest allowed step, relative to the time since the start of the motion.
 const SHORTEST: f64 = 1e-12;
-/// Smallest allowed step, relative to the duration of the motion. A step must be longer than both this limit and
+/// Smallest allowed step, relative to the duration of the motion. A step must not be shorter than this limit or
 /// [`SHORTEST`].
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
@@ -151,8 +151,8 @@ fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// Ratio of the next step to the current step, at most `most`. `excess` is the squared error of the step divided by the
-/// squared tolerance.
+/// Ratio of the next step's length to that of the current step; `most` is the largest allowed ratio. `excess` is the
+/// squared error of the current step divided by the squared tolerance.
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)

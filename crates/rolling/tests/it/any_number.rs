@@ -1,5 +1,5 @@
-//! Rolls and glides succeed on objects that are blunter than the probe. For parameters of probes, objects, motions and
-//! positions with arbitrary bit patterns, the result is finite or a named error. A roll that is followed by the
+//! Rolls and glides succeed on objects that are less curved than the probe. For parameters of probes, objects, motions
+//! and positions with arbitrary bit patterns, the result is finite or a named error. A roll that is followed by the
 //! reversed roll ends at its first contact.
 
 use nalgebra::{Vector2, Vector3};
@@ -92,7 +92,7 @@ fn is_sound_touch(touch: &Touch, tip: Fingertip, (x, y): (f64, f64)) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..Default::default() })]
 
-    /// Tests glides, and rolls by up to 1 rad, on objects of any size that are blunter than the probe.
+    /// Tests glides, and rolls by up to 1 rad, on objects of any size that are less curved than the probe.
     #[test]
     fn blunt_objects_are_rolled_and_glided_on(
         probe in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),

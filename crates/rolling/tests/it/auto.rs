@@ -1,4 +1,4 @@
-//! Tests the choice of a roll model by `auto` for rolls that are too long to measure the errors of models.
+//! Tests which roll model `auto` chooses if the rolls are too long to measure the errors of the models.
 
 use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
 

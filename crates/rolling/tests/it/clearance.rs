@@ -9,7 +9,7 @@ use crate::scenes::{auto, height_field, saddle};
 
 const SCENES: u64 = 40;
 
-/// Random numbers (SplitMix64), with one stream of numbers per scene.
+/// Random numbers (SplitMix64). Each scene has its own stream of numbers.
 struct Draws(u64);
 
 impl Draws {

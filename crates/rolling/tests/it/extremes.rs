@@ -340,8 +340,10 @@ proptest! {
         }
     }
 
-    /// If a tip of radius t touches a paraboloid at the distance r from its axis, the centre of the tip is at `r + t
-    /// 2cr/√(1 + (2cr)²)`. On a sphere, the contact is on the line between the two centres.
+    /// Compares contacts of tips with exact solutions, for extreme radii of tip and object. If a tip of radius t
+    /// touches the paraboloid `z = −c r²` at the distance r from its axis, the centre of the tip is at the distance `r
+    /// + t 2cr/√(1 + (2cr)²)` from the axis. On a sphere, the contact is on the line between the centres of tip and
+    /// sphere.
     #[test]
     fn tips_of_any_ratio(size in decades(9.0), ratio in decades(12.0), foot in decades(12.0)) {
         let touch = |object: Shape, radius: f64, at: f64| {

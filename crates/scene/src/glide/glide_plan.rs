@@ -411,7 +411,7 @@ fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     Some(Warning::new("stated-scale", text, numbers))
 }
 
-/// Returns a warning if the grid of points at which the curvature is estimated extends beyond the contacts.
+/// Returns a warning if the grid of points at which the curvature is estimated is larger than the area of the contacts.
 fn beyond(config: &GlideConfig) -> Option<Warning> {
     let motion = &config.motion;
     let positions = || motion.finger_positions.iter().copied();

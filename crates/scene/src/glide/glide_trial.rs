@@ -113,8 +113,8 @@ pub(super) struct TruePlace {
     pub(super) gaussian: f64,
     pub(super) mean: f64,
     pub(super) class: ShapeClass,
-    /// Principal curvatures, and two tangents: angles are measured from the first towards the second. `None` unless the
-    /// config has `principal_curvatures`.
+    /// True principal curvatures at this place, with two tangents of the object: the axis angle is measured from the
+    /// first tangent towards the second. `None` unless the config has `principal_curvatures`.
     pub(super) principal: Option<(PointCurvature, [Vector3<f64>; 2])>,
 }
 
@@ -155,8 +155,8 @@ impl GlideScene {
         contacts
     }
 
-    /// Patch of the contacts that the sensor reports, for the fit of a graph (a height over a plane). The contacts have
-    /// the noise of trial number `trial`; they have no noise if `trial` is `None`.
+    /// The contacts that the sensor reports, as the patch to which a graph (height over a plane) is fitted. The
+    /// contacts have the noise of trial number `trial`; they have no noise if `trial` is `None`.
     fn patch(&self, method: &GlideFit, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {

@@ -22,8 +22,8 @@ const PATH: &str = "scene.sensor.calibration";
 #[derive(Clone, Debug)]
 pub(super) struct CameraCalibration {
     pub(super) calibration: Calibration,
-    /// Standard deviations of the errors that the calibration causes in normal and tangential displacements near a
-    /// contact.
+    /// Standard deviations of the errors that the calibration causes near a contact: of normal and of tangential
+    /// displacements. `None` for a standard deviation that is 0 or cannot be computed.
     pub(super) stds: [Option<f64>; 2],
 }
 
@@ -84,8 +84,9 @@ impl CameraCalibration {
     }
 }
 
-/// Fits a calibration to the markers. The calibration of tangential displacements uses all markers. The calibration of
-/// normal displacements uses only the marker with the index `only` if there is one, otherwise all markers.
+/// Fits a calibration to the readings of the markers in the calibration presses. All markers are used for tangential
+/// displacements. For normal displacements, only the marker with the index `only` is used; all markers if `only` is
+/// `None`.
 fn fit(
     presses: &[Vec<CalibrationPoint>],
     only: Option<usize>,
@@ -181,8 +182,8 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// The noise of a frame is seeded by a trial number. Numbers below this limit are for frames of calibration presses,
-/// numbers from the limit on for frames at rest.
+/// First trial number that seeds the noise of frames at rest. Smaller trial numbers seed the noise of frames of
+/// calibration presses.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
 /// Inputs that determine the images of the markers at rest. The cache stores these images with the inputs as their key.

@@ -38,7 +38,7 @@ pub(super) enum CameraModel {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ImageNoise {
-    /// Error of a marker's hue, and also of its mean hue, turns.
+    /// Error (turns) of both hues of a marker: the hue of its summed light, and the mean hue of its pixels.
     hue: GaussianError,
     /// Error of each coordinate of a marker's centroid, px.
     centroid: GaussianError,
@@ -85,11 +85,13 @@ impl ImageNoise {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MarkerTracks {
-    /// Track of each marker of the layout from rest to press; `None` if the marker is not visible at rest.
+    /// Track of each marker of the layout from the frame at rest to the pressed frame; `None` if the marker is not
+    /// visible at rest.
     pub(super) tracks: Vec<Option<Track>>,
     /// Number of markers whose image in the press was taken for the image of another marker.
     pub(super) wrong_matches: usize,
-    /// Errors of each marker's image in the press; `None` if the marker was not found as a separate marker.
+    /// Errors of each marker's image in the pressed frame; `None` if the marker is lost or its image is merged with
+    /// another.
     pub(super) errors: Vec<Option<MarkerErrors>>,
 }
 

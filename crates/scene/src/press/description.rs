@@ -35,7 +35,8 @@ impl PressScene {
         needs
     }
 
-    /// Text about the model of the soft body. If `auto` chose the model, the text states the reason.
+    /// Text for `palpate check` about the model of the soft body. If `auto` chose the model, the text states the
+    /// reason.
     fn model_text(&self) -> String {
         let model = match self.choice.model.reference() {
             PressModelConfig::Hertz { .. } => "Hertz contact, markers at the surface: closed form",
@@ -317,7 +318,8 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     })
 }
 
-/// Name of the soft body that an estimator assumes, and whether this body models displacements below the surface.
+/// Name of the soft body that an estimator assumes. The second value states whether the estimator computes the
+/// displacements at the depth of the markers.
 const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),

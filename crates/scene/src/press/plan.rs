@@ -29,8 +29,8 @@ use crate::ladder::{Accuracy, Ladder, Rung};
 /// Error of displacements that are interpolated in the tables of a layer instead of solved directly, relative to the
 /// largest displacement.
 const TABLE_ERROR: f64 = 1e-7;
-/// If there are more markers than this number, computing the tables of a layer and interpolating in them is faster than
-/// solving for all markers directly.
+/// Number of markers above which the tables of a layer save time: displacements are then interpolated in the tables,
+/// instead of solved for each marker.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
@@ -129,9 +129,9 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
     Ok((markers, places))
 }
 
-/// Thickness of the layer if the true displacements are interpolated in tables of the layer; `None` if they are solved
-/// directly. Tables are used only if their error is within the tolerance of `auto`. In addition, the fit must use the
-/// same tables, or there must be many markers.
+/// Thickness of the layer if the true displacements are interpolated in tables of this layer; `None` if they are
+/// computed without tables. Tables are used under two conditions: their error is within the tolerance of `auto`, and
+/// either the fit needs the same tables anyway, or there are many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
@@ -325,8 +325,8 @@ pub(super) struct Choice {
     pub(super) tolerance: Option<f64>,
 }
 
-/// Smallest tolerance that `auto` accepts. It is about the error of the most accurate model, which solves the
-/// displacements of a layer directly.
+/// Smallest tolerance that `auto` accepts: about the error of the most accurate model, which solves for the
+/// displacements of a layer without tables.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 1.0;
 
@@ -335,8 +335,8 @@ const LARGEST_TOLERANCE: f64 = 1.0;
 pub(super) struct PressRungs {
     requested: PressModelConfig,
     radius: f64,
-    /// Depths at which displacements are compared. The first depth is midway between the two discs of a marker. If
-    /// there is a camera, the list also contains the depths of both discs.
+    /// Depths at which the displacements of the models are compared. The first depth is midway between the two discs of
+    /// a marker. With a camera, the depths of both discs follow.
     depths: Vec<f64>,
 }
 

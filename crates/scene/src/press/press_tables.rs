@@ -9,10 +9,11 @@ use super::trial::PressScene;
 use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
-/// Number of points of a profile, which is a curve of displacement against distance from the contact.
+/// Number of points of a profile. A profile is a table of the displacement as a function of the distance from the
+/// contact.
 const PLACES: u32 = 121;
-/// Length of a profile (displacement against distance from the contact), as a multiple of the contact radius. The
-/// profile begins at the centre of the contact. For an elliptic contact, it is along the longer axis.
+/// Length of a profile (displacement as a function of the distance from the contact), in contact radii. The profile
+/// begins at the centre of the contact; for an elliptic contact, it runs along the longer axis.
 const REACH: f64 = 3.0;
 
 impl PressScene {

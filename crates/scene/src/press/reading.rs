@@ -254,8 +254,8 @@ pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, F
         .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number `count` of markers, from the config field `noise`, that are lost or are outliers. Returns an error if `count`
-/// exceeds the number of all markers, `markers`.
+/// Number `count` of lost markers or of outliers, which the config states in the table `noise`; 0 if `count` is `None`.
+/// Returns an error if the number exceeds `markers`, the number of all markers.
 fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {

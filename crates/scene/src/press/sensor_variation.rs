@@ -16,8 +16,8 @@ use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
 
-/// The noise of a frame is seeded by a trial number. If each trial has its own sensor, this many trial numbers are
-/// reserved for the frames of each trial. They are smaller than the numbers for frames that all trials share.
+/// Number of trial numbers that are reserved for the frames of one trial, if each trial has its own sensor. A trial
+/// number seeds the noise of a frame. The reserved numbers are smaller than those of the frames that all trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
 
 const fn rest_number(trial: u64) -> u64 {
@@ -66,8 +66,8 @@ impl SensorVariation {
         }))
     }
 
-    /// Draws the sensor of a trial, and computes the motions of its discs in a press. The parameters of the drawn
-    /// sensor scatter about those of the sensor `nominal`.
+    /// Draws the sensor of a trial, and computes the motions of its discs in a press. The parameters of this sensor
+    /// differ at random from the parameters of the sensor `nominal`.
     pub(super) fn sensor(
         &self,
         nominal: &SimulatedCamera,

@@ -485,8 +485,8 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
 
 /// Whether the 50, 80 and 95 % intervals contain the true value. The 95 % interval is part of the estimate. The
 /// half-widths of the other intervals are computed from the half-width of the 95 % interval, as for a normal
-/// distribution. If the 95 % interval is unbounded on one side, the half-widths on this side are computed from the
-/// standard error `std`.
+/// distribution. On a side where the 95 % interval has no limit, the half-widths are computed from the standard error
+/// `std`.
 fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,

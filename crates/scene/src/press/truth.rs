@@ -213,14 +213,15 @@ impl TrueContact<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
-    /// Poisson's ratio, and the depth of the points (0 for the model `hertz`). Displacements by a sideways shift of the
-    /// object are computed from these two numbers. `None` if the model has no such displacements.
+    /// Poisson's ratio, and the depth under the skin at which displacements are computed (0 for the model `hertz`).
+    /// Both are needed to compute the displacements that a sideways shift of the object causes. `None` if the model
+    /// cannot compute these displacements.
     pub(super) sideways: Option<(f64, f64)>,
 }
 
 impl SoftBody {
-    /// Builds the soft body for a model and a sensor of the radius `radius`. The function `layer` builds a layer from
-    /// its thickness and the depth of the points.
+    /// Builds the soft body for a model, and for a sensor with the radius `radius`. Displacements are computed at the
+    /// depth `depth` under the skin. If the body is a layer, `layer` builds it from its thickness and this depth.
     pub(super) fn new(
         model: &PressModelConfig,
         radius: f64,
@@ -417,8 +418,8 @@ struct DiscStrain {
 }
 
 impl DiscStrain {
-    /// The skin just above and just below discs at the depth `depth`. The lower of the two depths is at most `deepest`.
-    /// The function `body` builds the soft body for a depth.
+    /// The skin just above and just below discs at the depth `depth`. `deepest` is the largest depth at which the lower
+    /// skin may be. The function `body` builds the soft body for a depth.
     fn new(
         share: f64,
         depth: f64,
@@ -460,8 +461,9 @@ mod tests {
     use super::*;
     use palpate_press::Skin;
 
-    /// Half of the area strain of a half-space: (r u_r)′ / (2r), where r is the distance from the contact's centre and
-    /// u_r the radial displacement. The derivative with respect to r is computed by finite differences.
+    /// Relative widening of the skin, computed independently for a half-space: (r u_r)′ / (2r), half of the area
+    /// strain. Here r is the distance from the contact's centre, and u_r the radial displacement. The derivative is a
+    /// finite difference.
     fn widened(markers: &[[f64; 2]], depth: f64, geometry: &PressGeometry) -> Vec<f64> {
         const STEP: f64 = 1e-3;
         let body = half_space(depth);

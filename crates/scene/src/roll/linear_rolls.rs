@@ -19,8 +19,8 @@ pub(super) struct LinearRolls {
 #[derive(Clone, Copy, Debug)]
 struct LinearRoll {
     commanded: [f64; 2],
-    /// Change of the contact's displacement if the rotation about x has an error of one unit (one standard deviation of
-    /// the error, or the bound of a uniform error).
+    /// Change of the contact's displacement (length) that an error of the rotation about x causes. The error has the
+    /// size 1, in units of its standard deviation or, for a uniform error, of its bound.
     per_error_x: [f64; 2],
     per_error_y: [f64; 2],
     reported: ProbeRotation,
@@ -90,8 +90,9 @@ impl LinearRolls {
         })
     }
 
-    /// Rolls every probe and returns the moments of the readings. Returns `None` if a contact moves more than halfway
-    /// around its probe, because the shift that the sensor reads then differs from the path.
+    /// Rolls every probe and returns the moments of the readings, that is, the sums from which least squares estimates
+    /// the curvature. Returns `None` if a contact moves more than halfway around its probe: the sensor then reads a
+    /// shift that differs from the path.
     #[inline(always)]
     pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
         let mut moments = Moments::default();
@@ -107,8 +108,8 @@ impl LinearRolls {
     }
 
     /// Rolls the probes in up to [`BATCH_SIZE`] trials, starting with trial number `first`, and stores the moments of
-    /// the readings in `many`. Returns the number of trials before the first trial for which [`LinearRolls::short`]
-    /// would return `None`.
+    /// the readings (the sums that least squares needs) in `many`. Returns the number of trials before the first trial
+    /// for which [`LinearRolls::short`] would return `None`.
     ///
     /// The function is inlined, so that it uses the vector instructions of its caller.
     #[inline(always)]
@@ -154,8 +155,9 @@ impl LinearRolls {
         }
     }
 
-    /// Rolls every probe and returns the moments of the readings. The function `read` converts the displacement of the
-    /// contact on the probe (logarithm map) to the reading of the sensor.
+    /// Rolls every probe and returns the moments of the readings, that is, the sums from which least squares estimates
+    /// the curvature. The function `read` converts the displacement of the contact on the probe (logarithm map) to the
+    /// reading of the sensor.
     pub(super) fn read<E>(
         &self,
         seed: u64,
@@ -224,8 +226,8 @@ impl ManyRolls {
         }
     }
 
-    /// Adds the roll of a probe to the moments of each trial. If `IS_FIRST`, the moments start from 0 instead of their
-    /// old values.
+    /// Adds the roll of a probe to the moments of each trial, that is, to the sums that least squares needs. If
+    /// `IS_FIRST`, the old values of the sums are ignored, and the sums start from 0.
     #[inline(always)]
     fn add<const IS_FIRST: bool>(
         &mut self,

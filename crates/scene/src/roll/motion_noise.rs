@@ -31,7 +31,8 @@ impl MotionNoise {
         self.side == Side::Motion
     }
 
-    /// Number of pieces into which a roll's motion is divided. Each piece has its own error.
+    /// Number of pieces into which a roll's motion is divided, because each piece has its own error. It is 1 if the
+    /// noise is an error of the measurement.
     pub(super) const fn pieces(&self) -> u32 {
         match self.side {
             Side::Motion => self.instants,

@@ -166,9 +166,9 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart of the integrators whose errors are compared. If the config states a chart, it is used. Otherwise, the chart
-/// depends on the rotation axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in
-/// the chart.
+/// Chart for the integrators that are compared. It is the chart that the config states. Without a stated chart, the
+/// frame of the rotation axis decides: `Free` for a transported axis, `Montana` for an axis that is constant in the
+/// chart.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {

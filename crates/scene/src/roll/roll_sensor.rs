@@ -22,7 +22,8 @@ pub(super) enum RollSensor {
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
-    /// Pads and a stream of random numbers. Each roll starts at its own place on a pad, which is drawn from the stream.
+    /// Pads, and a stream of random numbers. From the stream, each roll draws the position of its first contact on a
+    /// pad.
     RandomPads(&'a Pads, Stream),
     Pads(&'a Pads, PadPlacement),
 }

@@ -240,8 +240,8 @@ impl RollScene {
         }
     }
 
-    /// Samples of the rolls, and the method that estimates from these samples; `None` if the estimator is least
-    /// squares.
+    /// Samples of the rolls, and the method that estimates the curvature from these samples; `None` if the estimator is
+    /// least squares, which needs no samples.
     fn series_method(&self) -> Option<(&SampledRolls, SeriesMethod)> {
         let sampled = self.sampled.as_ref()?;
         Some((sampled, sampled.method?))

@@ -1,5 +1,5 @@
-//! Scenes with extreme sizes, ratios and noise. Without noise, the estimate is equal to the true value; with noise, its
-//! relative error does not depend on the unit of length. Impossible scenes have named errors.
+//! Tests scenes with extreme sizes, ratios and noise. Without noise, the estimate is equal to the true value; with
+//! noise, its relative error does not depend on the unit of length. Impossible scenes have named errors.
 
 use palpate_scene::Scenes;
 use palpate_study::config::parse;
@@ -154,8 +154,8 @@ fn impossible_scenes_have_named_errors() {
     }
 }
 
-/// If all lengths of a scene are multiplied by a power of two, no error changes by more than a billionth of the
-/// estimated quantity.
+/// Tests that the unit of length does not matter: if all lengths are multiplied by a power of two, no error changes by
+/// more than a billionth of the estimated quantity.
 #[test]
 fn errors_are_the_same_in_any_unit() {
     let noisy_press = |unit: f64, noise: f64| {

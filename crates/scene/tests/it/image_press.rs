@@ -65,8 +65,8 @@ fn images_without_errors_determine_the_press() {
     }
 }
 
-/// The sensor parameters are drawn anew in every trial. The estimator uses only the nominal parameters and their
-/// standard deviations.
+/// Tests the intervals if the sensor parameters are drawn anew in every trial, and the estimator has only the nominal
+/// parameters and their standard deviations.
 #[test]
 fn intervals_hold_over_redrawn_sensors() {
     let noise = r#"{ centroid = { kind = "gaussian", std = 0.005 }, hue = { kind = "gaussian", std = 1e-4 },
@@ -119,7 +119,8 @@ fn pictures_need_a_camera() {
     );
 }
 
-/// Uncertain disc depths and colours bias the most likely curvature. The reported estimate is corrected for this bias.
+/// Tests that the estimate is corrected for a bias: if the depths and colours of the discs are uncertain, the most
+/// likely curvature is biased.
 #[test]
 fn curvatures_are_right_in_the_mean_over_sensors() {
     let noise =

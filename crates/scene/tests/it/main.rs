@@ -1,4 +1,4 @@
-//! Integration tests.
+//! Integration tests of simulated scenes and their trials.
 #![allow(clippy::unwrap_used)]
 
 mod camera;

@@ -63,9 +63,9 @@ impl Look {
     }
 }
 
-/// Two results for the marker whose expected image is `at`. The first contains the differences between this image and
-/// the nearest marker that was found: in x and y (px), in hue (turns), and in the logarithm of the size. The second is
-/// the index of the nearest marker.
+/// Returns two results for a marker whose expected image is `at`. First, the differences between this image and the
+/// nearest found marker: in x and y (px), in hue (turns), and in the logarithm of the size. Second, the index of the
+/// nearest found marker.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);

@@ -138,7 +138,8 @@ fn true_values_are_available_without_a_trial() {
     assert!((scene.truth(1).unwrap() - 0.2).abs() < 1e-12);
 }
 
-/// All models compute the same rolls, so equal random draws lead to equal estimates.
+/// Tests that all models lead to equal estimates if the random draws are equal, because all of them compute the same
+/// rolls.
 #[test]
 fn models_share_draws_and_results() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -160,7 +161,7 @@ fn models_share_draws_and_results() {
     }
 }
 
-/// An additional source of noise does not change the random numbers that the other sources use.
+/// Tests that an additional source of noise does not change the random numbers that the other sources use.
 #[test]
 fn channels_are_apart() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -231,8 +232,8 @@ scene.{lines}"#
     scene_of(&text)
 }
 
-/// The path of the contact is R r/(R + r) times the angle. It is 0.08 for a ball with the radius R = 4, a probe with
-/// the radius r = 1 and the angle 0.1 rad.
+/// Tests three ways to state the length of a roll. The path of the contact is R r/(R + r) times the angle. It is 0.08
+/// for a ball with the radius R = 4, a probe with the radius r = 1 and the angle 0.1 rad.
 #[test]
 fn duration_angle_or_path_determine_the_length_of_a_roll() {
     let of_time = trial(

@@ -43,8 +43,8 @@ fn is_lattice(pitch_rad: f64) -> bool {
     pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
 }
 
-/// The sensor, if its parameters are valid (`is_good`). Panics if valid parameters are rejected or invalid parameters
-/// are accepted.
+/// Returns the sensor, or `None` if its parameters are invalid. Panics if valid parameters (`is_good`) are rejected, or
+/// if invalid parameters are accepted.
 fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()
