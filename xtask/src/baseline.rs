@@ -48,8 +48,8 @@ pub(crate) struct Limits {
     pub(crate) harness: &'static str,
     /// Largest allowed increase of a number, as a share of the number in the baseline.
     pub(crate) allowed: f64,
-    /// Numbers below this value count as equal: before the comparison, smaller numbers (measured or in the baseline)
-    /// are replaced by it.
+    /// Numbers below this value count as equal. In the comparison, a smaller number (measured or in the baseline) is
+    /// replaced by this value.
     pub(crate) floor: f64,
 }
 
@@ -95,8 +95,8 @@ impl Comparison {
             .any(|(_, figures)| is_failure(self.change(figures)))
     }
 
-    /// Whether the baseline must be replaced: a number is new or missing, or differs by more than [`Limits::floor`] and
-    /// the rounding of the table.
+    /// Whether the baseline must be replaced: a number is new or missing, or has changed by more than [`Limits::floor`]
+    /// and by more than the rounding of the table.
     pub(crate) fn alters(&self) -> bool {
         self.rows().any(|(_, figures)| match figures {
             [Some(before), Some(now)] => {
@@ -115,7 +115,8 @@ impl Comparison {
         Ok(String::from_utf8(writer.into_inner()?)?)
     }
 
-    /// Name, number in the baseline and measured number of each row. Names that were not measured come last.
+    /// The rows of the comparison: name, number in the baseline, and measured number; `None` for a missing number. Rows
+    /// without a measured number come last.
     fn rows(&self) -> impl Iterator<Item = (&str, [Option<f64>; 2])> {
         let now = self.now.iter();
         let now = now.map(|(name, now)| (name.as_str(), [find(&self.before, name), Some(*now)]));

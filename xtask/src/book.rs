@@ -60,7 +60,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     run_commands(shell, &program)
 }
 
-/// Checks everything in the documents for which no other program is needed: lengths, claims, quoted files and paths.
+/// Checks the documents without other programs: their lengths, claims, quoted files and paths.
 fn check_texts(shell: &Shell) -> Result<()> {
     for (name, lines, words) in LIMITS {
         let text = shell.read_file(name)?;

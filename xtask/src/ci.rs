@@ -17,7 +17,7 @@ const NO_INTERPRETER: [(&str, &str); 2] = [
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-/// Steps that use all processor cores most of the time.
+/// Steps that run one after another. Most of the time, each of them uses all processor cores.
 const STEPS: [Step; 9] = [
     ("tools", tools::prepare),
     ("format", format),
@@ -30,7 +30,7 @@ const STEPS: [Step; 9] = [
     ("results", results),
 ];
 
-/// Steps that use one core most of the time. The two lists run at the same time.
+/// Two lists of steps that run at the same time, because most of the time each step uses only one core.
 const SIDE_BY_SIDE: [&[Step]; 2] = [
     &[("python", python)],
     &[
@@ -121,8 +121,8 @@ fn licences(shell: &Shell) -> Result<()> {
     }
 }
 
-/// Compares instruction counts and errors with the baseline. The step `tests` has already checked the models that
-/// `auto` chooses, and the fuzz corpus.
+/// Compares instruction counts and errors with the baseline. Neither the models that `auto` chooses nor the fuzz corpus
+/// are checked here, because the step `tests` has checked them.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }

@@ -16,7 +16,7 @@ pub(crate) const MANIFEST: &str = ".palpate.toml";
 const CELL: &str = "cell";
 /// Relative tolerance for the comparison of numbers. Results differ slightly between C libraries and processors.
 const TOLERANCE: f64 = 1e-9;
-/// Numbers with a smaller absolute value have the absolute tolerance `TOLERANCE * SMALL`.
+/// If two numbers are smaller than this value, they agree within the absolute tolerance `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
 /// Statistics that are computed from a histogram.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];

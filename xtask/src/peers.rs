@@ -217,8 +217,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Smallest error of all peers on each task, as an option for palpate's test program. A model of palpate with a
-/// tolerance must not have a larger error.
+/// Largest allowed error of palpate on each task, as an option for palpate's test program: the smallest error of all
+/// peers. Models of palpate with a tolerance must not exceed it.
 fn strictest(theirs: &[Figure]) -> Vec<String> {
     let mut least: Vec<(&str, f64)> = Vec::new();
     for figure in theirs {

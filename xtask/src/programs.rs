@@ -23,8 +23,8 @@ pub(crate) const PYTHON: &str = "palpate-python";
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
 /// Packages that every release build compiles. The feature that counts computational work is off, as in the program
-/// that users install. Cargo combines the features of all selected packages, so with another selection most crates
-/// would be compiled again.
+/// that users install. All builds select the same packages, because Cargo combines the features of the selected
+/// packages: another selection would compile most crates again.
 const RELEASED: [&str; 7] = [
     "-p",
     "palpate",

@@ -9,7 +9,7 @@ use xshell::{Shell, cmd};
 
 use crate::{compare, programs};
 
-/// With `--quick`, the number n in `palpate run --every-nth-cell n`.
+/// Number n of the option `--every-nth-cell n` with which `cargo xtask reproduce --quick` calls `palpate run`.
 const QUICK_STRIDE: usize = 13;
 /// Largest number of printed differences from the committed tables.
 const SHOWN: usize = 20;
@@ -158,7 +158,8 @@ fn scores_claims(shell: &Shell, study: &str) -> bool {
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
 }
 
-/// The names of the studies to run: those in `asked`, or the error that a name in `asked` is unknown.
+/// The names of the studies to run, which are those in `asked`. Returns an error if a name in `asked` is not in
+/// `known`.
 fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!(

@@ -84,8 +84,8 @@ impl TestBench<'_> {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls, with one radius per cell. `trials` are the numbers of trials of the first
-    /// cell and of every other cell.
+    /// Writes a config of rolls on balls, with one radius per cell. `trials` contains the number of trials of the first
+    /// cell, and that of each of the other cells.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -300,7 +300,7 @@ impl TestBench<'_> {
         Ok(job.with_context(|| said.clone())?.to_owned())
     }
 
-    /// Holds or releases the jobs in the queue of the cluster.
+    /// Stops the cluster from starting queued jobs (`is_held` is true), or lets it start them again.
     fn hold(&self, is_held: bool) -> Result<()> {
         let state = if is_held { "DOWN" } else { "UP" };
         let shell = self.shell;
@@ -320,8 +320,8 @@ impl TestBench<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Waits until a shard is running, and returns the number of the shard's process. Shard 5 is never returned,
-    /// because it fails at once.
+    /// Waits until a shard is running, and returns its process number. Shard 5 is not found, because its program fails
+    /// at once.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();

@@ -60,7 +60,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Measures the models on the last processor core. Without the program taskset, any core is used.
+/// Measures the models on the last processor core. If the program taskset is missing, the models are measured on any
+/// core.
 fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     let machine = programs::machine(shell);
     let quick = quick.then_some("--quick");
@@ -98,7 +99,8 @@ fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Copies the file `name` from the old folder `out` to the new folder `fresh`, unless `fresh` has this file already.
+/// Copies the file `name` from the old folder `out` to the new folder `fresh`, unless `fresh` already contains this
+/// file.
 fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     let (missing, known) = (fresh.join(name), out.join(name));
     if !missing.exists() && known.exists() {

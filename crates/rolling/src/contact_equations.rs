@@ -29,7 +29,7 @@ pub enum HeldAxis {
 }
 
 impl Chart {
-    /// Name of this form of the equations. It follows the name of an integrator.
+    /// Name of this form of the equations. In the names of models, it is written after the name of an integrator.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Free => "chart-free",

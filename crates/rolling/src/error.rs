@@ -79,7 +79,7 @@ impl RollError {
 }
 
 impl RollFault {
-    /// The stable name of this kind of fault.
+    /// Name of this kind of fault. It stays the same in all versions.
     pub fn name(&self) -> &'static str {
         self.into()
     }

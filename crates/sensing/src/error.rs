@@ -21,7 +21,7 @@ pub struct BeyondPads {
 }
 
 impl BeyondPads {
-    /// The stable name of this kind of error.
+    /// Name of this kind of error. It stays the same in all versions.
     pub const fn name(&self) -> &'static str {
         "beyond-pads"
     }

@@ -98,7 +98,7 @@ impl Misfit {
         (p_value < SIGNIFICANCE_LEVEL).then_some(Self::Outlier { reading, p_value })
     }
 
-    /// Stable code of the warning about this misfit.
+    /// Code of the warning about this misfit. It stays the same in all versions.
     pub const fn code(&self) -> &'static str {
         match self {
             Self::PoorFit { .. } => "poor-fit",
@@ -151,8 +151,8 @@ impl GoodnessOfFit {
     }
 
     /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. A poor fit may mean that the stated noise is too small.
-    /// Compared with the stated noise, every pattern in the residuals would then seem significant, so compare patterns
-    /// with the scatter of the residuals instead.
+    /// Then every pattern in the residuals seems significant in comparison with the stated noise. Therefore, if the fit
+    /// is poor, compare patterns with the scatter of the residuals.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

@@ -328,8 +328,8 @@ pub fn meaning(word: &str) -> Option<Term> {
 }
 
 /// Term that explains a column or a key: the term with the name `word`, or a term whose meaning contains this name
-/// between backticks. If there is no such term, endings of the name (units, components and `std`) are removed one by
-/// one.
+/// between backticks. If there is no such term, the search is repeated without the last part of the name (a unit, a
+/// component or `std`).
 ///
 /// ```
 /// use palpate_study::glossary::related;

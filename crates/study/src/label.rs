@@ -3,8 +3,9 @@
 use crate::number;
 use crate::quantity::Quantity;
 
-/// Label of a column: its words, its unit in the usual notation, and a factor. Numbers of the column are multiplied by
-/// the factor before they are displayed, because shares are displayed in percent.
+/// Label of a column: its words, its unit in the usual notation, and a factor. Before the numbers of the column are
+/// displayed, they are multiplied by the factor: 100 for shares, which are displayed in percent, and 1 for other
+/// numbers.
 ///
 /// ```
 /// use palpate_study::Label;

@@ -187,7 +187,7 @@ impl Quantity {
         Self::OBJECT_RADIUS,
     ];
 
-    /// Index in `quantities` of the curvature whose inverse this quantity is; `None` unless this quantity is a radius.
+    /// Index in `quantities` of the curvature whose inverse is this quantity; `None` if this quantity is not a radius.
     /// If the trials do not determine the sign of the curvature, the radius has quantiles, but no mean and no standard
     /// deviation.
     pub fn inverse_of(self, quantities: &[Self]) -> Option<usize> {

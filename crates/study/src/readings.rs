@@ -40,8 +40,8 @@ pub enum ColumnUnit {
 
 impl ColumnUnit {
     /// Factor that converts numbers in this unit to the unit `length`. If this unit is not a length, the factor
-    /// converts to the base unit of its physical quantity. `None` if no conversion exists, because one of the two units
-    /// is a metric length and the other is the unspecified unit of length, `unit`.
+    /// converts to the base unit of its physical quantity. `None` if one of the two units is a metric length and the
+    /// other is the unspecified unit of length, `unit`.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {

@@ -46,7 +46,7 @@ pub struct Batches {
     batches: Vec<Partial>,
     first: u64,
     next: u64,
-    /// The quantities whose statistics are stored; `None` if the statistics and histograms of all quantities are
+    /// The quantities whose statistics are stored. `None` if the statistics and histograms of all quantities are
     /// stored.
     stored: Option<Stored>,
 }
@@ -198,7 +198,8 @@ impl Estimate {
         self.score(limit - self.value)
     }
 
-    /// Score of the statement that the true value is at least `limit`, in the same form as for [`Estimate::at_most`].
+    /// Score of the statement that the true value is at least `limit`: the number of standard errors by which the
+    /// estimated value exceeds `limit`, see [`Estimate::at_most`].
     pub fn at_least(&self, limit: f64) -> f64 {
         self.score(self.value - limit)
     }

@@ -73,9 +73,9 @@ pub struct Task {
     pub cell: usize,
     /// Number of trials of the cell; may be 0. If a rule may end the cell early, this is the largest possible number.
     pub trials: u64,
-    /// Whether a rule may end the cell before its last trial. All trials of such a task run on one thread. The last
-    /// task of a run is an exception: several threads share it, and trials that they have run beyond the end are
-    /// dropped.
+    /// Whether a rule may end the cell before its last trial. All trials of such a task run on one thread. Only the
+    /// last task of a run is shared by several threads; trials that they have run after the trial at which the rule
+    /// ends the cell are dropped.
     pub may_stop: bool,
 }
 

@@ -13,7 +13,7 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// To save memory, if a trial made several observations and succeeded, its observations are replaced by their sums.
+/// To save memory, the observations of a successful trial are replaced by their sums if the trial made more than one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
@@ -21,8 +21,8 @@ pub(crate) struct Column {
     truths: Vec<f64>,
     /// Standard deviations that the trials reported; [`UNREPORTED`] for an observation without a standard deviation.
     stds: Vec<f64>,
-    /// Coverage that trials report themselves: for each such observation, its index, and whether the trial's 50, 80 and
-    /// 95 % intervals contain the true value.
+    /// For each observation whose trial reports its coverage itself: the index of the observation, and whether the
+    /// trial's 50, 80 and 95 % intervals contain the true value.
     verdicts: Vec<(usize, [bool; 3])>,
     /// Number of stored observations that belong to successful trials. Later observations belong to the trial that is
     /// running.
@@ -45,7 +45,8 @@ impl Column {
         self.stds.push(observation.std.unwrap_or(UNREPORTED));
     }
 
-    /// Adds the first `count` observations of trials that were run together.
+    /// Adds the first `count` of `observations`, which come from trials that were run together, one observation per
+    /// trial.
     pub(crate) fn extend(&mut self, observations: &Observations<'_>, count: usize) {
         let end = self.estimates.len() + count;
         self.estimates

@@ -25,7 +25,8 @@ type Page = [u64; PLACES];
 /// subnormal numbers (below 2.3e-308) have the representative 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Histogram {
-    /// The bin of each value, as long as there are at most [`FEW`] values and no counts per bin.
+    /// A list with the bin of each value. It is used for up to [`FEW`] values; for more values, the list is empty, and
+    /// the counts per bin are stored instead.
     few: Vec<Bin>,
     /// Exponent bits of the numbers that the first page counts.
     first: usize,
@@ -65,7 +66,7 @@ impl Histogram {
         self.pages.is_empty()
     }
 
-    /// Replaces the list that contains the bin of each value by counts per bin.
+    /// Stops listing the bin of each value: counts the listed values per bin, and empties the list.
     fn list_no_more(&mut self) {
         for bin in std::mem::take(&mut self.few) {
             self.count(bin);

@@ -14,8 +14,8 @@ use crate::runner::Runner;
 use crate::summary::NOT_FINITE;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Mean estimate and mean true value of a quantity in one trial, over all observations of the trial. For a failed
-/// trial, the kind of failure.
+/// Mean estimate and mean true value of a quantity in one trial, over all observations of the trial. `Err` contains the
+/// kind of failure if the trial failed.
 pub type TrialMeans = Result<(f64, f64), &'static str>;
 
 /// Estimated probability that the results of two experiments are in the right order, with its 95 % interval.
@@ -38,7 +38,8 @@ pub enum Repeats {
     /// An approximate number of trials. Too few trials were run to form groups of this number of trials, so the number
     /// is computed as if the means were normally distributed.
     About(u64),
-    /// No number of trials is enough, because the means are in the wrong order, or because all estimates are equal.
+    /// The means are never in the right order with the required probability, however many trials are averaged: the mean
+    /// over all trials is in the wrong order, or all estimates are equal.
     Never,
     /// The number of trials to average cannot be estimated from the trials that were run, because they are too few.
     Unknown,
@@ -46,8 +47,8 @@ pub enum Repeats {
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// The function [`interval`] trusts the estimated variance more if more trials support it; their number is its argument
-/// `uncertain`. If `uncertain` has this value, the estimated variance has half of its full weight.
+/// Value of the argument `uncertain` of [`interval`] at which the estimated variance has half of its full weight. The
+/// more trials support the variance, the larger are `uncertain` and the weight.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials to average that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
@@ -171,8 +172,8 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of trials to average, for the case that there are too few trials to form groups of this size. This number is
-/// computed as if the means were normally distributed.
+/// Number of trials to average, if it is so large that groups of this size cannot be formed from the trials that were
+/// run. The number is computed as if the means were normally distributed.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -345,9 +346,9 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
 }
 
 /// Computes the 95 % interval of a probability from its variance and from the numbers of trials of the two experiments.
-/// Every trial of one experiment forms a pair with every trial of the other. Some trials have a pair in the wrong
-/// order, and some have a pair in the right order. `uncertain` is the number of trials of the rarer of these two kinds.
-/// If this number is small, the variance is inaccurate.
+/// Every trial of one experiment forms a pair with every trial of the other. `uncertain` is the smaller of two numbers:
+/// of the trials with a pair in the right order, and of the trials with a pair in the wrong order. If it is small, the
+/// variance is inaccurate.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,

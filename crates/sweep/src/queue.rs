@@ -85,9 +85,9 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         }
     }
 
-    /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits while more than the
-    /// allowed number of jobs are without results. If `has_clock` is true, the size of a job follows from the measured
-    /// time per trial.
+    /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits while too many jobs
+    /// have no results yet. If `has_clock` is true, the number of trials in a job is chosen by the measured time per
+    /// trial.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
         while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.max_ahead() {
@@ -118,7 +118,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
     }
 
     /// The next piece of a job: as many trials of a task as fit into the remaining time of the job. The first piece of
-    /// a job may take longer.
+    /// a job contains at least one trial, even if this trial takes longer than intended for a job.
     fn piece(
         &self,
         state: &mut State<T, E>,

@@ -15,8 +15,8 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Function that returns the time since a computation began. The time must increase, because a measurement is repeated
-/// until enough time has passed.
+/// Function that returns the time since a computation began. The time must increase: a measurement is repeated until
+/// enough time has passed, so with a constant time it would never end.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. These settings do not change the results of the run.
@@ -43,7 +43,7 @@ pub enum SweepError<E> {
     /// The operating system could not start the threads.
     #[error(transparent)]
     NoThreads(#[from] NoThreads),
-    /// A cell could not be set up. If several cells cannot be set up, this is the error of the first of them.
+    /// A cell could not be set up. If this happens in several cells, the error of the first of these cells is returned.
     #[error("{0}")]
     SetUp(E),
     /// The caller cancelled the run before all cells were complete.

@@ -10,8 +10,8 @@ use crate::column::UNREPORTED;
 use crate::moments::LANES;
 
 /// Whether all observations are valid, that is, whether the errors of the estimates are finite, and the standard
-/// deviations are finite and at least 0. If valid numbers are so large that their sum overflows, the result is `false`.
-/// The caller must then check each observation.
+/// deviations are finite and at least 0. The result may also be `false` for valid numbers that are so large that their
+/// sum overflows. Therefore, if it is `false`, the caller must check each observation.
 pub(crate) fn are_sound(estimates: &[f64], truth: f64, stds: &[f64]) -> bool {
     Arch::new().dispatch(AreSound {
         estimates,
@@ -59,8 +59,8 @@ pub(crate) struct Observed<'a> {
     pub(crate) stds: &'a [f64],
 }
 
-/// Sums over the observations of one quantity. If the observed numbers are close to the largest or smallest floats, the
-/// sums of squares are invalid.
+/// Sums over the observations of one quantity. If the observed numbers are so large or small that their squares
+/// overflow or underflow, the sums of squares are invalid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
     /// Smallest and largest true value.

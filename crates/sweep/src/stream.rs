@@ -35,8 +35,8 @@ pub trait Sweep: Sync {
     /// Reason why the cell cannot be run. The error ends the run.
     fn set_up(&self, cell: usize) -> Result<Self::Trial, Self::Error>;
 
-    /// Rule that may end a task early. It is used only for tasks with `may_stop`. Without a rule, all trials of the
-    /// task are run.
+    /// Rule that may end a task before its last trial. It is used only for tasks with `may_stop`. Without a rule
+    /// (`None`), all trials of the task are run.
     fn stopping_rule(&self, trial: &Self::Trial) -> Option<StoppingRule> {
         let _ = trial;
         None
@@ -48,7 +48,8 @@ pub trait Sweep: Sync {
     }
 
     /// Appends the output row of a trial to `text`. `observed` contains the observations of the trial, or the kind of
-    /// its failure. This function may be called on any thread; the trials of a task come in their order.
+    /// its failure. This function may be called on any thread. For the trials of one task, it is called in the order of
+    /// the trials.
     fn add_trial_row(
         &self,
         trial: &Self::Trial,
@@ -66,9 +67,9 @@ pub trait Sweep: Sync {
 /// A part of the output that a sweep passes on.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SweepOutput<R> {
-    /// Rows of consecutive trials of a task. These trials follow the trials in the previous rows of the task.
+    /// Output rows of consecutive trials of a task. They continue the rows that were passed on before for this task.
     TrialRows(String),
-    /// Result of a task. It follows all rows of the task's trials.
+    /// Result of a task. It is passed on after all rows of the task's trials.
     Result(R),
 }
 
@@ -186,7 +187,7 @@ struct Line<'a, S: Sweep> {
     take: &'a mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
 }
 
-/// A task of whose trials only some have been run.
+/// A task that is not complete: some of its trials have been run, and others have not.
 #[derive(Default)]
 struct Open {
     /// Statistics of the trials in completed blocks.
@@ -198,7 +199,7 @@ struct Open {
 struct Ran<S: Sweep> {
     number: u64,
     task: Task,
-    /// Number of the last trial in these results, plus 1.
+    /// Number of the trial that follows the last trial of these results.
     end: u64,
     /// The experiment of the cell. `None` if the task is complete, because the experiment is then no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,
@@ -299,8 +300,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
     }
 
     /// Runs the trials of a piece of a task. If the sweep writes a row per trial, the rows are appended to `text`. If
-    /// the piece is the whole task, `ran` is set to the number of trials that were run, which may be smaller because of
-    /// a stopping rule.
+    /// the piece is the whole task, `ran` is set to the number of trials that were run: a stopping rule may have ended
+    /// the task early.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
@@ -382,7 +383,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
 }
 
 impl<S: Sweep> Line<'_, S> {
-    /// Passes on the results of the next trials, or stores them until the task is complete.
+    /// Adds the results of the next trials to the open task. If they complete the task, its result is passed on.
     fn put(&mut self, sweep: &S, ran: Ran<S>) -> ControlFlow<()> {
         if self.failed.is_some() {
             return ControlFlow::Break(());

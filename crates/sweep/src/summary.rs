@@ -27,7 +27,7 @@ pub struct CellStatistics {
     pub trials: u64,
     /// Failures, with one entry per kind, in the alphabetical order of the kinds.
     pub failures: Vec<Failure>,
-    /// Statistics of each quantity, in the order in which the trial numbers its quantities.
+    /// Statistics of each quantity, in the order of the quantities' indices in the trials.
     pub quantities: Vec<Summary>,
 }
 

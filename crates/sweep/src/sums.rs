@@ -5,8 +5,8 @@ use crate::simd_sums::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
 /// Sums over the observations of one quantity in consecutive trials. All statistics of the quantity, except the
-/// quantiles, are computed from these sums. The sums of consecutive ranges of trials are merged in the order of the
-/// trials.
+/// quantiles, are computed from these sums. The sums of two consecutive ranges of trials are merged by merging the
+/// later range into the earlier one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     /// Smallest and largest true value.
@@ -17,7 +17,8 @@ pub(crate) struct Sums {
     pub(crate) errors: Moments,
     magnitude: f64,
     pub(crate) squares: TrialSquares,
-    /// Moments over the trials: first of each trial's mean estimate, then of each trial's mean absolute error.
+    /// Moments over the trials: of each trial's mean estimate (index 0), and of each trial's mean absolute error (index
+    /// 1).
     pub(crate) by_trial: [Moments; 2],
     reported: u64,
     std: f64,
@@ -62,8 +63,8 @@ impl Sums {
         }
     }
 
-    /// The same sums for observations that are all from a single trial. Standard errors that are computed from the
-    /// result count these observations as one trial.
+    /// The same sums, if all observations are from a single trial. In standard errors, these observations then count as
+    /// one trial.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -73,8 +74,8 @@ impl Sums {
         }
     }
 
-    /// Replaces the coverage of an observation, which was computed from `std`, by the coverage `holds` that the trial
-    /// reports itself.
+    /// Replaces the coverage of an observation by the coverage `holds` that the trial reports itself. The replaced
+    /// coverage was computed from `error` and `std`.
     pub(crate) fn replace_coverage(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.intervals += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));

@@ -87,7 +87,7 @@ impl Observations<'_> {
         self.estimates.len().min(stds)
     }
 
-    /// Number of valid observations before the first invalid one, at most `count`.
+    /// Number of valid observations among the first `count`, up to the first observation that is invalid.
     pub(crate) fn sound(&self, count: usize) -> usize {
         let estimates = &self.estimates[..count];
         let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);

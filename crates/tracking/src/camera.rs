@@ -121,9 +121,9 @@ impl Equidistant {
         }
     }
 
-    /// Change of a tracked marker, corrected for the distortion of the image. The shift (px) is the angle by which the
-    /// marker moved, multiplied by the focal length (px per radian). The growth is half the change of the logarithm of
-    /// the marker's solid angle.
+    /// Change of a tracked marker, corrected for the distortion of the lens. The shift (px) is the angle by which the
+    /// marker moved, multiplied by the focal length (px per radian). The growth is half the change of ln Ω, where Ω is
+    /// the solid angle at which the camera sees the marker.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;
@@ -144,16 +144,16 @@ impl Equidistant {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Image area of a small solid angle at the angle `angle` from the camera's axis, relative to its image area on the
-    /// axis.
+    /// Factor by which the lens enlarges areas of the image at the angle `angle` from the camera's axis: the image area
+    /// of a small solid angle, relative to its image area on the axis.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
         stretching(angle) * (even * slope)
     }
 }
 
-/// Image area of a small solid angle at the angle θ from the axis of an equidistant camera, relative to its image area
-/// on the axis: θ/sin θ. Beyond a right angle, the factor stays constant.
+/// Factor θ/sin θ by which an equidistant lens enlarges areas of the image at the angle θ from its axis: the image area
+/// of a small solid angle, relative to its image area on the axis. Beyond a right angle, the factor stays constant.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(FRAC_PI_2);
     if angle < 1e-8 {

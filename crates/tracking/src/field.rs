@@ -37,7 +37,7 @@ pub enum FieldError {
     /// Two markers have the same place.
     #[error("marker {marker} (counting from 0) has the same place as an earlier marker")]
     Coincident {
-        /// The larger index of the two markers, counted from 0.
+        /// The larger of the indices of the two markers, counted from 0.
         marker: usize,
     },
     /// The standard deviation of the smoothing filter is out of range.

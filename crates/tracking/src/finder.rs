@@ -40,8 +40,8 @@ impl Found {
 
 const MIN_SIDE: u32 = 16;
 const MAX_SIDE: u32 = 32_768;
-/// Number of bins (squares of pixels) along the diameter of the image circle. Even the smallest accepted markers are
-/// found with bins of this size.
+/// Number of bins (squares of pixels) along the diameter of the image circle. With this number, even the smallest
+/// accepted markers cover enough bins to be found.
 const BINS_PER_DIAMETER: f64 = 256.0;
 const MAX_SHAPES: usize = 16_384;
 
@@ -133,7 +133,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side (in bins) of the square that is the structuring element of the top-hat transform.
+    /// Half the side (in bins) of the square that the top-hat transform moves over the frame (its structuring element).
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;

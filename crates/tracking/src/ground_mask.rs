@@ -14,7 +14,8 @@ const RIM_BAND: f64 = 0.08;
 const MIN_CONTRAST_STDS: f64 = 4.0;
 /// Smallest accepted contrast of the markers of a frame, in levels (0 to 255).
 const MIN_CONTRAST: f64 = 10.0;
-/// Smallest brightness of a bright background on which dark markers can be found, in levels (0 to 255).
+/// A background that is darker than this brightness, in levels (0 to 255), counts as too dark for dark markers to be
+/// found on it.
 const MIN_GROUND_BRIGHTNESS: usize = 12;
 
 /// Brightness of the background between the markers. The markers are darker than a bright background, and brighter than
@@ -43,8 +44,8 @@ pub(crate) struct GroundMask {
 }
 
 impl GroundMask {
-    /// Marks the bins that show the sensor: the bins inside the rim or, if no rim was found, the bins inside the image
-    /// circle `mask`.
+    /// Marks the bins that show the sensor. They are the bins inside the rim; if no rim was found, they are the bins
+    /// inside the image circle `mask`.
     pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
         let circle = mask.coarse(self.frame.bin);
         let band = RIM_BAND * circle.radius_px;
@@ -174,7 +175,7 @@ impl GroundMask {
     }
 }
 
-/// Returns a function that converts a sum of `pixels` brightness values (one byte each) to their mean.
+/// Returns a function that computes the mean of `pixels` brightness values (one byte each) from their sum.
 fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     let scale = 65_536_u32.div_ceil(pixels as u32);
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8

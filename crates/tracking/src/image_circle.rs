@@ -20,8 +20,8 @@ const MIN_VISIBLE: f64 = 0.8;
 /// Length of the arcs into which the image circle is divided, in bins of pixels. The rim is visible along an arc if a
 /// point of the rim lies on this arc.
 const STEP: f64 = 4.0;
-/// Largest accepted distance of a rim point from the circle: the first number (in bins) plus the second number times
-/// the circle's radius.
+/// Largest accepted distance of a rim point from the fitted circle, in bins: the first number, plus the second number
+/// times the circle's radius.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
 /// Number of circles through three points of the rim that are tried.
 const TRIES: usize = 64;
@@ -52,8 +52,8 @@ impl Mask {
         }
     }
 
-    /// Columns of the pixels of a row that are inside the circle: the first column, and the column after the last. The
-    /// frame has `width` columns. The radius of the circle is reduced by `less` px.
+    /// Columns of the pixels that are inside the circle, in the row `row` of a frame with `width` columns: the first
+    /// column, and the column after the last. The radius of the circle is reduced by `less` px.
     pub(crate) fn columns(&self, row: f64, less: f64, width: usize) -> (usize, usize) {
         let radius = self.radius_px - less;
         let across = radius * radius - (row - self.centre_px[1]).powi(2);
@@ -250,8 +250,8 @@ impl Rim {
         })
     }
 
-    /// Whether the bin (x, y) lies outside of the rim of the image circle: beyond the ends of the rim in its row or in
-    /// its column.
+    /// Whether the bin (x, y) lies outside of the rim of the sensor: before the first or after the last rim bin of row
+    /// y or of column x.
     pub(crate) fn excludes(&self, x: usize, y: usize) -> bool {
         let beyond = |ends: &Option<[usize; 2]>, at: usize| {
             ends.is_none_or(|[first, last]| at < first || at > last)
@@ -287,9 +287,9 @@ impl Rim {
     }
 }
 
-/// The colour of the frame's corners, and the smallest colour difference with which a bin counts as another colour.
-/// This difference is computed from the colour differences within the corners. Colour and difference are sums over the
-/// pixels of a bin. `None` unless at least three corners have the same colour.
+/// The colour of the frame's corners, and a limit: a bin has another colour if it differs from the corners' colour by
+/// more than this limit. The limit is computed from the colour differences within the corners. Colour and limit are
+/// sums over the pixels of a bin. `None` unless at least three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);

@@ -24,14 +24,15 @@ const POWERS: [(i32, i32); 15] = [
     (1, 3),
     (0, 4),
 ];
-/// Side (in bins) of the square patches of the frame over which the background is averaged before the fit.
+/// Side (in bins) of the square patches into which the frame is divided. The mean colour of the background in each
+/// patch is used in the fit of the polynomial.
 const PATCH: usize = 8;
 /// Weight of the regularisation in the fit of the polynomial, relative to the weight of the patches. The regularisation
 /// keeps the polynomial small in areas where no background is visible.
 const REGULARISATION: f64 = 1e-7;
 /// Largest accepted deviation of a patch's mean colour from the fitted light, in standard deviations. The standard
 /// deviation is estimated as 1.5 times the median deviation of all patches. Patches with a larger deviation are not
-/// used.
+/// used in the fit.
 const MAX_DEVIATION: f64 = 3.0;
 
 type Terms = SVector<f64, 15>;
@@ -50,14 +51,14 @@ pub(crate) struct Lighting {
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives of the background's colour at the place of the expansion: half the derivative ∂²/∂x², the
+    /// Second-order coefficients of the Taylor expansion of the background's colour: half the derivative ∂²/∂x², the
     /// mixed derivative ∂²/∂x∂y, and half the derivative ∂²/∂y².
     bend: [f64; 3],
 }
 
 impl Local {
     /// The brightness of the background along a row, as a polynomial in x: its constant, linear and quadratic
-    /// coefficient. The row is `dy` rows below the place at which the light is expanded.
+    /// coefficient. The row is `dy` rows below the place about which the Taylor series of the light is expanded.
     pub(crate) fn row(&self, dy: f64) -> [f32; 3] {
         [
             (self.value + dy * (self.slope[1] + dy * self.bend[2])) as f32,
@@ -223,7 +224,8 @@ impl Lighting {
     }
 
     /// Deviation of a patch's mean colour from the fitted light, multiplied by the square root of the share of the
-    /// patch that shows the background. The factor takes into account that a mean over fewer bins has more noise.
+    /// patch that shows the background. With this factor, patches with little background count less: their mean colour
+    /// is over fewer bins and has more noise.
     fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))

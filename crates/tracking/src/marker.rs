@@ -40,7 +40,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// The stable name of the status in files.
+    /// Name of the status in files. It stays the same in all versions.
     pub fn name(self) -> &'static str {
         self.into()
     }

@@ -16,8 +16,8 @@ const MIN_CHROMA: f64 = 0.2;
 /// light of a pixel is assigned to the middle of the pixel. The value was measured on discs with radii of 8 to 26 px,
 /// with pixels that integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// Pixels on a marker's edge have errors that are equal in all colours, and errors that are independent between
-/// colours. This is the share of the equal errors in the total variance.
+/// The error of a pixel on a marker's edge has two parts: one part is equal in all colours, the other is independent in
+/// each colour. This number is the share of the equal part in the total variance.
 const COMMON_SHARE: f64 = 0.5;
 
 /// The marker whose pixels have the sums `sums`. `None` if the hue is not the hue of a marker, or if a number is out of
@@ -179,8 +179,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     MarkerErrors { covariance }
 }
 
-/// Mean share of light that a pixel of a marker absorbs or adds. `light` is the sum over the marker's pixels, and
-/// `radius_px` the radius of the marker.
+/// Mean share of light that a pixel of a marker absorbs or adds. `light` is the sum of these shares over the marker's
+/// pixels, and `radius_px` the radius of the marker.
 fn share(light: f64, radius_px: f64) -> f64 {
     (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
 }

@@ -63,7 +63,7 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// Distance (px) from each marker at rest to its nearest neighbour at rest.
+    /// Distance (px) from each marker to its nearest neighbour, both in the frame at rest.
     spacing: Vec<f64>,
     around: Vec<Vec<usize>>,
     pairs: Vec<Option<usize>>,
@@ -223,8 +223,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker into which the two markers `parts` may have merged. It is the unused pressed marker
-    /// that is nearest to the midpoint between the expected places of the two markers.
+    /// Index of the pressed marker into which the two markers `parts` may have merged; `None` if there is none nearby.
+    /// It is the unused pressed marker that is nearest to the midpoint between the expected places of the two markers.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())

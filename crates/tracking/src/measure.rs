@@ -10,15 +10,15 @@ use crate::shapes::{Shape, Window};
 
 /// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
-/// Markers extend beyond the connected shapes in which they were found. They end where the signal, averaged over
-/// several markers, falls below this share of the full signal.
+/// Limit that defines the edge of markers, which extend beyond the connected shapes in which they were found: at the
+/// edge, the signal, averaged over several markers, falls below this share of the full signal.
 const END_SIGNAL: f64 = 0.004;
-/// Largest distance (px) of a pixel with a saturated colour from a marker's shape at which the pixel still counts for
-/// the marker's mean hue.
+/// A pixel with a saturated colour counts for a marker's mean hue if its distance (px) from the marker's shape is at
+/// most this number.
 const HUE_REACH_PX: i32 = 2;
 /// Number of markers from which [`Scene::reach`] is measured.
 const SAMPLE_SIZE: usize = 12;
-/// Lower limit of the background's brightness in divisions, in levels (0 to 255).
+/// Divisions by the background's brightness use at least this brightness, in levels (0 to 255).
 const MIN_BRIGHTNESS: f32 = 8.0;
 /// Largest accepted relative difference between a background pixel and the fitted light. Pixels with a larger
 /// difference are not used.
@@ -29,13 +29,13 @@ const MAX_DIFFERENCE: f64 = 0.15;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) count: f64,
-    /// Sum of the offsets (px) of the window's pixels from the origin `middle`.
+    /// Sum of the offsets (px) of the window's pixels from `middle`, the origin of all sums.
     pub(crate) place: [f64; 2],
     /// Sum over the pixels of the light of each colour. On a bright background, this light is the absorbed share of the
     /// background's light. On a dark background, it is the added light as a share of full scale.
     pub(crate) light: [f64; 3],
-    /// First moment of each colour about the origin `middle`, px: the sum, over all pixels, of the light multiplied by
-    /// the pixel's offset.
+    /// First moment of the light of each colour about the origin `middle`, px: the sum, over all pixels, of a pixel's
+    /// light multiplied by its offset.
     pub(crate) moment: [[f64; 2]; 3],
     /// Sums of red, green and blue over the pixels that determine the hue. On a bright background, these are all pixels
     /// of the window. On a dark background, they are the pixels of the shape, because the other pixels only add noise.
@@ -62,7 +62,7 @@ pub(crate) struct PixelErrors {
 pub(crate) struct Scene<'a> {
     pub(crate) frame: &'a RgbImage,
     pub(crate) ground: Ground,
-    /// For each row of the frame, the first and the last column that show the sensor.
+    /// For each row of the frame, the first and the last column that belong to the sensor's image.
     pub(crate) rows: &'a [(i32, i32)],
     pub(crate) lighting: &'a Lighting,
     pub(crate) bin: usize,
@@ -90,7 +90,7 @@ enum Contested {
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the error of `share` after [`shrink`] has reduced this error.
+    /// Variance of the error that remains in `share` after [`shrink`] has multiplied `share` by its factor.
     left: [f64; 3],
 }
 
@@ -313,8 +313,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Mean hue of the pixels with saturated colours in and around a shape, in turns. The mean is arithmetic, not
-    /// cyclic. The result is `None` if there are no such pixels.
+    /// Mean hue, in turns, of the pixels with saturated colours in and around a shape; `None` if there are no such
+    /// pixels. The mean is arithmetic, not cyclic.
     fn mean_hue(&self, patch: &Patch) -> Option<f64> {
         let width = self.frame.width() as usize;
         let window = patch.hull.grown(HUE_REACH_PX, self.rows);
@@ -453,9 +453,9 @@ impl Patch {
     }
 }
 
-/// Multiplies the differences `offsets` by the ratio of their true variance to their total variance, which includes
-/// noise (empirical Bayes shrinkage). In an evenly lit frame, the fitted light is much more accurate than the mean of
-/// the few pixels around a marker.
+/// Reduces the noise of `offsets` (empirical Bayes shrinkage): each difference is multiplied by the share of its true
+/// variance in its total variance, which includes noise. In an evenly lit frame, this share is small: the differences
+/// are mostly noise, because the fitted light is more accurate than the mean of the few pixels around a marker.
 fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {
         let (mut square, mut noise, mut count) = (0.0, 0.0, 0.0);

@@ -1,8 +1,8 @@
 //! Morphological opening of a grey image by a square. The top-hat transform is computed from this opening.
 //!
 //! The minimum over `n` neighbours is computed from two minima over `n/2` neighbours: the window is doubled until two
-//! overlapping windows cover `n` pixels. For windows along rows and along columns, the image is compared with a shifted
-//! copy of itself, so that the image is not transposed, and all operations use whole vectors.
+//! overlapping windows cover `n` pixels. In both directions, the image is compared with a shifted copy of itself.
+//! Therefore the image is not transposed, and all operations use whole vectors.
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Opening {
@@ -13,8 +13,8 @@ pub(crate) struct Opening {
 
 impl Opening {
     /// The opening of a grey image by a square of `2 half + 1` pixels a side. The rows of the image `plane` have
-    /// `width` bytes. The middle of the square is placed only at pixels for which `middles` is true. Pixels for which
-    /// `inside` is false are ignored; their result is meaningless.
+    /// `width` bytes. The square is moved over the image, but its middle is placed only at pixels for which `middles`
+    /// is true. Pixels for which `inside` is false are ignored, and their results must not be used.
     pub(crate) fn open(
         &mut self,
         plane: &[u8],
@@ -106,8 +106,9 @@ impl Extreme for Greatest {
 mod tests {
     use super::*;
 
-    /// The opening by its definition. The value of a square is the smallest brightness inside the square. The opening
-    /// at a place is the largest value of the squares that contain the place and whose middles are marked in `middles`.
+    /// The opening, computed directly from its definition. Each square has a value: the smallest brightness inside the
+    /// square. The opening at a pixel is the largest value of all squares that contain the pixel and whose middles are
+    /// marked in `middles`.
     fn by_definition(
         plane: &[u8],
         width: usize,

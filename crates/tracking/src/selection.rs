@@ -25,7 +25,7 @@ const MAX_ELONGATION: f64 = 3.0;
 /// for a disc.
 const MIN_FILL: f64 = 0.7;
 /// Smallest grey value of a marker's pixels, relative to the 90 % quantile of the grey values in the marker's shape.
-/// Pixels with smaller values may belong to shade around the marker.
+/// Pixels with smaller values are removed, because they may belong to shade around the marker.
 const STEEP: f64 = 0.6;
 
 impl Selection {
@@ -148,8 +148,8 @@ fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> V
     vec![shape]
 }
 
-/// Pieces of a shape whose grey values are above the share [`STEEP`] of the 90 % quantile of its values. This removes
-/// the shade around a marker.
+/// The parts of a shape in which the grey values are above [`STEEP`] times the shape's 90 % quantile of grey values.
+/// This removes the shade around a marker.
 fn steep(shape: &Shape, plane: &[u8], width: usize) -> Vec<Shape> {
     let mut values: Vec<u8> = shape.values(plane, width).collect();
     let high = values.len() * 9 / 10;

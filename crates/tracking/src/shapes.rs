@@ -90,8 +90,7 @@ pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Opti
     join(&runs, most)
 }
 
-/// Number of pixels (bytes) that are tested at the same time. If none of these pixels is above the limit, all of them
-/// are skipped.
+/// Number of pixels (bytes) that are tested together. If none of them is above the limit, all of them are skipped.
 const STRETCH: usize = 32;
 
 fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
@@ -185,8 +184,8 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The window of pixels that covers a shape, which was found in bins of `bin` pixels a side. If a row of the shape
-    /// has gaps, the window includes the gaps.
+    /// The window of pixels that covers a shape. The shape was found in bins of `bin` pixels a side. The window has no
+    /// gaps: it includes all pixels between the first and the last pixel of the shape in each row.
     pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
         let (top, bottom) = (shape.first_row(), shape.last_row());
         let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];
@@ -204,8 +203,8 @@ impl Window {
         }
     }
 
-    /// This window, enlarged by `reach` px in all directions. The result includes only pixels between the first and the
-    /// last column that `rows` contains for each row.
+    /// This window, enlarged by `reach` px in all directions. For each row of the frame, `rows` contains a first and a
+    /// last column; the result has no pixels outside of these columns.
     pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
         let top = (self.top - reach).max(0);
         let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);

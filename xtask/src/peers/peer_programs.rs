@@ -34,8 +34,8 @@ pub(crate) struct PeerPrograms<'s> {
     shell: &'s Shell,
     sources: PathBuf,
     directory: PathBuf,
-    /// The interpreter of a Python environment with the required packages, or the reason why there is no such
-    /// environment.
+    /// The Python interpreter of an environment with the required packages. `Err` contains the reason if there is no
+    /// such environment.
     python: Result<PathBuf, String>,
 }
 

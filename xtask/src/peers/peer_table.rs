@@ -179,7 +179,7 @@ pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// The committed table, with new rows for the tasks that were measured.
+/// The committed table, in which the rows of the measured tasks are replaced by new rows.
 pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
     let read = |text: &str| -> Result<Vec<csv::StringRecord>> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());

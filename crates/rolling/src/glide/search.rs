@@ -214,7 +214,8 @@ impl<S: Surface> Search<'_, S> {
             .any(|place| !self.fits(&place) || (place.point - centre).norm() < inside)
     }
 
-    /// The contact with the highest tip, among `first` and the contacts near the local maxima of the height grid.
+    /// The contact at which the tip is highest, among `first` and the contacts near the local maxima of the height
+    /// grid.
     fn highest(&self, first: Result<Foot, GlideError>) -> Result<Foot, GlideError> {
         let relief = Relief::under(self.object, self.centre, self.radius);
         let reached = relief

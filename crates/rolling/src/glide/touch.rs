@@ -103,7 +103,7 @@ impl GlideError {
         Self::ContactLost { x, y, radius }
     }
 
-    /// The stable name of this kind of error.
+    /// Name of this kind of error. It stays the same in all versions.
     pub fn name(&self) -> &'static str {
         self.into()
     }

@@ -69,7 +69,8 @@ pub struct RollScene {
     pub(super) chart: Chart,
 }
 
-/// The least-squares fit, prepared for the commanded rotations of the probes. A trace does not need this fit.
+/// The least-squares fit, prepared for the commanded rotations of the probes. The simulation of a trace does not need
+/// it.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {

@@ -144,8 +144,8 @@ fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
         .into()
 }
 
-/// If the pixel noise is 3 levels (of 255), the bias of a marker is less than half of its scatter. This is true for all
-/// positions of the markers relative to the pixels.
+/// Tests the bias of markers in frames: if the pixel noise is 3 levels (of 255), the bias is less than half of the
+/// scatter. This is true for all positions of the markers relative to the pixels.
 #[test]
 fn markers_are_where_they_are_projected() {
     for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (700, 0.15), (1024, 0.0)] {
@@ -175,8 +175,8 @@ fn the_stated_errors_of_markers_equal_their_scatter() {
     }
 }
 
-/// In frames, the mean hue has a bias, because pixels at the edges of discs mix two colours. The bias is smaller if the
-/// pixels are smaller.
+/// Tests the bias of the mean hue in frames, which arises because pixels at the edges of discs mix two colours. The
+/// bias is smaller if the pixels are smaller.
 #[test]
 fn mean_hues_of_frames_have_the_bias_of_their_edges() {
     for (size_px, bias, scatter) in [(265, 0.0..0.006, 0.010), (1060, 0.0..0.003, 0.002)] {

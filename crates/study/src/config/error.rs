@@ -90,8 +90,8 @@ impl ConfigError {
 pub(super) struct Fault {
     pub(super) path: String,
     pub(super) message: String,
-    /// Path of the value that the message shows in an excerpt of the config: the field itself or, if a sweep sets the
-    /// field, the swept value.
+    /// Path of the value that the message shows in an excerpt of the config. It is the field itself; if a sweep sets
+    /// the field, it is the swept value.
     pub(super) location: String,
     /// Whether the excerpt in the message marks the key of the field instead of its value.
     pub(super) is_key: bool,
@@ -164,7 +164,8 @@ impl Source {
         }
     }
 
-    /// A config text that palpate generated from the config in `file`. Errors in such a text state no line numbers.
+    /// A config text that palpate generated from the config in `file`. Error messages about such a text state no line
+    /// numbers, because the user has not seen the text.
     pub(super) fn made(file: &str, text: &str) -> Self {
         Self {
             is_written: false,

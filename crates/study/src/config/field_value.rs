@@ -32,7 +32,7 @@ struct FieldUnit {
     measure: Measure,
     around: [&'static str; 2],
     power: i32,
-    /// Factor from the base unit of the physical quantity to the unit of the field.
+    /// Factor from the base unit of the physical quantity (for example rad for an angle) to the unit of the field.
     factor: f64,
 }
 

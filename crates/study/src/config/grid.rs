@@ -162,8 +162,9 @@ impl Grid {
 }
 
 /// Adds the tables and lists on `path` that are missing in the config, because a sweep sets a field in them. An added
-/// table or list has its default value or, without a default, is empty. If only one kind of an added table has the
-/// swept field, the table gets this kind. The error names the value in the config that prevents adding the table.
+/// table or list has its default value or, without a default, is empty. If an added table has kinds, and only one kind
+/// has the swept field, the table gets this kind. The error names the value in the config that prevents adding the
+/// table.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];

@@ -33,8 +33,8 @@ pub struct Study {
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// Whether every swept value is a number, a word or a truth value. If so, these values were validated one by one
-    /// when the study was read, and a cell need not be validated again.
+    /// Whether every swept value is a number, a word or a truth value. If so, each value was validated when the study
+    /// was read, and single cells are not validated again.
     has_plain_values: bool,
     /// Whether palpate wrote the config. In such a config, the scene contains the first value of every swept field.
     is_resolved: bool,
@@ -325,8 +325,8 @@ fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     Ok(config)
 }
 
-/// Config of a cell of the study. If all swept values are plain, they were validated before. Then only the rules that
-/// involve several fields are checked.
+/// Config of a cell of the study. If all swept values are plain (`has_plain_values`), each of them has already been
+/// validated, and only the rules that involve several fields are checked.
 fn cell_config(
     source: &Source,
     grid: &Grid,
@@ -400,8 +400,8 @@ impl Study {
         })
     }
 
-    /// Number of trials that the config states for a cell of the study. The cell itself is not computed, so this is
-    /// fast.
+    /// Number of trials that the config states for a cell of the study. This function is fast, because it does not
+    /// compute the config of the cell.
     pub fn trials_of(&self, cell: usize) -> u64 {
         let swept = self.grid.axis("trials").and_then(|(axis, place)| {
             let faster = self.grid.axes.iter().rev();
@@ -460,8 +460,8 @@ impl Study {
     }
 
     /// Numbers of some cells that pass `filters`. A filter consists of the path of a swept field and the texts of its
-    /// allowed values. For each axis, the returned cells combine the allowed rows of this axis with the first allowed
-    /// rows of all other axes. If no row of an axis passes the filters, the filters are ignored for this axis.
+    /// allowed values. For each axis, every allowed row is combined with the first allowed row of each other axis. If
+    /// no row of an axis passes the filters, the filters are ignored for this axis.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();

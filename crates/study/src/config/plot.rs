@@ -199,8 +199,10 @@ pub struct Points {
     pub x: Vec<f64>,
     /// y values of the points, in the unit of the y axis. The number of x values and of y values must be equal.
     pub y: Vec<f64>,
-    /// Value of `series` whose colour the points have. In a plot of the kind `profile`, it is the name of a line.
+    /// A value of the column that `series` states. The points have the colour of the line for this value. In a plot of
+    /// the kind `profile`, it is the name of a line.
     pub series: Option<String>,
-    /// Value of `panels` in whose panel the points are drawn. By default, they are drawn in every panel.
+    /// A value of the column that `panels` states. The points are drawn only in the panel for this value; by default,
+    /// they are drawn in every panel.
     pub panel: Option<String>,
 }

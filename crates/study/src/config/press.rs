@@ -343,9 +343,9 @@ impl PressModelConfig {
         }
     }
 
-    /// The most accurate model of the same soft body: the bonded layer for a layer, otherwise the half-space. The
-    /// errors of the models that `auto` chooses from are differences from this model. Any model other than `auto` is
-    /// its own reference.
+    /// The most accurate model of the same soft body: the bonded layer for a layer, otherwise the half-space. The error
+    /// of each model from which `auto` chooses is the difference from this model. A model that is not `auto` is its own
+    /// reference.
     pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {

@@ -208,8 +208,9 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Fills in the settings whose default is the value of the scene's model. `of_thickness` is the thickness of this
-    /// model if it is a layer, and `of_poisson` is its Poisson's ratio.
+    /// Stores the values of the scene's model in those settings that are not stated and have these values as defaults.
+    /// `of_thickness` is the thickness of the model's layer (`None` without a layer), and `of_poisson` its Poisson's
+    /// ratio.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
             Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {

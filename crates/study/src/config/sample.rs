@@ -56,8 +56,8 @@ pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     sample.into_iter().collect()
 }
 
-/// Numbers of the cells that form a star in the grid of the study's cells: for each axis, each of its `rows` is
-/// combined with the first of the `rows` of all other axes.
+/// Numbers of the cells in which at most one axis differs from its first row in `rows`. `rows` contains, for each axis,
+/// the rows that are used.
 pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     let first: Vec<usize> = rows.iter().map(|rows| rows[0]).collect();
     let mut cells = Vec::new();
@@ -94,9 +94,8 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
     few.into_iter().collect()
 }
 
-/// Returns a pseudo-random number below `count` that depends on `number`. Consecutive values of `number` result in
-/// numbers that are far apart, and many values of `number` cover the range evenly. The results are the fractional parts
-/// of multiples of the golden ratio, scaled to the range.
+/// Maps the numbers 0, 1, 2 and so on to numbers below `count` that cover the range evenly. Successive results are far
+/// apart. They are the fractional parts of multiples of the golden ratio, scaled to the range.
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((u128::from(fraction) * count as u128) >> 64) as usize

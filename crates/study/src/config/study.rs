@@ -155,9 +155,9 @@ impl SceneConfig {
         }
     }
 
-    /// The scene with another model; `None` if `model` belongs to another kind of scene. If a setting of the estimator
-    /// is not stated, and its default is a value of the scene's model, the setting gets the value of the previous
-    /// model.
+    /// The scene with another model; `None` if `model` belongs to another kind of scene. The estimator does not change:
+    /// if it uses a value of the previous model as a default (such as Poisson's ratio), this value is stored in its
+    /// setting.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();

@@ -141,7 +141,7 @@ impl Axis {
         }
     }
 
-    /// Path of the text in the config that determines the value of the axis at `row` and `column`.
+    /// Path of the text in the config that determines the value in the row `row` of the axis, for its field `column`.
     pub(super) fn location(&self, row: usize, column: usize) -> String {
         let path = &self.path;
         match &self.rows {
@@ -311,8 +311,7 @@ pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
 }
 
 impl SweepConfig {
-    /// The first of `keys` that the axis states if `is_given` is true, or that it does not state if `is_given` is
-    /// false.
+    /// The first of `keys` that the axis states (if `is_given` is true) or does not state (if `is_given` is false).
     fn first(&self, keys: &[&'static str], is_given: bool) -> Option<&'static str> {
         let has = |key: &str| match key {
             "path" => self.path.is_some(),

@@ -1,4 +1,4 @@
-//! Tests of the runner through the public interface of the crate.
+//! Integration tests of the runner of sweeps.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

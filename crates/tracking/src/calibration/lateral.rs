@@ -54,8 +54,8 @@ pub struct LateralCalibration {
     /// length). The result is a length, corrected for the degrees of freedom; `None` if there are no degrees of
     /// freedom.
     pub residual_std: Option<f64>,
-    /// Line without an intercept that is fitted to the shift as a function of the tangential displacement, under the
-    /// assumption that their ratio does not depend on the normal displacement.
+    /// Line without an intercept that is fitted to the shift as a function of the tangential displacement. It ignores
+    /// that their ratio may depend on the normal displacement.
     pub line: Line,
     /// Line with an intercept that is fitted to the same points, for comparison with `line`; `None` if the points do
     /// not determine it.
@@ -173,8 +173,8 @@ impl LateralCalibration {
     }
 }
 
-/// Length of a calibration point's known displacement, and the component (px) of the image's shift in the direction of
-/// this displacement.
+/// The known tangential displacement of a calibration point as a length, and the component (px) of the image's shift in
+/// the direction of this displacement.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
     let length = libm::hypot(x, y);

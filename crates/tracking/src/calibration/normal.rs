@@ -32,7 +32,7 @@ impl NormalFrom {
     /// All features from which normal displacements can be computed, starting with the default.
     pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
 
-    /// The stable name of the feature in files.
+    /// Name of the feature in files. It stays the same in all versions.
     pub fn name(self) -> &'static str {
         self.into()
     }
@@ -99,9 +99,9 @@ pub struct MarkerGain {
 }
 
 impl NormalCalibration {
-    /// Fits one slope to all points. In addition, a slope is fitted for each marker with at least three different
-    /// displacements, and stored if it is at least twice its standard error. The slopes of single markers are only used
-    /// after a call of [`NormalCalibration::per_marker`].
+    /// Fits one slope to all points. In addition, a slope is fitted to each marker with at least three different
+    /// displacements. It is stored if it is at least twice its standard error, and used only after a call of
+    /// [`NormalCalibration::per_marker`].
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for

@@ -1,5 +1,5 @@
-//! Property tests. Markers at different places define a displacement field. For arbitrary numbers and pixels, each
-//! result is finite or an expected error.
+//! Property tests. Markers at different places always define a displacement field. For arbitrary numbers and pixels,
+//! each result is finite, or an error is returned.
 
 use image::RgbImage;
 use palpate_tracking::{
@@ -107,8 +107,8 @@ proptest! {
         }
     }
 
-    /// Markers in separate squares of a grid define a displacement field in their convex hull, for arbitrary
-    /// displacements.
+    /// Tests that markers define a displacement field in their convex hull if each marker lies in its own square of a
+    /// grid. The displacements are arbitrary.
     #[test]
     fn markers_apart_have_a_field(
         numbers in prop::collection::vec((pair_within(0.1), pair_within(2.0), -2.0..2.0), 4..16),

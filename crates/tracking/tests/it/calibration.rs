@@ -97,8 +97,8 @@ fn shift_points() -> Vec<LateralPoint> {
         .collect()
 }
 
-/// Compares three numbers of a fitted line (slope, R², rms residual) with the expected numbers, which are rounded to
-/// multiples of `units`.
+/// Checks three numbers of a fitted line: slope, R², and rms residual. Each must agree with the expected number within
+/// the rounding to a multiple of its entry in `units`.
 #[track_caller]
 fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     let found = [line.slope, line.r_squared, line.residual_rms];
@@ -107,8 +107,9 @@ fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     }
 }
 
-/// The expected values for the line with an intercept were read off Fig. 6b independently: a slope of 0.0258 turns/mm,
-/// R² of 0.85, and a residual of 0.15 mm. The residual is the rms residual divided by the slope.
+/// Tests the published line of the hue. The expected values for the line with an intercept were read off Fig. 6b
+/// independently: a slope of 0.0258 turns/mm, R² of 0.85, and a residual of 0.15 mm. The residual is the rms residual
+/// divided by the slope.
 #[test]
 fn the_published_hue() {
     let fitted = NormalCalibration::fit(&hue_points(|_| true), NormalFrom::Hue).unwrap();
@@ -140,8 +141,8 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// The expected slope of the line, 7.0 px/mm, was read off Fig. 6c independently. The expected R² of 0.99 is stated in
-/// the paper.
+/// Tests the published line of the shift. The expected slope, 7.0 px/mm, was read off Fig. 6c independently. The
+/// expected R² of 0.99 is stated in the paper.
 #[test]
 fn the_published_shift() {
     let fitted = LateralCalibration::fit(&shift_points()).unwrap();
@@ -280,8 +281,8 @@ fn lines_of_any_size_have_their_slope() {
     }
 }
 
-/// In this calibration, the displacement is 10 times the hue change in turns, or 5 times the nearness 1 − exp(−growth),
-/// which is at most 1.
+/// Tests changes of any size in a simple calibration. Its displacement is 10 times the hue change in turns, or 5 times
+/// the nearness 1 − exp(−growth), which is at most 1.
 #[test]
 fn changes_of_any_size_give_a_displacement_or_none() {
     let points: Vec<NormalPoint> = (0..9)

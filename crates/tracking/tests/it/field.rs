@@ -17,8 +17,8 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Positions around the point (x, y). Their distances from (x, y) range from less than the rounding error to clearly
-/// larger values.
+/// Positions around the point (x, y). The smallest distances from this point are below the rounding error of the
+/// coordinates, the largest are clearly above it.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {
@@ -29,8 +29,8 @@ fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Checks that interpolated displacements do not exceed the displacements of the markers, because interpolated
-/// displacements are means of the markers' displacements. The tested points are at, between and near the markers.
+/// Checks that interpolated displacements are between the smallest and the largest displacement of the markers, because
+/// each of them is a mean of these displacements. The tested points are at, between and near the markers.
 fn assert_means(field: &Field) {
     let markers = field.markers();
     for one in markers {
@@ -79,7 +79,7 @@ fn slivers() {
     }
 }
 
-/// Natural-neighbour interpolation is exact for linear fields.
+/// Tests that natural-neighbour interpolation is exact for linear fields.
 #[test]
 fn linear_fields_of_any_size() {
     let value = |[x, y]: [f64; 2]| 1.0 + 2.0 * x - 0.5 * y;
@@ -191,8 +191,8 @@ fn outward_is_away_from_the_contact() {
     assert_relative_eq!(mean, (0.5 * 0.2 - 0.25 * 0.1) / 0.75, max_relative = 1e-12);
 }
 
-/// A field is also possible for few markers, for markers on a line, and for markers that are almost at the same
-/// place. The convex hull of these markers then has a small area.
+/// Tests fields of few markers, of markers on a line, and of markers that are almost at the same place. The convex hull
+/// of such markers has a small area.
 #[test]
 fn thin_fields() {
     let of = |x: f64, y: f64| Displaced {

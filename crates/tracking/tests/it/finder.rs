@@ -17,7 +17,7 @@ fn away(marker: &Marker, place: [f64; 2]) -> f64 {
 }
 
 /// Root mean square errors of the found markers: in the centroid (px), in the hue (turns) and in the size (relative).
-/// Each true marker must be found exactly once, and no other marker may be found.
+/// Panics unless each true marker was found exactly once, and nothing else was found.
 fn errors(found: &[Marker], truth: &[Truth], reach: f64) -> [f64; 3] {
     assert_eq!(found.len(), truth.len());
     let mut squares = [0.0; 3];

@@ -1,4 +1,4 @@
-//! Tests of the crate's public interface.
+//! Integration tests of marker tracking.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

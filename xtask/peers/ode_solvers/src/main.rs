@@ -100,8 +100,8 @@ fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     *solver.y_out().last().expect("the end of the roll")
 }
 
-/// Largest difference of any coordinate between the two contact points of a pair, which are the computed and the exact
-/// point.
+/// Compares pairs of points. Each pair consists of the computed and the exact contact point. Returns the largest
+/// difference of any coordinate in any pair.
 fn largest<const N: usize>(pairs: [([f64; 3], [f64; 3]); N]) -> f64 {
     let differences = pairs
         .iter()
@@ -114,7 +114,7 @@ fn on_probe(state: &State) -> [f64; 3] {
     [u.cos() * v.cos(), -u.cos() * v.sin(), u.sin()]
 }
 
-/// The contact point on the probe at the end of a path of the length `length` along a great circle.
+/// The exact contact point on the probe after the contact has moved by `length` along a great circle.
 fn after(length: f64) -> [f64; 3] {
     [length.cos(), -length.sin(), 0.0]
 }

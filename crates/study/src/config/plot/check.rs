@@ -174,8 +174,8 @@ fn check_points(
     Ok(())
 }
 
-/// Checks that the series and the panel that `points` names exist in the plot. In a profile, the names of lines are not
-/// checked, because only the table of a run contains them.
+/// Checks that `points` names a series and a panel that the plot has. In a profile, the series is the name of a line.
+/// Names of lines are not checked, because only the table of a run contains them.
 fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     for (key, value, column, path) in [
         ("series", &points.series, "series", &plot.series),

@@ -44,7 +44,8 @@ scene.noise.x=5 | study.toml: scene.noise.x: `scene.noise` has no `x`; known: an
 scene.object.radius.x=5 | study.toml: scene.object.radius.x: `scene.object.radius` is no table
 "#;
 
-/// If a message is longer than the text in the table of this test, only the beginning of the message is compared.
+/// Tests that the last keys of a path suffice to name a field. If a message is longer than the text in the table of
+/// this test, only the beginning of the message is compared.
 #[test]
 fn the_last_keys_of_a_path_name_a_field() {
     let study = study("");

@@ -127,8 +127,8 @@ const PLOTS: &str = r#"
 [[plot]]\nx = "truth"\ny = "std_bound" | 14:5 plot.0.y | no column `std_bound`
 "#;
 
-/// Config of a press. `GLIDE` is the config of a glide. Each of the two configs allows kinds of plots that the other
-/// one does not allow.
+/// Config of a press. Together with `GLIDE`, the config of a glide, it is used to test plots that only one of the two
+/// kinds of scenes allows.
 const PRESS: &str = r#"name = "a-press"
 outputs = ["cells", "map", "trace"]
 [scene]

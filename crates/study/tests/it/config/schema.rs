@@ -114,8 +114,9 @@ fn every_field_and_kind_is_described() {
     });
 }
 
-/// Column headers and `to_toml` rely on a rule: if several kinds have the same key, its unit and its default are the
-/// same. Defaults that are tables are not compared, because these tables have kinds themselves.
+/// Tests a rule on which column headers and `to_toml` rely: if several kinds of a table have the same key, its unit and
+/// its default are the same in all of them. Defaults that are tables are not compared, because these tables have kinds
+/// themselves.
 #[test]
 fn kinds_that_share_a_key_share_its_unit_and_default() {
     properties(&schema(), &mut |key, property| {
