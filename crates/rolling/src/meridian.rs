@@ -117,8 +117,9 @@ impl MeridianRung {
     }
 }
 
-/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`. Newton's method converges,
-/// because the relative curvature is positive, so that the angle increases with the parameter.
+/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`. Newton's method finds them,
+/// because the angle increases with the parameter if the relative curvature is positive. `None` if the method does not
+/// converge.
 fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let ellipse = Meridian::Spheroid { a, c };
     let apex = ellipse.slope(0.0);

@@ -19,7 +19,7 @@ pub(crate) struct PointCurvature {
     /// Standard errors of the values; `None` for true values, and for an estimator without standard errors.
     pub(crate) stds: [Option<f64>; 4],
     /// For k_min, k_max and the mean curvature: whether the estimator's own 50, 80 and 95 % intervals contain the true
-    /// value.
+    /// value; `None` if the estimator states no intervals.
     pub(crate) interval_holds: [Option<[bool; 3]>; 3],
 }
 

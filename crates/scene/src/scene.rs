@@ -171,7 +171,8 @@ pub trait Scenes {
         self.ladder_of(cell, &self.estimable_scene(cell)?)
     }
 
-    /// Measures the errors of the models like [`Scenes::ladder`], for a scene that is already built.
+    /// Measures the errors of the models like [`Scenes::ladder`], for a scene that is already built. `None` if there is
+    /// only one model.
     ///
     /// # Errors
     /// The errors of [`Trials::ladder`], with their place in the config.
@@ -303,7 +304,7 @@ pub trait Trials {
     }
 
     /// Cramér–Rao bound on the standard deviation of an estimate. `_quantity` is the index of the quantity. Only
-    /// presses with noise have this bound.
+    /// presses with noise have this bound; for other scenes, the result is `None`.
     fn std_bound(&self, _quantity: usize) -> Option<f64> {
         None
     }

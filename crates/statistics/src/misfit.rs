@@ -69,7 +69,8 @@ impl StatedQuantity {
 }
 
 impl Misfit {
-    /// Returns [`Misfit::PoorFit`] if the p-value of `goodness` is below the significance level `level`.
+    /// Returns [`Misfit::PoorFit`] if the p-value of `goodness` is below the significance level `level`, otherwise
+    /// `None`.
     pub fn poor_fit(goodness: GoodnessOfFit, level: f64) -> Option<Self> {
         let p_value = goodness.p_value;
         (p_value < level).then_some(Self::PoorFit { p_value })

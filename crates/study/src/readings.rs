@@ -52,7 +52,8 @@ impl ColumnUnit {
         }
     }
 
-    /// Default length unit of the output for readings in this unit. For readings in inches, it is the millimetre.
+    /// Default length unit of the output for readings in this unit: the unit itself or, for example for readings in
+    /// inches, the millimetre. `None` if this unit is not a length.
     pub fn nearest(self) -> Option<LengthUnit> {
         match self {
             Self::Length(unit) => Some(unit),
@@ -236,8 +237,8 @@ pub const CONTACTS: [Column; 2] = [
     Column::of("contact_v", Measure::Length),
 ];
 
-/// The column of [`QUATERNION`] that a name refers to: `qx`, `quat_x`, `pose_orientation_x`. The name has the form that
-/// [`spelt`] returns.
+/// The column of [`QUATERNION`] to which a name refers: `qx`, `quat_x`, `pose_orientation_x`; `None` if it refers to no
+/// such column. The name has the form that [`spelt`] returns.
 pub fn quaternion_part(name: &str) -> Option<Column> {
     let is_quaternion = |prefix: &str| {
         let word = prefix.trim_end_matches('_').rsplit('_').next();
@@ -382,7 +383,7 @@ pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), Column
     Ok(())
 }
 
-/// The column to which `key` refers. The key may end with a unit.
+/// The column to which `key` refers; `None` if there is none. The key may end with a unit.
 pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
     let key = spelt(key);
     columns

@@ -235,7 +235,7 @@ impl Statistic {
         )
     }
 
-    /// The statistic whose column has this name.
+    /// The statistic whose column has this name; `None` if there is none.
     pub fn named(name: &str) -> Option<Self> {
         let all = Self::ALL.into_iter().chain([Self::StdBound]);
         all.into_iter().find(|statistic| statistic.name() == name)

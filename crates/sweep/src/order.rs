@@ -253,7 +253,8 @@ fn estimates(means: &[TrialMeans]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Mean estimate of each group of `each` consecutive trials. Failed trials are left out of the means.
+/// Mean estimate of each group of `each` consecutive trials. Failed trials are left out of the means; `None` if all
+/// trials of a group failed.
 fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
     // An experiment that is not random has only one trial, which is also the mean of any group.
     if each == 1 || values.len() == 1 {

@@ -70,18 +70,18 @@ pub struct Summary {
     pub observations: u64,
     /// The true value of the quantity; `None` if it differs between observations.
     pub truth: Option<f64>,
-    /// Mean of the estimates.
+    /// Mean of the estimates; `None` if it is undefined.
     pub mean: Option<f64>,
     /// Sample standard deviation of the estimates, with the divisor n − 1; `None` for fewer than two estimates.
     pub std: Option<f64>,
-    /// Mean of the errors (estimate minus true value).
+    /// Mean of the errors (estimate minus true value); `None` if it is undefined.
     pub bias: Option<f64>,
-    /// Root mean square of the errors (estimate minus true value).
+    /// Root mean square of the errors (estimate minus true value); `None` if it is undefined.
     pub rms_error: Option<f64>,
     /// Standard error of `rms_error`, to first order; `None` for fewer than two trials. It is computed from the scatter
     /// of the squared errors between trials, so the observations within one trial count as a single observation.
     pub rms_error_std: Option<f64>,
-    /// Mean of the absolute errors (|estimate minus true value|).
+    /// Mean of the absolute errors (|estimate minus true value|); `None` if it is undefined.
     pub mean_abs_error: Option<f64>,
     /// `rms_error` divided by the absolute true value; `None` if the true value is 0 or differs between observations.
     pub relative_rms_error: Option<f64>,
@@ -93,9 +93,9 @@ pub struct Summary {
     ///
     /// Quantiles are interpolated linearly between the sorted estimates (type 7, the usual definition).
     pub q05: Option<f64>,
-    /// Median of the estimates. It has the same accuracy as `q05`.
+    /// Median of the estimates. It has the same accuracy as `q05`, and is `None` in the same cases.
     pub q50: Option<f64>,
-    /// 95 % quantile of the estimates. It has the same accuracy as `q05`.
+    /// 95 % quantile of the estimates. It has the same accuracy as `q05`, and is `None` in the same cases.
     pub q95: Option<f64>,
     /// Mean of the standard deviations that the trials reported; `None` if they reported none.
     pub mean_reported_std: Option<f64>,
@@ -103,11 +103,11 @@ pub struct Summary {
     /// unless the trial reports itself whether its interval contains the true value (`interval_holds`). `None` if the
     /// trials reported no standard deviation and no coverage.
     pub coverage50: Option<f64>,
-    /// Share of the 80 % intervals that contain the true value, as for `coverage50`. An interval is the estimate ± 1.28
-    /// standard deviations.
+    /// Share of the 80 % intervals that contain the true value; `None` in the same cases as `coverage50`. An interval
+    /// is the estimate ± 1.28 standard deviations, unless the trial reports its own coverage.
     pub coverage80: Option<f64>,
-    /// Share of the 95 % intervals that contain the true value, as for `coverage50`. An interval is the estimate ± 1.96
-    /// standard deviations.
+    /// Share of the 95 % intervals that contain the true value; `None` in the same cases as `coverage50`. An interval
+    /// is the estimate ± 1.96 standard deviations, unless the trial reports its own coverage.
     pub coverage95: Option<f64>,
 }
 

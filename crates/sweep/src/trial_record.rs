@@ -38,7 +38,7 @@ pub struct Observation {
     /// Standard error that the estimator reports, at least 0; `None` if it reports none.
     pub std: Option<f64>,
     /// Whether the estimator's own 50, 80 and 95 % intervals contain the true value. `None` if the estimator states no
-    /// intervals. Then the estimate ± 0.67, 1.28 and 1.96 `std` are used as intervals.
+    /// intervals; the estimate ± 0.67, 1.28 and 1.96 `std` are then used instead.
     pub interval_holds: Option<[bool; 3]>,
 }
 

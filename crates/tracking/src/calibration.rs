@@ -69,12 +69,12 @@ impl Calibration {
         })
     }
 
-    /// The calibration for normal displacements, if there is one.
+    /// The calibration for normal displacements; `None` if there is none.
     pub const fn normal_part(&self) -> Option<&NormalCalibration> {
         self.normal.as_ref()
     }
 
-    /// The calibration for tangential displacements, if there is one.
+    /// The calibration for tangential displacements; `None` if there is none.
     pub const fn lateral_part(&self) -> Option<&LateralCalibration> {
         self.lateral.as_ref()
     }

@@ -123,7 +123,8 @@ impl Equidistant {
 
     /// Change of a tracked marker, corrected for the distortion of the lens. The shift (px) is the angle by which the
     /// marker moved, multiplied by the focal length (px per radian). The growth is half the change of ln Ω, where Ω is
-    /// the solid angle at which the camera sees the marker.
+    /// the solid angle of the marker as seen from the camera. `None` unless the marker was tracked, both of its images
+    /// belong to valid places, and all numbers are finite.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;

@@ -184,7 +184,8 @@ impl Circle {
     }
 
     /// Fits a circle with the centre (a, b) to points (x, y), by least squares of `x² + y² - 2 a x - 2 b y - c`
-    /// (algebraic circle fit). If there are only three points, the circle passes exactly through them.
+    /// (algebraic circle fit). If there are only three points, the circle passes exactly through them. `None` if the
+    /// points do not determine a circle.
     fn fit(points: &[[f64; 2]]) -> Option<Self> {
         let count = points.len() as f64;
         let middle = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);

@@ -147,7 +147,8 @@ impl<'a> Matching<'a> {
         Some([0, 1].map(|axis| pressed[axis] - rest[axis]))
     }
 
-    /// Predicted displacement of a marker: along each axis, the median of the displacements of its neighbours.
+    /// Predicted displacement of a marker: along each axis, the median of the displacements of its neighbours. `None`
+    /// if none of the neighbours is matched.
     fn expected_move(&self, at: usize) -> Option<[f64; 2]> {
         let moves: Vec<[f64; 2]> = self.around[at]
             .iter()

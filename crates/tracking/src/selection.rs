@@ -87,8 +87,8 @@ pub(crate) fn select(
     }
 }
 
-/// Typical area of a marker: the median area of the shapes that may be markers. In the median, each shape is weighted
-/// by its area, so that small specks have little influence.
+/// Typical area of a marker: the median area of the shapes that may be markers; `None` if there are none. In the
+/// median, each shape is weighted by its area, so that small specks have little influence.
 fn typical_area(shapes: &[Shape]) -> Option<f64> {
     let mut areas: Vec<usize> = shapes
         .iter()

@@ -137,9 +137,10 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
     FieldError::at(PATH, message)
 }
 
-/// Root mean square errors of displacements in the calibration presses. Only markers whose displacement is at least
-/// half of the largest displacement are used. These are the markers near the contact, where the two discs of a marker
-/// move most differently and where the readings depend most on the object's shape.
+/// Root mean square errors of normal and of tangential displacements in the calibration presses; `None` if an error is
+/// 0 or cannot be computed. Only markers whose displacement is at least half of the largest displacement are used.
+/// These are the markers near the contact, where the two discs of a marker move most differently and where the readings
+/// depend most on the object's shape.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for points in presses {

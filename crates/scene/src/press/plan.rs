@@ -189,7 +189,7 @@ impl PressSetup<'_> {
     }
 
     /// Builds the estimator that the config states. `tables` is the thickness of the layer whose tables the fits can
-    /// use, if there is one.
+    /// use; `None` if there are no tables.
     fn estimator(
         &self,
         noise: &PressNoise,

@@ -278,6 +278,7 @@ pub(super) struct CameraPressSensor {
     lost_markers: usize,
     central_marker: usize,
     /// True change of the image of the marker nearest to the contact, computed directly, without noise and pixels.
+    /// `None` if the camera does not see this marker at rest or in the press.
     pub(super) true_change: Option<MarkerChange>,
     pub(super) variation: Option<SensorVariation>,
 }

@@ -119,7 +119,7 @@ impl PressCase {
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum PressEstimator {
     /// Fit to the displacements of the markers and, if the config states this estimator, fit to the images of the
-    /// markers.
+    /// markers (otherwise `None`).
     Fit(ForwardFit, Option<ImageEstimator>),
     /// The fit cannot be built. Every trial fails with the name of the error.
     NoFit(PressError),
@@ -432,9 +432,10 @@ impl Trials for PressScene {
         self.true_value(*self.quantities().get(quantity)?)
     }
 
-    /// Cramér–Rao bound of a quantity, for the true body and the noise of the scene. Parameters that the estimator fits
-    /// are treated as unknown. A parameter that the estimator receives, such as the indentation, has the noise that
-    /// trials draw. If trials draw no noise for this parameter, it has the standard deviation that the config states.
+    /// Cramér–Rao bound of a quantity, for the true body and the noise of the scene; `None` for a quantity without such
+    /// a bound. Parameters that the estimator fits are treated as unknown. A parameter that the estimator receives,
+    /// such as the indentation, has the noise that trials draw. If trials draw no noise for this parameter, it has the
+    /// standard deviation that the config states.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;

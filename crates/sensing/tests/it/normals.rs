@@ -16,8 +16,9 @@ fn below(limit: f64) -> f64 {
     0.5 * libm::erfc(-limit * FRAC_1_SQRT_2)
 }
 
-/// χ² test of the counts of random numbers in intervals of width 1/16, up to more than six standard deviations. The
-/// intervals in the tails contain too few numbers for the test, so each tail is tested as a whole.
+/// Tests the distribution of random numbers: a χ² test of their counts in intervals of width 1/16, up to more than six
+/// standard deviations. The intervals in the tails contain too few numbers for the test, so each tail is tested as a
+/// whole.
 #[test]
 fn every_interval_and_both_tails_have_their_share() {
     const PER_UNIT: f64 = 16.0;
@@ -95,8 +96,8 @@ fn no_draw_depends_on_another() {
     }
 }
 
-/// The two numbers of a pair are the coordinates of a vector. The direction of this vector must be uniformly
-/// distributed and independent of its length.
+/// Tests the direction of pairs of numbers. If the two numbers are the coordinates of a vector, the direction of this
+/// vector must be uniformly distributed and independent of its length.
 #[test]
 fn pairs_have_no_direction() {
     const SECTORS: usize = 48;

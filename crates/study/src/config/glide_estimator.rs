@@ -147,8 +147,8 @@ impl GlideEstimatorConfig {
         self
     }
 
-    /// Separates the stated noise from the estimator. Returns the estimator without its stated noise, and the standard
-    /// deviations of positions (a length) and of normals (degrees).
+    /// Separates the stated noise from the estimator. Returns the estimator without its stated noise, and the stated
+    /// standard deviations of positions (a length) and of normals (degrees); `None` for one that is not stated.
     #[must_use]
     pub fn without_noise(mut self) -> (Self, [Option<f64>; 2]) {
         let stated = self.noise().map(std::mem::take).unwrap_or_default();

@@ -95,7 +95,8 @@ impl Grid {
         pairs.collect::<Vec<_>>().join(", ")
     }
 
-    /// The sweep axis that sets a field, and the index of this field among the fields of the axis.
+    /// The sweep axis that sets a field, and the index of this field among the fields of the axis; `None` if no axis
+    /// sets the field.
     pub(super) fn axis(&self, path: &str) -> Option<(&Axis, usize)> {
         self.axes.iter().find_map(|axis| {
             let place = axis.targets.iter().position(|target| target.path == path);
@@ -104,7 +105,7 @@ impl Grid {
     }
 
     /// The config tree of a cell of the study. If a swept path does not exist, the tree is incomplete, and the returned
-    /// fault states why.
+    /// fault states why; otherwise, the fault is `None`.
     pub(super) fn tree(&self, cell: usize) -> (Value, Option<Fault>) {
         let mut tree = self.base.clone();
         // Set the kinds first, because the kind of a table decides which other fields the table has.

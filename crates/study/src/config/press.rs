@@ -333,7 +333,7 @@ impl PressModelConfig {
         }
     }
 
-    /// Young's modulus of the soft body, kPa, if it is stated.
+    /// Young's modulus of the soft body, kPa; `None` if it is not stated.
     pub fn modulus_kpa(&self) -> Option<f64> {
         match *self {
             Self::Auto { modulus_kpa, .. }

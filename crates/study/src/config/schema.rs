@@ -144,7 +144,7 @@ pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
 }
 
 /// Paths of the fields that state the same quantity as the field at `path` in another way, for all kinds of tables. A
-/// config must not state both.
+/// config must not state two of these fields.
 pub(super) fn alternatives(path: &str) -> Vec<String> {
     let keys: Vec<&str> = path.split('.').collect();
     let Some((parent, _)) = path.rsplit_once('.') else {

@@ -40,7 +40,7 @@ pub struct Setting {
     pub help: String,
     /// The values that the setting accepts.
     pub accepts: Accepts,
-    /// Default value as text, if the schema states one.
+    /// Default value as text; `None` if the schema states none.
     pub default: Option<String>,
     /// Whether the value is a length in the config's unit.
     pub is_length: bool,
@@ -92,11 +92,11 @@ impl Accepts {
 /// Range of the numbers that a setting accepts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// Lower limit of the range. The number must be greater than this limit.
+    /// Lower limit of the range, which the number must exceed; `None` if there is no such limit.
     pub above: Option<f64>,
-    /// Smallest allowed value of the setting.
+    /// Smallest allowed value of the setting; `None` if there is no such limit.
     pub least: Option<f64>,
-    /// Largest allowed value of the setting.
+    /// Largest allowed value of the setting; `None` if there is no such limit.
     pub most: Option<f64>,
     /// Whether the number must be a whole number.
     pub is_whole: bool,
@@ -387,7 +387,7 @@ fn text(json: &Json) -> String {
 pub struct SettingError {
     /// Key of the setting to which the error applies.
     pub key: String,
-    /// Value of the setting, if it is a number.
+    /// Value of the setting; `None` if it is not a number.
     pub value: Option<f64>,
     /// Description of the problem, written so that it can follow the key. The text names other settings as `` setting
     /// `key` ``.

@@ -225,7 +225,7 @@ impl Target {
 #[derive(Debug, Clone)]
 pub(super) struct SweptValue {
     pub(super) value: Value,
-    /// Label of the value, if it is a table.
+    /// Label of the value if it is a table; otherwise `None`.
     label: Option<String>,
 }
 

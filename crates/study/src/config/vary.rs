@@ -127,7 +127,8 @@ fn range(range: &str, from: &str, to: &str) -> Result<Varied, VaryError> {
     }
 }
 
-/// Parses values as a TOML list without brackets. If this fails, parses them as words without quotation marks.
+/// Parses values as a TOML list without brackets. If this fails, parses them as words without quotation marks. `None`
+/// if there are no values.
 fn listed(values: &str) -> Option<Vec<toml::Value>> {
     let parsed = |text: &str| -> Option<Vec<toml::Value>> {
         let list: toml::Value = format!("[{text}]").parse().ok()?;

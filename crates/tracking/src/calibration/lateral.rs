@@ -14,7 +14,7 @@ pub struct LateralPoint {
     /// Shift (px) of the marker's image along the same axes: the angle by which the image moves, multiplied by the
     /// focal length (px per radian).
     pub shift_px: [f64; 2],
-    /// Inward displacement of the marker (length), if it was measured.
+    /// Inward displacement of the marker (length); `None` if it was not measured.
     pub normal: Option<f64>,
 }
 
@@ -40,12 +40,13 @@ pub struct LateralCalibration {
     /// Coefficient p₀: the ratio of the centroid's shift to the tangential displacement, at a normal displacement of 0,
     /// px per length.
     pub px_per_length: f64,
-    /// Standard error of the coefficient p₀, px per length.
+    /// Standard error of the coefficient p₀, px per length; `None` without degrees of freedom.
     pub px_per_length_std: Option<f64>,
     /// Coefficient p₁: the change, per normal displacement, of the ratio of the centroid's shift to the tangential
     /// displacement, px per length squared. `None` if the points have fewer than two different normal displacements.
     pub per_indentation: Option<f64>,
-    /// Standard error of the coefficient p₁, px per length squared.
+    /// Standard error of the coefficient p₁, px per length squared; `None` without degrees of freedom, or if p₁ is not
+    /// fitted.
     pub per_indentation_std: Option<f64>,
     /// Root mean square of the residuals of the centroid's shift (px), each divided by the ratio p₀ + p₁ u (px per
     /// length). The result is a length.

@@ -52,7 +52,7 @@ impl NormalFrom {
 /// Calibration point: a known normal displacement of a marker, and the change of the marker's image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalPoint {
-    /// Index of the marker in the sensor, if it is known.
+    /// Index of the marker in the sensor; `None` if it is not known.
     pub marker: Option<usize>,
     /// Known inward displacement of the marker (length).
     pub normal: f64,

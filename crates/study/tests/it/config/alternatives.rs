@@ -5,7 +5,8 @@ use serde_json::json;
 
 use super::{BASE, edited, error, study};
 
-/// The values of the three fields in a cell of the study: `duration_s`, `arc_length` and `angle_deg`.
+/// The values of the three fields in a cell of the study: `duration_s`, `arc_length` and `angle_deg`. `None` for a
+/// field that the config does not state.
 fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
     let study = parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"));
     let SceneConfig::Roll(roll) = study.cell(cell).unwrap().config.scene else {
