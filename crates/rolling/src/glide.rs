@@ -8,7 +8,7 @@
 //! q + r n(q) = tip's centre.
 //! ```
 //!
-//! If the object has a slope there, the contact is beside the vertical line through the tip's centre.
+//! Unless the object is level at the contact, the contact is beside the vertical line through the tip's centre.
 
 mod search;
 mod touch;

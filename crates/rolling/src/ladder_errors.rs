@@ -100,7 +100,7 @@ impl Roller {
     }
 }
 
-/// Reasons why no model can be measured on a scene's rolls without noise.
+/// Reasons why the errors of models cannot be measured on a scene's rolls without noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unmeasured {
     /// A roll cannot begin, or it ends before all of its motions are complete.

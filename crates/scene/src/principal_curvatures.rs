@@ -94,7 +94,7 @@ impl PointCurvature {
         Some(outcome).filter(|one| (one.estimate - one.truth).is_finite())
     }
 
-    /// Calls `observe` with each quantity of this estimate that is defined. `quantities` are all quantities of the
+    /// Calls `observe` with every quantity that this estimate determines, out of `quantities`, the quantities of the
     /// scene.
     pub(crate) fn report(
         &self,
@@ -123,7 +123,7 @@ pub(crate) fn align_axes<'a>(points: impl Iterator<Item = &'a mut PointCurvature
     }
 }
 
-/// The angle of an axis, degrees, moved into the range from −90 to 90.
+/// Moves the angle of an axis into the range from −90 to 90 degrees, by half turns, which do not change the axis.
 pub(crate) fn half_turn(degrees: f64) -> f64 {
     degrees - 180.0 * (degrees / 180.0).round()
 }

@@ -40,7 +40,7 @@ pub struct Target {
     pub limit: f64,
 }
 
-/// Whether the limit of a target is an upper or a lower limit.
+/// Whether a target states an upper or a lower limit for its statistic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// The statistic must be at most the limit.

@@ -167,7 +167,8 @@ pub(crate) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Whether a sum of squares is so far from the largest and the smallest floats that the summed numbers need no scaling.
+/// Whether no scaling is needed: the sum of squares `squares` is far from the largest and the smallest floats, so it
+/// has neither overflowed nor underflowed.
 pub(crate) fn is_ordinary(squares: f64) -> bool {
     (1e-200..1e200).contains(&squares)
 }

@@ -253,7 +253,8 @@ impl RollScene {
     }
 }
 
-/// Quantities of a roll whose estimates have 95 % intervals, in the order of [`ROLL_QUANTITIES`].
+/// Quantities of a roll whose estimates have 95 % intervals. They have the same order as the quantities in
+/// [`ROLL_QUANTITIES`].
 const QUANTITIES: [Quantity; 4] = [
     Quantity::Normal { angle_rad: 0.0 },
     Quantity::Normal {
