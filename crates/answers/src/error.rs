@@ -47,7 +47,7 @@ pub enum AnswerError {
     NoOrder {
         /// Path of the field whose best value the question asks for.
         path: String,
-        /// The value of this field that is not a number, as text.
+        /// Text of a value of this field. The value is not a number.
         text: String,
     },
     /// No field of the object is swept, so there are no objects to distinguish.

@@ -72,8 +72,8 @@ struct Verdict<'a> {
     choice: &'a AutoChoice,
     /// Number of processor instructions that the chosen model executes for one run of the scene.
     taken: u64,
-    /// Index in the scene's models of the cheapest model within the tolerance, and its number of instructions. `None`
-    /// if no model is within the tolerance.
+    /// The cheapest model whose error is within the tolerance: its index among the models of the scene, and its number
+    /// of processor instructions. `None` if no model is within the tolerance.
     cheapest: Option<(usize, u64)>,
 }
 

@@ -21,7 +21,8 @@ const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
 const MIN_EFFECTIVE: f64 = 0.15;
 /// Number of nodes at which the integrand is computed together.
 const BLOCK: usize = 32;
-/// Number of integration nodes that are computed once and stored.
+/// Largest number of nodes of a numerical integral over the possible mobilities. These nodes are computed once and
+/// stored.
 const MOST_NODES: usize = 2048;
 /// Standard deviation of the integration nodes, relative to the standard deviation of the mobility (contact travel per
 /// radian).
@@ -267,8 +268,9 @@ impl RollRows {
         all
     }
 
-    /// Indices of the needed bounds: no other bound of the same pad edge implies them for mobilities near `mean`.
-    /// `root` is the Cholesky factor of the mobility's covariance.
+    /// Indices of the needed bounds of the mobility (contact travel per radian). A bound is needed unless another bound
+    /// from the same edge of the pad implies it for all mobilities near `mean`. `root` is the Cholesky factor of the
+    /// mobility's covariance.
     pub(crate) fn needed(
         &self,
         response: &Matrix2x3<f64>,
@@ -282,8 +284,9 @@ impl RollRows {
     }
 }
 
-/// A bound of the mobility that follows from one roll: `form · β ≤ slack`, where β is the change of the mobility. It is
-/// stored with the index of the pad's edge and the index of the [`EdgeRow`].
+/// A bound of the mobility (contact travel per radian) that follows from one roll: `form · β ≤ slack`, where β is the
+/// change of the mobility. The bound is stored with the index of the pad's edge and the index of the [`EdgeRow`] from
+/// which it was derived.
 #[derive(Clone, Copy, Debug)]
 struct MobilityRow {
     edge: usize,
@@ -292,8 +295,9 @@ struct MobilityRow {
     number: usize,
 }
 
-/// Removes the bounds that another bound of the same edge implies at all integration nodes. `root` is the Cholesky
-/// factor of the mobility's covariance.
+/// Removes each bound of the mobility that is implied, at all integration nodes, by another bound from the same edge of
+/// the pad. `mean` is the mean of the mobility (contact travel per radian), `root` the Cholesky factor of its
+/// covariance.
 fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix3<f64>) {
     let at_mean = |row: &MobilityRow| row.slack - row.form.dot(mean);
     let mut tightest: [Option<MobilityRow>; 6] = [None; 6];

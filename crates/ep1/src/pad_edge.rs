@@ -88,7 +88,7 @@ impl BoundedRoll {
             }
             edge.2 = rotations.len() - 1;
         }
-        // The bounds are widened by the estimated error of the computed path.
+        // Move each edge of a pad outward by the estimated error of the computed path of the contact.
         let count = rotations.len() as f64;
         for edge in &mut edges {
             edge.1 += square / (count * count);
@@ -329,12 +329,13 @@ impl PadEdgeSet {
             let found = direction.dot(&change);
             let (distance, apart) = ((found - mean).abs(), (found - last).abs());
             if apart < CONVERGED * distance + 1e-13 {
-                // Another pass would change the extreme value by at most the last change times `apart / distance`.
+                // The next pass would change the largest value by at most `apart`, the change in this pass, times
+                // `apart / distance`.
                 let next = apart * (apart / distance).min(1.0);
                 return Some(found.max(last) + next);
             }
-            // Where the boundary of the set of mobilities is curved, successive passes overestimate and underestimate
-            // the extreme value in turn. Therefore use the largest value of the later passes.
+            // Where the boundary of the set of mobilities is curved, successive passes alternately overestimate and
+            // underestimate the largest value. Therefore use the largest result of the later passes.
             if pass > PASSES / 2 {
                 largest = largest.max(found.max(last) + apart * (apart / distance).min(1.0));
             }

@@ -11,8 +11,8 @@ pub struct RollSample {
     /// Time (s) since the start of the roll.
     pub time_s: f64,
     /// Rotation vector of the probe since the start of the roll (rad). Its direction is the axis, and its length is the
-    /// angle, of the finite rotation. The axes are those of the pads, carried from the pads' origin to the start of the
-    /// roll along the great circle between them.
+    /// angle, of the finite rotation. The components of the vector are along the axes at the pads' origin,
+    /// parallel-transported along the great circle to the contact point at the start of the roll.
     pub rotation: Vector3<f64>,
     /// Centre (length) of the active pad, or the contact point. The coordinates are those of the exponential map of the
     /// probe at the pads' origin.

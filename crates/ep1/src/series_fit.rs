@@ -19,7 +19,7 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
-/// A fit may leave out at most one in this number of rolls as outliers.
+/// A fit may leave out rolls as outliers, but at most the number of all rolls divided by this value.
 const ROLLS_PER_OUTLIER: usize = 4;
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are averaged in
 /// this number of groups.
@@ -568,7 +568,7 @@ pub(crate) fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>)
     }
 }
 
-/// Means of contact points and of their rotations over groups of successive samples.
+/// Averages the rotations and contact points over groups of successive samples.
 fn groups(samples: &[RollSample], scale: f64) -> (Vec<Vector3<f64>>, Vec<Observation>) {
     let count = samples.len().min(GROUPS);
     let mut rotations = Vec::with_capacity(count);

@@ -57,10 +57,10 @@ const MAX_ABSORBED_SHARE: f64 = 0.3;
 /// one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistinctContacts {
-    /// One contact per run, which is a group of merged rows of the log: the mean of these rows. The contacts are in the
-    /// order of the runs' first rows.
+    /// The merged contacts. Each is the mean of the rows of the contact log that were merged into it. The contacts are
+    /// in the order of the first of these rows.
     pub contacts: Vec<Contact>,
-    /// For each row of the log, the index of its contact in `contacts`.
+    /// For each row of the contact log, the index in `contacts` of the contact into which the row was merged.
     pub run_of_row: Vec<usize>,
 }
 
@@ -168,8 +168,8 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
             .entry(contact.finger)
             .filter(|&run| (position - runs[run].position).norm() <= limit);
         let run = match (copied, rested) {
-            // If this contact is an exact copy of an earlier contact, it belongs to the same run, but does not change
-            // the mean of the run.
+            // If this contact is an exact copy of an earlier contact, it is merged with that contact, but does not
+            // change the mean of the merged contacts.
             (Some(run), _) => run,
             (None, Some(run)) => {
                 let rest = rests.entry(run).or_insert_with(|| Rest {

@@ -220,9 +220,9 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
 }
 
 /// The direction in which the contacts of each finger scatter most. It is perpendicular to `normal` and is computed for
-/// all fingers together. Its sign is the direction in which the first finger travels. Otherwise, the order of the
-/// contacts does not matter, so fingers may slide to and fro. `None` if the contacts scatter nearly as much across this
-/// direction.
+/// all fingers together. It points in the direction in which the first finger travels. Apart from that, the order of
+/// the contacts has no influence, so fingers may slide to and fro. `None` if the contacts scatter nearly as much across
+/// this direction.
 fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     #[derive(Default)]
     struct Finger {

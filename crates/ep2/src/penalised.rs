@@ -85,9 +85,9 @@ pub(crate) struct Basis {
     variances: Variances,
     is_known: bool,
     noise: Option<NoiseEstimate>,
-    /// Curvature in the middle of a fit around an implicit quadric that was rejected, although the contacts do not
-    /// exclude it. The reason is one of these: an ordinary quadric is about as probable, or the contacts deviate from
-    /// both quadrics.
+    /// Curvature in the middle of the patch, from a fit around an implicit quadric that was rejected although the
+    /// contacts do not exclude it. It was rejected because an ordinary quadric is about as probable, or because the
+    /// contacts deviate from both quadrics.
     pub(crate) rejected: Option<Curvature>,
 }
 

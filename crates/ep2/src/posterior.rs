@@ -66,7 +66,7 @@ impl Posterior {
         }
     }
 
-    /// Multiplies the mean products (variances and covariances) of the errors by `factor`.
+    /// Multiplies the variances and covariances of the errors by `factor`.
     pub(crate) fn widen(&mut self, factor: f64) {
         self.widening *= factor;
     }
@@ -100,7 +100,7 @@ impl Posterior {
     }
 }
 
-/// The linear maps from the coefficients of a series to the coefficients of its derivatives.
+/// The linear maps from the coefficients of a Chebyshev series to the coefficients of its derivatives.
 struct Maps {
     slopes: [SparseMap; 2],
     /// Maps from the coefficients of a first derivative to those of its own derivatives with respect to u and v.

@@ -146,8 +146,8 @@ impl SquareQuadric {
         Ok(quadric)
     }
 
-    /// The implicit quadric that fits the patch best. The search starts at `self`. `prior` is the prior standard
-    /// deviation of the coefficient m. `None` if the graph does not extend over the whole square.
+    /// The implicit quadric z = Q + m z²/2 that fits the patch best. The search starts at `self`. `prior` is the prior
+    /// standard deviation of the coefficient m. `None` if the quadric has no height z at some point of the patch.
     pub(crate) fn with_square_term(
         mut self,
         prior: f64,
@@ -168,8 +168,8 @@ impl SquareQuadric {
         Some(self)
     }
 
-    /// Adds the solution of the equations to the quadric, and estimates the noise again. The coefficient m changes only
-    /// if its prior standard deviation `prior` is not 0.
+    /// Adds the solution of the equations to the quadric z = Q + m z²/2, and estimates the noise again. The coefficient
+    /// m changes only if its prior standard deviation `prior` is not 0.
     fn improve(
         &mut self,
         equations: &NormalEquations,

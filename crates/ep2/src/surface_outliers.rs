@@ -61,7 +61,7 @@ const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
 /// contact that the step skips.
 const MAX_STEP_RATIO: f64 = 3.0;
 const MAX_SKIPPED_STEP_RATIO: f64 = 1.5;
-/// Largest number of successive contacts beside the path of a finger.
+/// Largest number of successive outliers that the path of a finger skips.
 const MAX_SKIPPED: usize = 30;
 
 impl SoundContacts {

@@ -76,7 +76,8 @@ pub struct CellGroup {
 pub enum Rungs {
     /// At most one model can compute the true contacts or displacements, so there is nothing to choose.
     None,
-    /// The errors and computing times of the models were not measured, to save time.
+    /// The errors and computing times of the models were not measured, because the measurement would have taken too
+    /// long.
     NotMeasured,
     /// The models are the same as in an earlier group of cells. The number is the number of the first cell of that
     /// group.

@@ -220,7 +220,7 @@ def test_invalid_settings_of_glides_are_refused(glides, settings, says):
         ({"baseline": "free"}, "it must be known or fitted"),
         ({"poisson": 0.6}, "poisson is 0.6; it must be from 0 to 0.5"),
         ({"method": "gaussian"}, "c is missing, but method gaussian requires it, or indentation"),
-        ({"method": "gaussian", "c": 1.0, "young": 1.0}, "a Gaussian has no stress"),
+        ({"method": "gaussian", "c": 1.0, "young": 1.0}, "the Gaussian model computes no stress"),
     ],
 )
 def test_invalid_settings_of_presses_are_refused(presses, settings, says):

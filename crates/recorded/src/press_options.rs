@@ -325,7 +325,7 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
     let (key, reason) = match options.estimator {
         PressEstimatorConfig::Gaussian { .. } if options.young.is_some() => (
             "young",
-            "is of use only to setting `kind` half-space or bonded-layer: a Gaussian has no stress",
+            "is of use only to setting `kind` half-space or bonded-layer: the Gaussian model computes no stress",
         ),
         PressEstimatorConfig::Gaussian { c: None, .. } if options.indentation.is_none() => (
             "c",

@@ -25,7 +25,7 @@ pub enum StudyMismatch {
         found: &'static str,
     },
     /// The lengths in the study cannot be converted to the unit of the readings.
-    #[error("is {}, but the readings are in {}", study.as_str(), readings.as_str())]
+    #[error("the unit of the study is {}, but the unit of the readings is {}", study.as_str(), readings.as_str())]
     Unit {
         /// Unit of lengths in the study.
         study: LengthUnit,

@@ -49,7 +49,7 @@ pub(super) fn without_names(count: usize, layouts: &[Vec<&str>]) -> String {
         true => "setting `columns` assigns names to the numbers".to_owned(),
         false => {
             let settings = settings.join(" or ");
-            format!("write setting `columns` {settings} if these are the table's columns")
+            format!("write setting `columns` {settings} if the table has these columns")
         }
     };
     format!(

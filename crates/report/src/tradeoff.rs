@@ -21,8 +21,8 @@ pub(crate) struct Tradeoff {
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Definition of the error of a rung: the quantity that is computed with this error, and the scale by which the
-    /// error is divided.
+    /// Definition of the error of the compared models or settings (rungs): the quantity whose error it is, and the
+    /// scale by which this error is divided.
     pub(crate) error_of: String,
     /// The computation whose cost was measured for each rung.
     pub(crate) evaluation: String,

@@ -9,7 +9,8 @@ use crate::{Contact, Motion, RollFault};
 /// The form of the contact equations that an integrator solves: with or without charts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chart {
-    /// The equations without charts. They have no poles.
+    /// The equations in Cartesian coordinates, without charts. These equations have no singularities at the poles of a
+    /// chart.
     #[default]
     Free,
     /// Montana's equations in charts of both bodies. The components of a steady motion are constant in the given frame.

@@ -145,8 +145,9 @@ impl Setting<'_> {
         {
             return (rung, self.closed_form_choice());
         }
-        // The meridian model is valid for motions that are steady in the contact frame or in the frame of the chart: on
-        // a meridian (a line of symmetry), both frames are equal.
+        // The meridian model is valid for motions whose components are constant in the contact frame, and for motions
+        // whose components are constant in the frame of the chart: along a meridian, which is a line of symmetry, both
+        // frames are equal.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {

@@ -22,11 +22,11 @@ pub struct Explained {
 
 impl Explained {
     /// The decrease of a fit's chi-squared if the amplitudes of patterns are fitted too. Patterns and residuals are
-    /// divided by the standard deviations of the readings. The remainder of a pattern is the part that the fitted
-    /// parameters do not explain. `squares` are the squared norms of the patterns, `left` the inner products of all
-    /// pairs of remainders, and `by_residuals` the inner products of the remainders with the residuals. A combination
-    /// of patterns is skipped if its remainder is less than the share `least` (usually [`LEFT`]) of the combination. If
-    /// a number is not finite, all patterns are skipped.
+    /// divided by the standard deviations of the readings. The remainder of a pattern is the part that the parameters
+    /// of the model cannot explain. The arguments are: `squares`, the squared norms of the patterns; `left`, the inner
+    /// products of all pairs of remainders; `by_residuals`, the inner products of the remainders with the residuals;
+    /// and `least`, usually [`LEFT`]. A combination of patterns is skipped if its remainder is at most the share
+    /// `least` of the whole combination. If a number is not finite, all patterns are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,

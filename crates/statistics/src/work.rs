@@ -71,7 +71,7 @@ macro_rules! counters {
 }
 
 counters! {
-    /// Counts random words that were drawn.
+    /// Counts 64-bit words of random bits that were drawn.
     drew => draws;
     /// Counts motions of a probe for which the contact was computed.
     rolled => rolls;

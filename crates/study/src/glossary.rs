@@ -255,7 +255,7 @@ subjects! {
     "Failures of glides" {
         "contact-lost": "The tip passes beside the object without a contact.";
         "two-contacts": "The tip touches the object at two points at once, because a dish or valley of the object is as narrow as the tip, or narrower. Use a smaller tip.";
-        "no-convergence": "The search for the contact did not converge. The lengths differ too much for double precision, or the object is too rough for the tip.";
+        "no-convergence": "The search for the contact did not converge. Either the lengths of the tip and the object differ too much for double precision, or the object is too rough for the tip.";
         "too-few-contacts": "There are fewer contacts than unknowns of the estimator. Record more contacts, or use the estimator quadric, which needs fewer contacts than the splines.";
         "bad-weight": "The weight of a contact is not greater than 0.";
         "bad-normal": "A normal has the length 0, so it has no direction.";

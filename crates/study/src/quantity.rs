@@ -157,15 +157,15 @@ quantities! {
     WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured, &["press"];
     /// Number of pixels that are computed to render the frames of one press.
     PIXELS = "pixels", "pixels evaluated per press", One, Measured, &["press"];
-    /// Radius of the object, negative if it is concave. In rolls and glides with `principal_curvatures`, it is the inverse of the mean curvature where all normal curvatures are equal.
+    /// Radius of the object, negative if it is concave. In studies of rolls and glides with `principal_curvatures = true`, it is the inverse of the mean curvature where all normal curvatures are equal.
     OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["roll", "glide", "press"];
-    /// Larger principal curvature of the object at the contact, positive if the object is convex. Rolls and glides need `principal_curvatures` for it.
+    /// Larger principal curvature of the object at the contact, positive if the object is convex. Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
     PRINCIPAL_CURVATURE_MAX = "principal_curvature_max", "larger principal curvature", PerLength, Estimated, &["roll", "glide", "press"];
-    /// Smaller principal curvature of the object at the contact, positive if the object is convex. Rolls and glides need `principal_curvatures` for it.
+    /// Smaller principal curvature of the object at the contact, positive if the object is convex. Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
     PRINCIPAL_CURVATURE_MIN = "principal_curvature_min", "smaller principal curvature", PerLength, Estimated, &["roll", "glide", "press"];
-    /// Angle from the x axis at the contact to the direction of the smaller principal curvature (a cylinder's axis). Rolls and glides need `principal_curvatures` for it.
+    /// Angle from the x axis at the contact to the direction of the smaller principal curvature (a cylinder's axis). Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
     AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["roll", "glide", "press"];
-    /// 1 if the principal curvatures do not differ significantly, so that the axis is undetermined, otherwise 0. Rolls and glides need `principal_curvatures` for it.
+    /// 1 if the principal curvatures do not differ significantly, so that the axis is undetermined, otherwise 0. Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
     AXIS_UNDETERMINED = "axis_undetermined", "share of undetermined axes", One, Measured, &["roll", "glide"];
     /// Force between the sensor and the object.
     FORCE = "force", "force", Newton, Estimated, &["press"];

@@ -64,8 +64,8 @@ pub struct Growth<'a, T: ?Sized> {
     pub trial: &'a T,
     /// Batches to which the statistics of the new trials are added.
     pub batches: &'a mut Batches,
-    /// Number of trials that the batches must contain, at least, after the new trials were added. An experiment that is
-    /// not random has only one trial.
+    /// Smallest number of trials that the batches must contain after the new trials were added. The number does not
+    /// apply to an experiment that is not random: it has only one trial.
     pub trials: u64,
 }
 

@@ -363,9 +363,9 @@ fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [us
     if one == 1 && other == 1 {
         return order(probability, (probability, probability));
     }
-    // `as_many` is the number of independent trials from which the probability would have the same variance. It is at
-    // least `fewest`, the number of trials of the smaller random experiment. If the number `uncertain` is small, the
-    // variance is inaccurate. Then `as_many` is kept near `fewest`.
+    // `as_many` is the number of independent trials for which the estimated probability of the right order would have
+    // the variance `variance`. It is at least `fewest`, the number of trials of the smaller random experiment. If
+    // `uncertain` is small, the variance is inaccurate, so `as_many` stays near `fewest`.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,
         (one, other) => one.min(other),

@@ -160,7 +160,7 @@ pub enum CalibrationError {
     /// A number of a calibration or of a camera is out of its range.
     #[error("{what} is {value}; it must be {needed}", value = Number(*value))]
     OutOfRange {
-        /// Name of the number that is out of range.
+        /// Name of the setting or reading that is out of its range.
         what: &'static str,
         /// Value of the number.
         value: f64,

@@ -224,8 +224,8 @@ impl Lighting {
     }
 
     /// Deviation of a patch's mean colour from the fitted light, multiplied by the square root of the share of the
-    /// patch that shows the background. With this factor, patches with little background count less: their mean colour
-    /// is over fewer bins and has more noise.
+    /// patch that shows the background. With this factor, patches with little background count less, because their mean
+    /// colour is an average of fewer bins (blocks of pixels) and has more noise.
     fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))

@@ -111,8 +111,8 @@ fn place_of(end: &End) -> usize {
 }
 
 /// Requests for the fresh trials that verify the end `end` of a range. If the range meets the target, trials of all
-/// cells of the study are requested. If it misses the target, only trials of the cell with the smallest score are
-/// requested. `part` is the share of the trials for which there is time.
+/// cells of the study are requested. If the range misses the target, only trials of the cell with the smallest score
+/// are requested. `part` is the share of these trials for which there is enough time.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];

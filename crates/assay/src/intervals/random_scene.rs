@@ -28,8 +28,8 @@ pub(super) struct RandomScene {
 }
 
 impl RandomScene {
-    /// Draws scene `number` of a family. `cells` is the family's row of the table, as pairs of a column name and a
-    /// text.
+    /// Draws the random scene with the number `number` of a family of scenes. `cells` is the row of this family in the
+    /// table of families, as pairs of a column name and a text.
     pub(super) fn new(cells: &[(&str, &str)], seed: u64, number: u64) -> Result<Self> {
         let mut draws = Draws(Stream::new(seed, number, Channel::PadOffset));
         let mut max_curvature = None;

@@ -108,8 +108,8 @@ impl Layer {
             .sum()
     }
 
-    /// The auxiliary function φ of the pressure at the distance t from the middle of the contact: the polynomial
-    /// through the values at the Chebyshev nodes.
+    /// The auxiliary function φ of the pressure at the distance t from the middle of the contact. It is interpolated by
+    /// a polynomial through its values at the Chebyshev nodes.
     fn phi(&self, t: f64) -> f64 {
         let last = self.nodes.len() - 1;
         let (mut sum, mut weights) = (0.0, 0.0);

@@ -32,7 +32,7 @@ motion = { indentation = 1.4 }
 "#,
     ),
     (
-        "dish of radius 80 mm, pressed 0.3 mm deep, calibrated up to 1.4 mm",
+        "dish of radius 80 mm, pressed 0.3 mm deep; sensor calibrated up to 1.4 mm deep",
         r#"
 object = { kind = "dish", radius = 80.0 }
 motion = { indentation = 0.3 }

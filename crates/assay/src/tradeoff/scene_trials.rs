@@ -10,10 +10,11 @@ use palpate_sweep::Observation;
 
 use super::ladder::{Ease, Rung, RungError, SceneRungs};
 
-/// Placeholder in the config text of a scene. It is replaced by the config lines of a rung (model or setting).
+/// Placeholder in the config text of a scene. For each rung of the ladder (compared model or setting), the config lines
+/// of this rung replace the placeholder.
 const RUNG: &str = "$rung";
 
-/// Config text of a scene, with a placeholder for the config lines of a rung (model or setting).
+/// Config text of a scene, with a placeholder for the config lines of the compared model or setting.
 pub(super) struct Template {
     pub(super) ease: Ease,
     pub(super) scene: &'static str,

@@ -301,8 +301,9 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// A disc of this layer's colour as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad.
-    /// For an impossible motion, the function returns the motion's length as the error.
+    /// Direction and angular radius of a disc of this layer's colour, as viewed from the sensor's centre. `offset` is
+    /// the misalignment of the disc, rad. If the disc moves by more than its distance from the sensor's centre, the
+    /// motion is impossible, and the error is the length of the motion.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::error::{MOST_TERM, OpticsError};
 
-/// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, the image hardly
-/// resolves angles.
+/// Smallest allowed slope dr/dθ of a lens, relative to the slope on its axis, where r is the image radius at the angle
+/// θ from the axis. If the slope is smaller, the image hardly resolves angles.
 const LEAST_SLOPE: f64 = 0.01;
 /// Maximum number of Newton steps for the inversion of the lens's map r(θ). A step that leaves the interval of the
 /// solution is replaced by a bisection. This number of steps suffices for a result that is exact to the last digit,

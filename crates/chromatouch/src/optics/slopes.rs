@@ -44,7 +44,7 @@ struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
-    /// For each requested transmittance: its index among the values of a departure, and the contributions of the
+    /// For each requested transmittance: its index among the values of the [`Departure`], and the contributions of the
     /// marker's regions to size and hue. These contributions are computed after one finite-difference step of the
     /// transmittance.
     colours: Vec<(usize, Contrasts)>,
@@ -52,16 +52,17 @@ struct Shared<'a> {
 }
 
 impl Optics {
-    /// Features of the markers, as in [`Optics::project`], of a sensor with the departure `departure`, and the
-    /// derivatives of these features with respect to the requested values of the departure. The result is `None` for
-    /// markers that are not visible.
+    /// The features of the markers, as in [`Optics::project`], and the derivatives of these features with respect to
+    /// parameters of the sensor. `departure` contains the differences between the real and the nominal parameters of
+    /// the sensor. `requested` contains the indices of the parameters for which derivatives are computed. The result is
+    /// `None` for markers that are not visible.
     ///
     /// The error of the derivatives is about 5e-5 of the largest derivative. The error is larger where the edges of two
     /// discs touch, because the features have a kink there.
     ///
     /// # Errors
-    /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] for `requested` unless
-    /// each number is less than [`Departure::NUMBERS`].
+    /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] if an index in
+    /// `requested` is not less than [`Departure::NUMBERS`].
     pub fn slopes(
         &self,
         departure: &Departure,

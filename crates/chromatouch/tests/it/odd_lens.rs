@@ -86,8 +86,8 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             ..Departure::default()
         });
         let Ok(departed) = departed else {
-            // Only the last lens of `TERMS` may be impossible, because the distance from its image's centre would stop
-            // growing with the angle inside of the rim.
+            // Only the last lens of `TERMS` may be rejected. With its odd terms, points farther from the axis would no
+            // longer be imaged farther from the centre, already inside the rim of the image circle.
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };

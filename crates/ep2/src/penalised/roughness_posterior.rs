@@ -85,8 +85,9 @@ impl SeriesProblem<'_> {
     }
 }
 
-/// Normal equations for the coefficients of the rough products, after the best-fitting quadric has been eliminated.
-/// Rough products are all products of Chebyshev polynomials except those that form quadrics.
+/// Normal equations for the coefficients of the roughness, after the best-fitting quadric has been eliminated. The
+/// roughness is a sum of rough products, which are all products of Chebyshev polynomials except those that form
+/// quadrics.
 struct Rest {
     gram: DMatrix<f64>,
     right: DVector<f64>,
@@ -98,8 +99,8 @@ struct Rest {
 
 struct Process {
     log_length: f64,
-    /// Modes of the process as columns. Each mode is a combination of the rough products. In the basis of the modes,
-    /// the matrix of the normal equations is tridiagonal.
+    /// Modes of the Gaussian process that describes the roughness, one per column. Each mode is a sum of products of
+    /// Chebyshev polynomials. In the basis of the modes, the matrix of the normal equations is tridiagonal.
     modes: DMatrix<f64>,
     information: Tridiagonal,
     right: Vec<f64>,
@@ -154,8 +155,8 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
             quadric.chain(mixture.mean.iter().copied()).collect()
         }
         Some(term) => {
-            // m is the coefficient of z²/2. Per unit of m, the coefficients of the products of Chebyshev polynomials
-            // that describe the roughness change by `term.derivative`.
+            // The implicit quadric is z = Q + m z²/2. If its coefficient m changes by 1, the coefficients of the
+            // roughness change by `term.derivative`.
             let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
             let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
             quadrics.fill_with_identity();
@@ -185,12 +186,13 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
     }
 }
 
-/// The normal equations, divided into the equations of the quadric and the remaining equations of the rough products.
+/// The normal equations, divided into the equations of the quadric and the remaining equations of the roughness.
 struct Eliminated {
     quadrics: Cholesky<f64, Dyn>,
-    /// For each rough product, the coefficients of the quadric that fits it best.
+    /// For each product of Chebyshev polynomials in the roughness, the coefficients of the quadric that fits this
+    /// product best.
     replaced: DMatrix<f64>,
-    /// Coefficients of the quadric that fits the contacts best if the rough products are left out.
+    /// Coefficients of the quadric that fits the contacts best if the surface has no roughness.
     start: DVector<f64>,
     rest: Rest,
 }
@@ -287,8 +289,8 @@ fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }
 
-/// Averages over all correlation lengths and amplitudes: mean and covariance of the coefficients of the rough products,
-/// and mean factor on the variances.
+/// Averages over all correlation lengths and amplitudes of the roughness: the mean and the covariance of its
+/// coefficients, and the mean of the factor by which the assumed variances are multiplied.
 struct Mixture {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -444,8 +446,9 @@ impl Process {
         }
     }
 
-    /// Total probability of the candidates, and the mean and covariance of the factors of the modes, averaged over the
-    /// candidates. The returned covariance is multiplied by the total probability.
+    /// Average over the candidates `likely`, which are Gaussian processes with different amplitudes, each with its
+    /// probability. Returns the sum of the probabilities, the mean of the random factors of the modes, and the
+    /// covariance of these factors multiplied by the sum of the probabilities.
     fn mixture(&self, likely: &[(f64, &Candidate)]) -> (f64, Vec<f64>, DMatrix<f64>) {
         let size = self.right.len();
         let total: f64 = likely.iter().map(|(share, _)| share).sum();

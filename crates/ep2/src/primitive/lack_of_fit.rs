@@ -19,8 +19,8 @@ const MIN_GRAPH_COSINE: f64 = 0.3;
 /// A column of the equations is skipped if it depends almost completely on the earlier columns: at most this share of
 /// its squared length is independent of them.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// If the positions have noise, the rank tolerance is this factor times the variance of the positions, but at least
-/// [`RANK_TOLERANCE`] and at most [`MAX_RANK_TOLERANCE`].
+/// For noisy positions, the tolerance below which a column is skipped is this factor times the noise variance of the
+/// positions, but at least [`RANK_TOLERANCE`] and at most [`MAX_RANK_TOLERANCE`].
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.

@@ -241,7 +241,7 @@ pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
-    /// Number of distances, and number of components of normals, that were added to the sums.
+    /// Number of summed deviations: of distances, and of components of normals.
     pub(super) counts: [f64; 2],
 }
 

@@ -45,8 +45,8 @@ pub(super) fn choose(
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
     // If all contacts lie on one line, a sphere and a cylinder fit equally well except for position errors. The test
-    // for a line uses the smallest variance of all shapes, because a shape that does not fit has a far larger variance
-    // than the noise.
+    // for a line uses the smallest residual variance of all shapes, because the residuals of a shape that does not fit
+    // are far larger than the noise.
     let variances = candidates.iter().map(|one| one.solution.variances[0]);
     let variance = variances.fold(f64::INFINITY, f64::min);
     let cylinder = &candidates[Shape::Cylinder as usize].solution.pose;

@@ -18,9 +18,9 @@ const MAX_RELATIVE_ERROR: f64 = 0.5;
 /// Number of trials of a cell in the pilot (a small run before the actual run), as a share of the number of trials that
 /// the run needs.
 const PILOT_SHARE: f64 = 1.0 / 16.0;
-/// Smallest number of trials of a cell in the first step of a pilot.
+/// Smallest number of trials of a cell in the first step of a pilot (a small run before the actual run).
 const MIN_FIRST: u64 = 64;
-/// Largest number of trials of a cell in the first step of a pilot.
+/// Largest number of trials of a cell in the first step of a pilot (a small run before the actual run).
 const MAX_FIRST: u64 = 1024;
 
 #[derive(Debug)]

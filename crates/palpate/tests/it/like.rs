@@ -144,7 +144,7 @@ fn lengths_are_converted_to_the_readings_unit() {
     );
     desk.palpate("estimate roll mm.csv --like c.toml").fails(
         2,
-        "c.toml:2:15: length_unit: is unit, but the readings are in mm",
+        "c.toml:2:15: length_unit: the unit of the study is unit, but the unit of the readings is mm",
     );
 }
 

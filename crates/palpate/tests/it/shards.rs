@@ -259,7 +259,7 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    // If all other shards are deleted, only the message about the damage remains.
+    // If all shards except the damaged one are deleted, the command prints only the message about the damage.
     for number in ["1", "3", "again"] {
         fs::remove_dir_all(desk.path(&format!("s/{number}"))).unwrap();
     }

@@ -37,7 +37,7 @@ const ROUNDING: f64 = 3e-14;
 pub(super) struct Pressure {
     /// Radius α of the contact.
     pub(super) contact: f64,
-    /// Indentation, for a relative curvature of 1 and in units of the layer's thickness.
+    /// Indentation for a relative curvature of 1. The unit of length is the thickness of the layer.
     pub(super) indentation: f64,
     /// Derivative of the indentation with respect to the contact's radius.
     pub(super) slope: f64,

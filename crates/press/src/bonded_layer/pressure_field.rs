@@ -190,7 +190,8 @@ impl Sums {
         let down_by_xi =
             eta * self.weighted + off_axis * self.by_eta + xi * off_axis * self.by_both;
         let down_by_eta = metric * self.by_xi + eta * metric * self.by_both - xi * self.weighted;
-        // `edge` is ξ² + η². The operator ξ ∂/∂ξ − η ∂/∂η changes ξ² + η² to 2(ξ² − η²).
+        // `edge` is ξ² + η², with the spheroidal coordinates ξ and η. The operator ξ ∂/∂ξ − η ∂/∂η changes it to 2(ξ² −
+        // η²).
         let stretch = 2.0 * (xi * xi - eta * eta) / edge;
         let down_outward = xi * down_by_xi - eta * down_by_eta - stretch * down;
         // `along_xi` is ξ² Φ_ξξ, and `along_eta` is (1 − η²) η² Φ_ηη, with second derivatives of the potential Φ.

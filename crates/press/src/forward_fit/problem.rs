@@ -37,8 +37,9 @@ pub(super) struct Problem<'a> {
     /// Number of standard deviations beyond which a residual has a reduced weight. If this number is infinite, all
     /// weights are equal.
     pub(super) tolerance: f64,
-    /// Largest ratio of indentation to relative curvature that the fit may try. It is finite for layers under nearly
-    /// flat skins, because fits would otherwise try contacts that are much wider than the thickness.
+    /// Largest ratio of indentation to relative curvature that the fit may try. The larger this ratio, the wider the
+    /// contact. The limit is finite for layers under nearly flat skins, because fits would otherwise try contacts that
+    /// are much wider than the layer is thick.
     pub(super) widest: f64,
 }
 

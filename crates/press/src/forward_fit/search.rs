@@ -210,8 +210,8 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If the interval around one of these other minima of chi-squared is unbounded, the combined interval is
-            // unbounded too.
+            // If the interval around this other minimum of chi-squared is unbounded, the combined interval is unbounded
+            // too.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }

@@ -11,7 +11,8 @@ use crate::{MarkerDisplacement, PressError};
 /// Number of values that describe the image of a marker: two coordinates of the centroid (px), hue (turns) and
 /// logarithm of the size.
 pub(super) const NUMBERS: usize = 4;
-/// Index of the hue among the four numbers of an image. The hue is periodic.
+/// Index of the hue among the four numbers that describe the image of a marker. The hue is an angle in turns, so 0 and
+/// 1 are the same hue.
 const HUE: usize = 2;
 pub(super) const SIZE: usize = 3;
 

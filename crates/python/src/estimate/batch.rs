@@ -84,8 +84,9 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Extends an error about an array that contains several sets of readings: the index in the error then begins with the
-/// number `set` of the set. `with_sets` contains the names of such arrays; errors about other arrays do not change.
+/// Extends an error about an array that contains several sets of readings: puts the number `set` of the set with the
+/// error in front of the index in the error. `with_sets` contains the names of such arrays. Errors about other arrays
+/// do not change.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
@@ -148,8 +149,8 @@ fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     list.iter().map(|item| number(&item)).collect()
 }
 
-/// Combines the values that one field has in many estimates. Each value was computed without the other fields of its
-/// estimate; `None` if an estimate does not have the field.
+/// Combines the values of one field of many estimates into an array. To save time, only this field was computed for
+/// each estimate. `None` if an estimate does not have the field.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());
     let mut unit = None;

@@ -480,8 +480,8 @@ impl Bands<'_> {
         }
     }
 
-    /// Contours on which the target is just met. They connect neighbouring columns whose ranges are in the same order.
-    /// At each column, a bar shows the range of undecided values.
+    /// Contours on which the target is just met. A contour connects neighbouring columns if their ranges of values that
+    /// meet and miss the target follow in the same order. At each column, a bar shows the range of undecided values.
     fn contours(&self, columns: &[Column], is_named: bool) -> Vec<Line> {
         let crossings = |column: &Column| -> Vec<[f64; 2]> {
             let sides = column.sides.windows(2);

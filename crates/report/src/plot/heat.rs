@@ -42,14 +42,14 @@ pub struct HeatPanel {
     pub shares: Vec<Vec<Option<f64>>>,
 }
 
-/// Largest number of items in a panel.
+/// Largest number of items (rows and columns) in a panel of a heat map.
 const MAX_THINGS: usize = 40;
 const MAX_PANELS: usize = 24;
 /// Side of a square with a number, in drawing units (1/3 px).
 const LARGE: i32 = 222;
 /// Side of a square without a number, in drawing units (1/3 px).
 const SMALL: i32 = 66;
-/// Largest number of items in a panel for which the squares contain numbers.
+/// Largest number of items (rows and columns) in a panel whose squares contain numbers.
 const MAX_NUMBERED: usize = 12;
 /// Largest width of the name of an item, in drawing units (1/3 px).
 const NAME: i32 = 510;

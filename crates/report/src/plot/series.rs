@@ -141,7 +141,8 @@ impl Line {
 }
 
 impl Plot {
-    /// A plot without reference lines, legend and key. The order in `labels` and in the pair of scales is x, y.
+    /// A plot without reference lines and without explanations of its lines and colours. `labels` and the pair of
+    /// scales are in the order x, y.
     pub(crate) fn new(labels: [String; 2], [x, y]: [Scale; 2], panels: Vec<Content>) -> Self {
         let [x_label, y_label] = labels;
         Self {

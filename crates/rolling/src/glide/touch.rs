@@ -69,8 +69,8 @@ pub enum GlideError {
         /// The tip's radius.
         radius: f64,
     },
-    /// The search for the contact did not converge. The lengths differ too much for double precision, or the object is
-    /// too rough for the tip.
+    /// The search for the contact did not converge. Either the lengths of the tip and the object differ too much for
+    /// double precision, or the object is too rough for the tip.
     #[error(
         "no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}",
         radius = Number(*radius), x = Number(*x), y = Number(*y), miss = Number(*miss)

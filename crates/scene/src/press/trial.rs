@@ -310,7 +310,8 @@ impl PressScene {
         self.observe_camera(reading, observe);
     }
 
-    /// Force of an estimated press on the body that the fit assumes; `None` for a Gaussian, which has no stress.
+    /// Force of an estimated press on the body that the fit assumes; `None` for the Gaussian model, which computes no
+    /// stress.
     fn force(&self, estimate: &PressEstimate, young: f64) -> Option<f64> {
         if let Some(principal) = &estimate.principal {
             return finite(principal.contact.force(young));

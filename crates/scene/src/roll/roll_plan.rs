@@ -350,8 +350,8 @@ fn noiseless(
     ))
 }
 
-/// The terrain along a roll, if the probe may overlap it because of noise. `None` if the distance between the commanded
-/// roll and the terrain is always at least `stray`.
+/// Heights of the object along a roll (`Terrain`), if noise may make the probe penetrate the object beside the contact.
+/// `None` if, in the commanded roll, the distance beside the contact is always at least `stray`.
 fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
     if !roller.may_touch_twice() {
         return Ok(None);

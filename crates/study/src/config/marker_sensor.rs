@@ -260,8 +260,8 @@ pub struct CameraConfig {
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub blur_px: f64,
-    /// Width of the seams between the gores of the skin. Only for a sensor of the kind `rendered` whose layout has
-    /// gores.
+    /// Width of the seams between the gores, which are the flat pieces from which the skin is made. Only for a sensor
+    /// of the kind `rendered` whose layout has gores.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub seam_width: f64,
