@@ -277,9 +277,9 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     None
 }
 
-/// Merges the contacts of rests whose noise is as large as the steps of the moving finger. The lengths of the steps then
-/// do not separate rest from motion. The function finds only a rest that contains most contacts of a finger: these are
-/// near its median position, and the other contacts are far from it. `None` if there is no such rest.
+/// Merges the contacts of rests whose noise is as large as the steps of the moving finger. The lengths of the steps
+/// then do not separate rest from motion. The function finds only a rest that contains most contacts of a finger: these
+/// are near its median position, and the other contacts are far from it. `None` if there is no such rest.
 fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (row, contact) in contacts.iter().enumerate() {

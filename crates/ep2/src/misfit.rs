@@ -78,13 +78,14 @@ struct Variances {
 struct Weighted {
     /// Deviations of the observed height and slopes from the quadric.
     values: DVector<f64>,
-    /// Derivatives of the height and the slopes with respect to the coefficients of the quadric and the random factors
-    /// of the process.
+    /// Derivatives of the height and the slopes of the fitted surface with respect to its parameters: the coefficients
+    /// of the quadric, and the random factors of the Gaussian process.
     slopes: DMatrix<f64>,
 }
 
 impl Model<'_> {
-    /// Goodness of fit and misfits of the contacts, for a surface that is a quadric plus this process.
+    /// Goodness of fit and misfits of the contacts, for a surface that is the sum of a quadric and this Gaussian
+    /// process.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if numbers are beyond the range of doubles.

@@ -153,8 +153,8 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     is_beside
 }
 
-/// Whether outliers are scattered among the other contacts. Contacts that lie together, such as those of a bump, are part
-/// of the surface.
+/// Whether outliers are scattered among the other contacts. Contacts that lie together, such as those of a bump, are
+/// part of the surface.
 fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
     let share = |are: &[bool]| are.iter().filter(|one| **one).count() as f64 / are.len() as f64;
     let places = contacts.iter().map(|contact| contact.position);

@@ -10,8 +10,8 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step of a disc's depth, as a share of the sensor's radius, for finite differences. They compute the derivatives with
-/// respect to the depth.
+/// Step of a disc's depth, as a share of the sensor's radius. The derivatives with respect to the depth are computed
+/// from finite differences with this step.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 

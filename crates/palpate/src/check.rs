@@ -94,10 +94,10 @@ pub enum Rungs {
     },
 }
 
-/// Forecasts the models, the number of trials and the run time of a study. Sets up as many cells as a time limit allows,
-/// measures the errors and times of their models, and measures the time of a few trials. For a study with many cells,
-/// only the [sample](Study::sample) of cells is used. `progress` receives the number of checked cells and the number of
-/// cells to check.
+/// Forecasts the models, the number of trials and the run time of a study. Sets up as many cells as a time limit
+/// allows, measures the errors and times of their models, and measures the time of a few trials. For a study with many
+/// cells, only the [sample](Study::sample) of cells is used. `progress` receives the number of checked cells and the
+/// number of cells to check.
 ///
 /// ```
 /// use std::time::Instant;

@@ -206,7 +206,7 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
         coverages(stds, [None, none, None, None]),
         [0.0, 1.0, 1.0].map(third)
     );
-    // A trial without a standard deviation may also report coverage.
+    // A trial may report whether its intervals contain the true value even if it reports no standard deviation.
     let wide = Some([false, true, true]);
     assert_eq!(
         coverages(stds, [None, None, None, wide]),
