@@ -98,7 +98,7 @@ impl BoundedRoll {
             start: series.start.unwrap_or(samples[0].place) / radius,
             response: Matrix2x3::zeros(),
             edges,
-            rotations: RollRotations::new(rotations, true),
+            rotations: RollRotations::new(rotations, series.has_spin),
         })
     }
 }

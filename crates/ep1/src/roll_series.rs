@@ -24,6 +24,9 @@ pub struct RollSample {
 pub struct RollSeries {
     /// Contact point at the start of the roll, in the coordinates of [`RollSample::place`]; `None` if it is unknown.
     pub start: Option<Vector2<f64>>,
+    /// Whether the rotations about the contact normal were measured. If not, the fit ignores the third component of
+    /// [`RollSample::rotation`] and assumes that the probe rolls without spin.
+    pub has_spin: bool,
     /// The samples, in the order of their times.
     pub samples: Vec<RollSample>,
 }

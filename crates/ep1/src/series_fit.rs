@@ -290,7 +290,7 @@ impl Problem<'_> {
                 is_start_known: series.start.is_some(),
                 start: guess,
                 start_std,
-                rotations: RollRotations::new(rotations, has_spin),
+                rotations: RollRotations::new(rotations, has_spin && series.has_spin),
                 observations,
             });
         }

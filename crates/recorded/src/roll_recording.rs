@@ -97,7 +97,10 @@ impl RollRecording {
         let mut start = 0.0;
         for (row, (&time, rotation)) in times_s.iter().zip(rotations).enumerate() {
             if row == 0 || time <= times_s[row - 1] {
-                rolls.push(RollSeries::default());
+                rolls.push(RollSeries {
+                    has_spin: D == 3,
+                    ..RollSeries::default()
+                });
                 start = time;
             }
             let turn = rotation.get(2).copied().unwrap_or_default();

@@ -218,7 +218,11 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     let series = match kind {
         Kind::Rows => None,
         Kind::Pads | Kind::Contacts => {
-            let mut samples = vec![RollSeries::default(); rolls.len()];
+            let empty = RollSeries {
+                has_spin: form != RotationForm::Vector,
+                ..RollSeries::default()
+            };
+            let mut samples = vec![empty; rolls.len()];
             for ((line, numbers), probe) in sheet.rows().zip(&probes) {
                 let numbers = &numbers[first..];
                 let (times, end) = numbers.split_at(time.len());

@@ -228,6 +228,7 @@ impl RollScene {
             }
             all.push(RollSeries {
                 start: sampled.is_start_known.then_some(start),
+                has_spin: true,
                 samples: series,
             });
         }

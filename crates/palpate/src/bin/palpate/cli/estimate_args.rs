@@ -40,7 +40,8 @@ Or the time series has the position of the contact on the probe. The method leas
 its first row:
   probe,time_s,rotation_x_rad,rotation_y_rad,contact_u_mm,contact_v_mm
 In all these tables, a quaternion qx,qy,qz,qw, a matrix r11,r12,r13,r21 to r33, or axis_x,axis_y,axis_z,angle_rad may
-replace rotation_x_rad and rotation_y_rad.
+replace rotation_x_rad and rotation_y_rad. A time series may also have a column rotation_z_rad, the component about the
+normal; without it, the probe is assumed to roll without spin.
 
 Rotations are summed in the probe's contact frame, whose z axis points out of the probe. If a contact moves to +u, then
 rotation_y < 0. Shifts are great-circle displacements on the probe from its first contact. Without a column probe, each
