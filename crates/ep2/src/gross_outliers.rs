@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
+use palpate_statistics::evenly_spaced;
 use strum::IntoStaticStr;
 
 use crate::effective_readings::{DistinctContacts, distinct_contacts};
@@ -139,11 +140,8 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
 
 /// Contacts that are far from most of `runs`, and lost readings.
 fn far_contacts(contacts: &[Contact], runs: &[Contact]) -> Vec<Outlier> {
-    let step = runs.len().div_ceil(MAX_PLACES).max(1);
-    let places: Vec<Vector3<f64>> = runs
-        .iter()
-        .step_by(step)
-        .map(|run| run.position.coords)
+    let places: Vec<Vector3<f64>> = evenly_spaced(runs.len(), MAX_PLACES)
+        .map(|run| runs[run].position.coords)
         .collect();
     let Some((centre, median)) = centre_and_distance(&places) else {
         return Vec::new();

@@ -2,6 +2,7 @@
 //! along a stroke.
 
 use nalgebra::{Vector2, Vector3};
+use palpate_statistics::evenly_spaced;
 
 use crate::effective_readings::{
     DistinctContacts, EffectiveReadings, correlation_time, distinct_contacts,
@@ -171,8 +172,9 @@ impl IndependentFit {
             self.widen(of_strokes);
             return Ok(());
         }
-        let step = self.contacts.len().div_ceil(MAX_COMPARED).max(1);
-        let selection: Vec<Contact> = self.contacts.iter().copied().step_by(step).collect();
+        let selection: Vec<Contact> = evenly_spaced(self.contacts.len(), MAX_COMPARED)
+            .map(|contact| self.contacts[contact])
+            .collect();
         let settings = ShapeSettings {
             outward: *outward,
             ..ShapeSettings::default()

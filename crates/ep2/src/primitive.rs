@@ -12,6 +12,7 @@ mod shape_report;
 mod start;
 
 use nalgebra::{Point3, Vector3};
+use palpate_statistics::evenly_spaced;
 use strum::{IntoStaticStr, VariantArray};
 use thiserror::Error;
 
@@ -255,8 +256,10 @@ impl ShapeSettings {
         self.enough(&distinct.contacts)?;
         let large = distinct.contacts.len() > MAX_COMPARED;
         if self.shape.is_none() && large {
-            let step = distinct.contacts.len().div_ceil(MAX_COMPARED);
-            let selection: Vec<Contact> = distinct.contacts.into_iter().step_by(step).collect();
+            let all = distinct.contacts;
+            let selection: Vec<Contact> = evenly_spaced(all.len(), MAX_COMPARED)
+                .map(|contact| all[contact])
+                .collect();
             return self.fit_chosen(contacts, &selection);
         }
         let scaled = Scaled::new(&distinct.contacts)?;

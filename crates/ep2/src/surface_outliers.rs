@@ -7,6 +7,7 @@
 use std::ops::RangeInclusive;
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use palpate_statistics::evenly_spaced;
 
 use crate::chebyshev::{count, products};
 use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
@@ -195,9 +196,9 @@ fn outliers(
         true => 0,
         false => (*count).min(MAX_REPEATS),
     });
-    let weighted = contacts.iter().zip(repeats.clone());
+    let weighted = contacts.iter().zip(repeats);
     let weighted = weighted.flat_map(|(contact, repeats)| std::iter::repeat_n(contact, repeats));
-    let patch = Patch::new(&selected(weighted, repeats.sum()), outward).ok();
+    let patch = Patch::new(&selected(weighted), outward).ok();
     let Some(mut is_outlier) = patch.and_then(|patch| suspects(&patch, contacts)) else {
         return none;
     };
@@ -212,7 +213,7 @@ fn outliers(
             all.filter(move |(_, one)| **one == is_part)
                 .map(|(contact, _)| contact)
         };
-        let sound = selected(part(false), part(false).count());
+        let sound = selected(part(false));
         let Ok(patch) = Patch::new(&sound, outward) else {
             return none;
         };
@@ -233,14 +234,12 @@ fn outliers(
     is_outlier
 }
 
-/// An evenly spaced selection of `count` contacts. It contains contacts of all fingers, even if the contacts of the
-/// fingers alternate.
-fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>, count: usize) -> Vec<Contact> {
-    let step = count.div_ceil(MAX_CONTACTS).max(1);
-    let is_prime_to_fingers =
-        |step: &usize| [2, 3, 5, 7].iter().all(|one| !step.is_multiple_of(*one));
-    let step = (step..).find(is_prime_to_fingers).unwrap_or(1);
-    contacts.copied().step_by(step).collect()
+/// An evenly spaced selection of at most [`MAX_CONTACTS`] contacts.
+fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>) -> Vec<Contact> {
+    let all: Vec<&Contact> = contacts.collect();
+    evenly_spaced(all.len(), MAX_CONTACTS)
+        .map(|contact| *all[contact])
+        .collect()
 }
 
 /// Whether each contact may be an outlier. `patch` contains a selection of the contacts. `None` if the selection has

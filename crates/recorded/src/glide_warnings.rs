@@ -3,7 +3,9 @@
 use nalgebra::{Matrix3, Vector3};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
 use palpate_estimators::{GlideFit, GlideMethod};
-use palpate_statistics::{Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail};
+use palpate_statistics::{
+    Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail, evenly_spaced,
+};
 use palpate_study::Warning;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
@@ -188,8 +190,8 @@ pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     if !has_normals || contacts.len() < MIN_CONTACTS {
         return None;
     }
-    let step = contacts.len().div_ceil(MAX_CONTACTS);
-    let contacts: Vec<Contact> = contacts.iter().copied().step_by(step).collect();
+    let selection = evenly_spaced(contacts.len(), MAX_CONTACTS);
+    let contacts: Vec<Contact> = selection.map(|contact| contacts[contact]).collect();
     let own = fit_error(&contacts, &Matrix3::identity());
     let changed = changes().map(|(change, name)| (fit_error(&contacts, &change), name));
     let (least, name) = changed

@@ -6,6 +6,7 @@ mod misfit;
 mod normal;
 mod number_format;
 mod score_test;
+mod selection;
 mod tails;
 pub mod work;
 
@@ -16,6 +17,7 @@ pub use misfit::{GoodnessOfFit, Misfit, SIGNIFICANCE_LEVEL, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use number_format::Number;
 pub use score_test::{Explained, LEFT, least_likely};
+pub use selection::evenly_spaced;
 pub use tails::{chi_squared_tail, ratio_tail, student_half_width};
 
 #[cfg(doctest)]

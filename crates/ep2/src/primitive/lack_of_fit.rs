@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use palpate_statistics::ratio_tail;
+use palpate_statistics::{evenly_spaced, ratio_tail};
 
 use super::cells::Cells;
 use super::pose::{Cloud, Pose, UNKNOWNS};
@@ -53,7 +53,7 @@ struct Basis {
 
 impl Basis {
     fn new(pose: &Pose, cloud: &Cloud, equations: f64) -> Self {
-        let cloud = &cloud.thinned(cloud.places.len().div_ceil(BASIS_CONTACTS).max(1));
+        let cloud = &cloud.thinned(BASIS_CONTACTS);
         let normals = cloud.places.iter().map(|place| pose.normal_at(place));
         let mean = normals.clone().sum::<Vector3<f64>>();
         let is_graph = mean.try_normalize(1e-9).is_some_and(|mean| {
@@ -211,7 +211,7 @@ fn tested(
     let mut total = 0.0;
     let step = cloud.places.len().div_ceil(MAX_CONTACTS).max(1);
     let mut used = 0.0;
-    for index in (0..cloud.places.len()).step_by(step) {
+    for index in evenly_spaced(cloud.places.len(), MAX_CONTACTS) {
         used += 1.0;
         let residuals = rows.fill(index, &mut filled);
         for (component, row) in filled.iter().enumerate().take(kinds) {
@@ -288,7 +288,7 @@ fn tested(
             1.0
         },
     ];
-    let thinned = cloud.thinned(step);
+    let thinned = cloud.thinned(MAX_CONTACTS);
     let by_cells = Cells::new(pose, &thinned).map_or(1.0, |cells| {
         let values = thinned.places.iter().map(|place| pose.distance(place));
         cells.p_value(

@@ -6,6 +6,7 @@
 //! It is smooth at k = 0, where the shape is a plane (Marshall, Lukacs and Martin 2001).
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use palpate_statistics::evenly_spaced;
 
 use crate::Shape;
 
@@ -25,10 +26,15 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    pub(super) fn thinned(&self, step: usize) -> Self {
+    /// An evenly spaced selection of at most `most` contacts.
+    pub(super) fn thinned(&self, most: usize) -> Self {
+        let select = |all: &[Vector3<f64>]| {
+            let selection = evenly_spaced(all.len(), most);
+            selection.map(|contact| all[contact]).collect()
+        };
         Self {
-            places: self.places.iter().copied().step_by(step).collect(),
-            normals: self.normals.iter().copied().step_by(step).collect(),
+            places: select(&self.places),
+            normals: select(&self.normals),
         }
     }
 

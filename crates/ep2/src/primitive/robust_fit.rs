@@ -245,7 +245,7 @@ fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] 
         let sum: f64 = all.iter().map(|one| one * one).sum();
         sum / all.len().max(1) as f64
     };
-    let thinned = cloud.thinned(cloud.places.len().div_ceil(START_CONTACTS).max(1));
+    let thinned = cloud.thinned(START_CONTACTS);
     let [distances, normals] = residuals(pose, &thinned);
     let found = [mean_square(&distances), 0.5 * mean_square(&normals)];
     std::array::from_fn(|kind| {
@@ -316,7 +316,7 @@ pub(super) struct RobustFit {
 
 /// Fits a shape such that a few outliers hardly change the result.
 pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
-    let thinned = cloud.thinned(cloud.places.len().div_ceil(START_CONTACTS).max(1));
+    let thinned = cloud.thinned(START_CONTACTS);
     let fits = starts(shape, &thinned)
         .into_iter()
         .map(|start| solve(start, &thinned, stated, [1.0; 2], 12));
@@ -328,7 +328,7 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
         || Pose::new(shape, middle(cloud), Vector3::z(), Vector3::x(), 0.0),
         |fit| fit.pose,
     );
-    let sample = cloud.thinned(cloud.places.len().div_ceil(MAX_CONTACTS).max(1));
+    let sample = cloud.thinned(MAX_CONTACTS);
     let robust = with_growth(start, &sample, &thinned, stated);
     if sample.places.len() == cloud.places.len() {
         return robust;
