@@ -50,6 +50,8 @@ const MAX_COMPARED: usize = 2000;
 /// With at most this number of strokes, the heights do not determine the fourth derivative of the surface across the
 /// strokes.
 const MAX_FEW_STROKES: usize = 4;
+/// Smallest gap between two strokes, relative to the width of the patch across the strokes.
+const MIN_GAP: f64 = 0.1;
 
 /// A fit to the independent contacts of a log, and the contacts to which it was fitted.
 #[derive(Clone, Debug)]
@@ -236,14 +238,6 @@ impl IndependentFit {
     /// Difference of the mean curvature between a circle and a parabola across the strokes, 1/length, for the curvature
     /// at `centre`. 0 if there are more than four strokes, or more than two strokes with normals.
     fn bias_across_strokes(&self, centre: &MapPoint) -> f64 {
-        let few = if self.patch.has_normals() {
-            2
-        } else {
-            MAX_FEW_STROKES
-        };
-        if !(2..=few).contains(&self.patch.fingers) {
-            return 0.0;
-        }
         let place = self.fit.frame.point(&centre.position);
         let jet = self.fit.jet(place.x, place.y);
         // The strokes run along the axis along which consecutive contacts of a finger are farther apart.
@@ -258,10 +252,27 @@ impl IndependentFit {
                 Vector2::new(step.x.abs(), step.y.abs())
             });
         let steps: Vector2<f64> = steps.sum();
-        let (curvature, [low, high]) = match steps.x > steps.y {
-            true => (jet.vv.abs(), self.fit.domain[1]),
-            false => (jet.uu.abs(), self.fit.domain[0]),
+        let (curvature, axis) = match steps.x > steps.y {
+            true => (jet.vv.abs(), 1),
+            false => (jet.uu.abs(), 0),
         };
+        let [low, high] = self.fit.domain[axis];
+        // Count strokes and not fingers, because a finger may move to and fro over the surface.
+        let places = self.contacts.iter();
+        let mut across: Vec<f64> = places
+            .map(|contact| self.fit.frame.point(&contact.position)[axis])
+            .collect();
+        across.sort_unstable_by(f64::total_cmp);
+        let is_gap = |pair: &&[f64]| pair[1] - pair[0] > MIN_GAP * (high - low);
+        let strokes = 1 + across.windows(2).filter(is_gap).count();
+        let few = if self.patch.has_normals() {
+            2
+        } else {
+            MAX_FEW_STROKES
+        };
+        if !(2..=few).contains(&strokes) {
+            return 0.0;
+        }
         let angle = 0.5 * curvature * (high - low);
         0.5 * 0.25 * curvature * angle * angle / self.fit.frame.scale()
     }

@@ -368,6 +368,49 @@ fn exact_contacts_of_few_strokes_are_kept() {
     }
 }
 
+/// Three fingers that move to and fro along twelve lines determine the surface as well as twelve fingers do.
+#[test]
+fn strokes_are_counted_and_not_fingers() {
+    let exact = Surface::Sphere(25.0).strokes(9.0, 12, 30);
+    let twelve = noisy(&mut Random::new(12), &exact, 30, 0.03, None);
+    let std = |log: &[Contact]| {
+        let up = Vector3::z();
+        let mut fit = IndependentFit::new(|_| Penalised::default(), log, None, &up).unwrap();
+        fit.widen_to_shape(&up, false).unwrap();
+        fit.fit
+            .centre()
+            .unwrap()
+            .curvature
+            .uncertainty
+            .unwrap()
+            .mean_std
+    };
+    let three = twelve.iter().map(|contact| Contact {
+        finger: contact.finger / 4,
+        ..*contact
+    });
+    let lines = twelve.iter().filter(|contact| contact.finger % 5 == 0);
+    let all = std(&twelve);
+    let of_three = std(&three.collect::<Vec<_>>());
+    let of_lines = std(&lines.copied().collect::<Vec<_>>());
+    assert!(
+        of_three < 1.3 * all && of_lines > 2.0 * all,
+        "{all} {of_three} {of_lines}"
+    );
+}
+
+/// In the log of seven fingers, the contacts alternate between the fingers. Gross outliers are found by comparison with
+/// a selection of the contacts, which must contain contacts of all fingers.
+#[test]
+fn no_finger_of_a_large_log_is_an_outlier() {
+    let (fingers, contacts) = (7, 5000);
+    let exact = Surface::Sphere(25.0).strokes(15.0, fingers, contacts);
+    let log = noisy(&mut Random::new(7), &exact, contacts, 0.02, None);
+    let alternating = (0..log.len()).map(|row| log[row % fingers * contacts + row / fingers]);
+    let sound = SoundContacts::new(&alternating.collect::<Vec<_>>());
+    assert_eq!(sound.unwrap().outliers, []);
+}
+
 #[test]
 fn bad_logs_are_errors() {
     let at = |x: f64, y: f64, z: f64| Contact::new(0, Point3::new(x, y, z), None);
