@@ -127,7 +127,7 @@ pub struct ShapeFit {
     /// stated.
     pub probabilities: Option<[f64; 4]>,
     /// Curvature (1/length) of the object, > 0 if it is convex. For a sphere, it is the curvature in all directions;
-    /// for a cylinder, it is the curvature across the axis.
+    /// for a cylinder, it is the curvature across the axis. It has no interval if none of the shapes fits.
     pub curvature: SizeEstimate,
     /// Radius (length) of the object. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
@@ -177,6 +177,19 @@ impl ShapeFit {
     /// exceeds 0.5.
     pub fn is_none_of_these(&self) -> bool {
         self.probabilities.is_some_and(|[.., none]| none > 0.5)
+    }
+
+    /// The fit with the probabilities of the shapes. If none of the shapes fits, all standard errors and intervals are
+    /// removed, because they would be valid only for an object of the fitted shape.
+    fn with_probabilities(mut self, probabilities: Option<[f64; 4]>) -> Self {
+        self.probabilities = probabilities;
+        if self.is_none_of_these() {
+            for size in [&mut self.curvature, &mut self.radius] {
+                (size.std, size.interval95) = (None, [None; 2]);
+            }
+            (self.place_std, self.direction_std_rad) = (None, None);
+        }
+        self
     }
 }
 
@@ -332,12 +345,11 @@ impl ShapeSettings {
         };
         let fit = self.reported(candidate, &scaled, &used, outward);
         let fit = ShapeFit {
-            probabilities,
             readings,
             outliers,
             ..fit.ok_or(Ep2Error::OutOfRange)?
         };
-        Ok(fit)
+        Ok(fit.with_probabilities(probabilities))
     }
 
     /// Chooses the most probable shape for the contacts in `selection`, and fits this shape to all `contacts`. If there
@@ -352,10 +364,9 @@ impl ShapeSettings {
             shape: Some(chosen.shape),
             ..*self
         };
-        Ok(ShapeFit {
-            probabilities: chosen.probabilities,
-            ..stated.fit(contacts)?
-        })
+        Ok(stated
+            .fit(contacts)?
+            .with_probabilities(chosen.probabilities))
     }
 
     fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {

@@ -222,7 +222,7 @@ impl<'r> GlideFitResult<'r> {
     fn is_open(&self) -> bool {
         let is_unresolved = match &self.surface {
             Surface::Graph(_) => false,
-            Surface::Shape(fit) => fit.curvature.value.is_none(),
+            Surface::Shape(fit) => fit.curvature.value.is_none() || fit.is_none_of_these(),
         };
         self.stroke.is_some() || is_unresolved
     }

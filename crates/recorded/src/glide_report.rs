@@ -98,13 +98,13 @@ pub struct GlideEstimate {
     pub(super) direction_of_max: [f64; 3],
     /// Shape index, from −1 (a cup) to 1 (a cap); `null` if the surface is flat.
     pub(super) shape_index: Option<f64>,
-    /// Class of the surface. If the contacts form a single stroke, it is `null`; so are `sign_class` and the
-    /// curvatures.
+    /// Class of the surface. If the contacts form a single stroke, or if no simple shape fits, it is `null`; so are
+    /// `sign_class` and the curvatures.
     pub(super) class: Option<&'static str>,
     /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
     /// Class that follows from the signs of the estimated curvatures, without regard to their uncertainty; `null` if
-    /// the contacts form a single stroke.
+    /// the contacts form a single stroke, or if no simple shape fits.
     pub(super) sign_class: Option<&'static str>,
     pub(super) thresholds: Thresholds,
     /// Noise of the contacts; `null` if the method does not estimate noise.

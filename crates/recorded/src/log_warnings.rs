@@ -172,7 +172,8 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
 
 pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
     let (unit, name) = (unit.as_str(), fit.shape.name());
-    let is_open = fit.shape != Shape::Plane && !fit.is_resolved();
+    let is_none = fit.is_none_of_these();
+    let is_open = fit.shape != Shape::Plane && !fit.is_resolved() && !is_none;
     let open = is_open.then(|| match fit.radius.interval95[0].map(Number::rounded) {
         Some(least) => {
             format!("the contacts do not resolve the radius: it is at least {least} {unit}")
@@ -180,8 +181,8 @@ pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
         None => "the contacts do not resolve the radius".to_owned(),
     });
     let misfit = Number::rounded(fit.rms_misfit);
-    let none = fit.is_none_of_these().then(|| {
-        format!("the contacts are of no plane, sphere or cylinder: from the best one, a {name}, they deviate by {misfit} {unit} (rms)")
+    let none = is_none.then(|| {
+        format!("the contacts are of no plane, sphere or cylinder: from the best one, a {name}, they deviate by {misfit} {unit} (rms); method `penalised` or `quadric` estimates the curvatures")
     });
     let share = fit.probabilities.map(|all| all[fit.shape as usize]);
     let is_unsure = share.is_some_and(|share| share < MIN_PROBABILITY) && none.is_none();

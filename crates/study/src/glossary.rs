@@ -215,7 +215,7 @@ subjects! {
         "two-groups": "The contacts form two groups. The gap between the groups is larger than each group, so the contacts may be of two objects.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
         "too-many-outliers": "More than a fifth of the contacts are lost readings, outliers, or contacts with another object.";
-        "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best.";
+        "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best, and has no interval. The methods `penalised` and `quadric` estimate the curvatures.";
         "correlated-noise": "The noise of consecutive contacts is correlated. Fewer independent contacts are counted, and the intervals are wider.";
         "distant-contact": "One contact is much farther from its neighbours than all other contacts.";
         "assumed-side": "The contacts have no normals, and the sign of the curvature follows from an assumption about the outer side of the object. State the outer side with `--outward`, or record normals.";

@@ -240,6 +240,29 @@ fn a_flat_log_bounds_the_radius() {
 }
 
 #[test]
+fn a_saddle_is_no_simple_shape_and_has_open_curvatures() {
+    let mut noise = Stream::new(50, 0, Channel::Position);
+    let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+    for row in 0..150 {
+        let [x, y] = [row % 30, row / 30].map(f64::from);
+        let [x, y] = [0.6 * x - 8.7, 4.0 * y - 8.0];
+        let z = 0.02 * (x * x - y * y) + 0.03 * noise.standard_normal();
+        text += &format!("{},{x},{y},{z}\n", row / 30);
+    }
+    let saddle = estimate(&text, "shape").unwrap();
+    assert!(saddle["shape"] == "none" && codes(&saddle).contains(&"none-of-these"));
+    let curvatures = ["mean_curvature", "gaussian_curvature", "k_min", "k_max"];
+    for key in curvatures.iter().chain(&["curvature", "radius"]) {
+        let found = &saddle[*key];
+        let is_open = found["std"].is_null() && found["interval95"] == json!([null, null]);
+        assert!(is_open, "{key}: {found}");
+    }
+    for key in ["class", "class_probabilities", "sign_class", "shape_index"] {
+        assert!(saddle[key].is_null(), "{key}");
+    }
+}
+
+#[test]
 fn a_single_stroke_is_not_resolved_across() {
     let mut text = "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z\n".to_owned();
     for row in 0..21 {
