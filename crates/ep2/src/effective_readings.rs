@@ -28,6 +28,14 @@ const MAX_REST_EXTENT: f64 = 3.0;
 /// among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and the
 /// contacts are not merged.
 const MAX_SHORT_BREAKS: f64 = 0.2;
+/// In a random order, consecutive contacts are near each other only by chance. The expected number of such pairs is
+/// computed from contacts of a finger that are further apart in the log: from 2 up to this number of steps.
+const MAX_CHANCE_LAG: usize = 17;
+/// All runs of near contacts are rests if the number of runs exceeds the number expected by chance by this number of
+/// standard deviations.
+const MIN_CHANCE_DEVIATIONS: f64 = 5.0;
+/// Otherwise, a run is a rest only if the expected number of chance runs with its length is below this value.
+const MAX_CHANCE_RUNS: f64 = 0.01;
 /// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
 const MAX_GAPS: usize = 4;
 /// A rest whose noise is as large as the steps of the moving finger is detected only if it has at least this number of
@@ -100,8 +108,9 @@ impl DistinctContacts {
         }
     }
 
-    /// Merges further contacts: consecutive contacts that are closer to each other than a tenth of a long step. Remove
-    /// lost readings before the call, because they make the steps seem too long.
+    /// Merges further contacts: consecutive contacts that are closer to each other than a tenth of a long step, unless
+    /// they may be neighbours by chance because the contacts are in a random order. Remove lost readings before the
+    /// call, because they make the steps seem too long.
     pub(crate) fn without_short_steps(self) -> Self {
         let mut steps = steps(&self.contacts);
         if steps.len() < 3 {
@@ -112,12 +121,29 @@ impl DistinctContacts {
         if steps.iter().all(|&step| step > limit) {
             return self;
         }
-        let merged = merged(&self.contacts, limit, false);
-        let [short, all] = breaks(&self.contacts, &merged, 3.0 * limit);
-        match short as f64 <= MAX_SHORT_BREAKS * all as f64 {
-            true => self.again(merged),
-            false => self,
+        let rests = merged(&self.contacts, limit, false);
+        let [short, all] = breaks(&self.contacts, &rests, 3.0 * limit);
+        if short as f64 > MAX_SHORT_BREAKS * all as f64 {
+            return self;
         }
+        let share = chance_share(&self.contacts, &rests, limit);
+        let expected = share * steps.len() as f64;
+        let mut lengths = vec![0; rests.contacts.len()];
+        rests.run_of_row.iter().for_each(|&run| lengths[run] += 1);
+        let found = lengths.iter().filter(|&&length| length > 1).count();
+        if found as f64 > expected + MIN_CHANCE_DEVIATIONS * expected.sqrt() {
+            return self.again(rests);
+        }
+        let is_rest = |run: usize| {
+            lengths[run] > 1 && expected * share.powi(lengths[run] - 2) < MAX_CHANCE_RUNS
+        };
+        let runs = self.contacts.iter().zip(&rests.run_of_row);
+        let moved = runs.map(|(contact, &run)| match is_rest(run) {
+            true => rests.contacts[run],
+            false => *contact,
+        });
+        let moved: Vec<Contact> = moved.collect();
+        self.again(merged(&moved, 0.0, true))
     }
 
     fn again(mut self, again: Self) -> Self {
@@ -242,6 +268,27 @@ fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usi
         }
     }
     [short, all]
+}
+
+/// Share of pairs whose distance is at most `limit`, among contacts of a finger that are several steps apart in the log
+/// and belong to different runs of `rests`. In a random order, it is the share of such pairs among consecutive contacts.
+fn chance_share(contacts: &[Contact], rests: &DistinctContacts, limit: f64) -> f64 {
+    let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
+    for (row, contact) in contacts.iter().enumerate() {
+        fingers.entry(contact.finger).push(row);
+    }
+    let is_near = |&(one, other): &(&usize, &usize)| {
+        let distance = (contacts[*one].position - contacts[*other].position).norm();
+        rests.run_of_row[*one] != rests.run_of_row[*other] && distance <= limit
+    };
+    let (mut near, mut all) = (0, 0);
+    for lag in 2..=MAX_CHANCE_LAG {
+        for rows in fingers.iter().filter(|rows| rows.len() > lag) {
+            near += rows.iter().zip(&rows[lag..]).filter(is_near).count();
+            all += rows.len() - lag;
+        }
+    }
+    near as f64 / all.max(1) as f64
 }
 
 /// Merges the contacts of resting fingers. `None` if no gap separates short steps from long steps, or if a finger moves

@@ -247,6 +247,23 @@ fn dependent_readings_count_once() {
     }
 }
 
+/// In a random order, two consecutive contacts may be near each other by chance. They are no rest of a finger.
+#[test]
+fn chance_neighbours_are_no_rests() {
+    for case in 0..20 {
+        let random = &mut Random::new(84_000 + case);
+        let exact = Surface::Sphere(45.0).disc(random, 40.0, 300);
+        for (repeated, times) in [(0, 1), (1, 8), (300, 2)] {
+            let row = |(row, one)| vec![one; if row < repeated { times } else { 1 }];
+            let rows: Vec<_> = exact.iter().copied().enumerate().flat_map(row).collect();
+            let log = noisy(random, &rows, 0, 0.2, None);
+            let distinct = sphere(&log).readings.distinct;
+            let least = if repeated == 300 { 280 } else { 300 };
+            assert!((least..=305).contains(&distinct), "{repeated}: {distinct}");
+        }
+    }
+}
+
 /// Returns three results: the share of logs whose interval contains the true mean curvature, the share of logs that are
 /// reported to have correlated noise, and the median half-width of the intervals.
 fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 3] {
@@ -492,7 +509,7 @@ fn objects_are_fitted_on_all_sides_and_below_a_tip() {
                 "{fit:?}"
             );
             let probability = fit.probabilities.unwrap()[shape as usize];
-            assert!(probability > 0.9, "{fit:?}");
+            assert!(probability > 0.8, "{fit:?}");
             assert!(
                 half_width(&fit) < 0.01 * radius && fit.curvature.value.unwrap() > 0.0,
                 "{fit:?}"
