@@ -160,7 +160,15 @@ impl Rows<'_> {
 
 /// Tests the residuals of a fit. `fingers` contains the number of the finger of each contact.
 pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> LackOfFit {
-    let first = tested(solution, cloud, fingers, [1.0; 2]);
+    let mut first = tested(solution, cloud, fingers, [1.0; 2]);
+    let found = first.correlations;
+    // Correlated errors of the positions along a curved surface cause correlated errors of the normals. Among the noise
+    // of the normals, these errors are too small to be found, but their sum over many contacts is not small.
+    let of_bending = match cloud.normals.is_empty() {
+        true => 1.0,
+        false => 1.0 + solution.bending_share() * (found[0] - 1.0),
+    };
+    first.correlations[1] = found[1].max(of_bending);
     if first.correlations == [1.0; 2] {
         return first;
     }

@@ -283,6 +283,13 @@ impl Solution {
         }
     }
 
+    /// Share of the variance of the normals that is caused by errors of the positions along the curved surface.
+    pub(super) fn bending_share(&self) -> f64 {
+        let [sensor, slope] = Weights::new(&self.pose, self.variances).normals;
+        let bending = slope * self.pose.curvature * self.pose.curvature;
+        bending / (sensor + bending)
+    }
+
     pub(super) fn weights(&self) -> [f64; 2] {
         self.variances.map(f64::recip)
     }

@@ -199,6 +199,20 @@ fn correlated(
     rows.collect()
 }
 
+#[test]
+fn correlated_positions_do_not_refute_a_ball() {
+    let refuted = (0..2).filter(|case| {
+        let random = &mut Random::new(85_000 + case);
+        let mut log = correlated(random, [500, 25], 0.1, false);
+        let exact = Surface::Sphere(25.0).strokes(10.0, 3, 500);
+        let normals = noisy(random, &exact, 500, 0.0, Some(0.01));
+        let pairs = log.iter_mut().zip(normals);
+        pairs.for_each(|(one, other)| one.normal = other.normal);
+        fit(None, &log).unwrap().is_none_of_these() || sphere(&log).p_value < 0.005
+    });
+    assert_eq!(refuted.count(), 0);
+}
+
 /// Two logs: one whose readings depend on each other, and a similar log of independent readings. The third result is
 /// the smallest accepted coverage.
 fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
