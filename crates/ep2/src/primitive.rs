@@ -9,6 +9,7 @@ mod robust_fit;
 mod shape_choice;
 mod shape_map;
 mod shape_report;
+mod slope_agreement;
 mod start;
 
 use nalgebra::{Point3, Vector3};

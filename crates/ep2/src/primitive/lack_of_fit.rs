@@ -9,6 +9,7 @@ use palpate_statistics::{evenly_spaced, ratio_tail};
 use super::cells::Cells;
 use super::pose::{Cloud, Pose, UNKNOWNS};
 use super::robust_fit::Solution;
+use super::slope_agreement;
 use crate::effective_readings::correlation_time;
 
 /// Largest degree of the polynomial that describes the smooth deviation.
@@ -173,8 +174,12 @@ pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize])
         return first;
     }
     let again = tested(solution, cloud, fingers, first.correlations);
+    let slopes = match found[0] > 1.0 && found[1] > of_bending {
+        true => slope_agreement::p_value(&solution.pose, cloud, fingers),
+        false => 1.0,
+    };
     LackOfFit {
-        p_value: again.p_value,
+        p_value: again.p_value.min(2.0 * slopes),
         ..first
     }
 }
