@@ -34,15 +34,33 @@ type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 pub struct StrokeCurvature {
     /// Normal curvature along the stroke, 1/length; positive if the object is convex.
     pub value: f64,
-    /// Standard error of the normal curvature, 1/length.
-    pub std: f64,
-    /// Half-width of the 95 % interval, as a number of standard errors.
-    pub half_width: f64,
+    /// Standard error of the normal curvature, 1/length; `None` if the outer side is only assumed.
+    pub std: Option<f64>,
+    /// 95 % interval of the normal curvature, 1/length.
+    pub interval95: [f64; 2],
+    /// Curvature of the stroke along the surface, 1/length: the part of its curvature in space that is perpendicular to
+    /// the normal.
+    pub bend: f64,
     /// Unit vector along the stroke; the opposite vector is equivalent.
     pub direction: Vector3<f64>,
 }
 
 impl StrokeCurvature {
+    /// The curvature with an interval that is valid for any outer side within a right angle of the assumed side. The
+    /// normal curvature is the part of the curvature of the stroke in space along the unknown normal.
+    #[must_use]
+    pub fn for_any_side(self) -> Self {
+        let [low, high] = self.interval95;
+        let (bend, half) = (self.bend.abs(), 0.5 * (high - low));
+        let whole = self.value.hypot(bend);
+        let [other, whole] = [bend, whole].map(|one| (one + half).copysign(self.value));
+        Self {
+            std: None,
+            interval95: [whole.min(-other), whole.max(-other)],
+            ..self
+        }
+    }
+
     /// Adds normals to the contacts of the stroke. They are the normals of a surface that has the fitted curvature
     /// along the stroke, and no curvature across the stroke. The normal in the middle of the stroke is the part of
     /// `outward` that is perpendicular to the stroke.
@@ -202,10 +220,13 @@ impl Stroke {
         };
         let std = scale * (variance.max(0.0) + bend * bend * of_tilt).sqrt();
         let value = scale * (bend * tilt[0] - solved[CURVATURE]);
+        let std = std.hypot(MODEL_ERROR * value);
+        let half = student_half_width(PROBABILITY, self.places.len() - 5) * std;
         let curvature = StrokeCurvature {
             value,
-            std: std.hypot(MODEL_ERROR * value),
-            half_width: student_half_width(PROBABILITY, self.places.len() - 5),
+            std: Some(std),
+            interval95: [value - half, value + half],
+            bend: scale * bend,
             direction: self.direction,
         };
         (is_one && curvature.value.is_finite() && std.is_finite()).then_some(curvature)

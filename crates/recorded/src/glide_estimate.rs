@@ -13,7 +13,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::{Misfit, StatedQuantity};
 
 use super::error::RecordedError;
-use super::glide_options::GlideOptions;
+use super::glide_options::{DEFAULT_OUTWARD, GlideOptions};
 use super::glide_recording::{
     GlideRecording, ONE_FINGER, of_row, refused, shape_refused, stroke_refused,
 };
@@ -93,6 +93,14 @@ impl<'r> GlideFitResult<'r> {
         let shape_refused = |error| shape_refused(&recorded, &error);
         let refused = |error| refused(&recorded, &error);
         let method = GlideMethod::of(&given.estimator, given.inter_finger_distance);
+        let is_side_assumed = !recorded.has_normals() && given.outward == DEFAULT_OUTWARD;
+        let stroke_of = |contacts: &[Contact]| {
+            let stroke = stroke_curvature(contacts, &outward)?;
+            Some(match is_side_assumed {
+                true => stroke.for_any_side(),
+                false => stroke,
+            })
+        };
         let mut sound = SoundContacts::new(all).map_err(shape_refused)?;
         if let GlideMethod::Graph(_) = method {
             sound = sound
@@ -123,7 +131,7 @@ impl<'r> GlideFitResult<'r> {
                     Ok(fitted) => (fitted, None),
                     Err(error) => {
                         let error = at_row(error);
-                        let Some(stroke) = stroke_curvature(&contacts, &outward) else {
+                        let Some(stroke) = stroke_of(&contacts) else {
                             return Err(refused(error));
                         };
                         let contacts = stroke.with_normals(&contacts, &outward);
@@ -137,7 +145,7 @@ impl<'r> GlideFitResult<'r> {
                     .widen_to_shape(&outward, is_quadric)
                     .map_err(refused)?;
                 let fit = &fitted.fit;
-                let stroke = single.or_else(|| stroke_curvature(&fitted.contacts, &outward));
+                let stroke = single.or_else(|| stroke_of(&fitted.contacts));
                 let centre = fit.centre().map_err(refused)?;
                 let sides = fit
                     .domain
@@ -158,7 +166,7 @@ impl<'r> GlideFitResult<'r> {
                 let rows = (0..all.len()).filter(|row| left.next_if_eq(row).is_none());
                 let rows: Vec<usize> = rows.collect();
                 let contacts: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
-                let stroke = stroke_curvature(&contacts, &outward);
+                let stroke = stroke_of(&contacts);
                 // A single stroke determines the surface if its contacts have normals and the shape is stated.
                 let is_determined = settings.shape.is_some() && recorded.has_normals();
                 let is_plane = settings.shape == Some(Shape::Plane);
@@ -344,13 +352,13 @@ impl<'r> GlideFitResult<'r> {
                 unit,
             )
         });
-        let is_signed = !recorded.has_normals() && self.stroke.is_none();
+        let stroke = self.stroke.as_ref();
         let shape = match &self.surface {
             Surface::Graph(_) => None,
             Surface::Shape(fit) => Some(&**fit),
         };
-        let side = is_signed
-            .then(|| assumed_side(shape, &self.centre.curvature, self.options.outward))
+        let side = (!recorded.has_normals())
+            .then(|| assumed_side(shape, stroke, &self.centre.curvature, self.options.outward))
             .flatten();
         let (unused, other_tip) = match self.given.tip_radius {
             None => (recorded.unused_orientation(), None),

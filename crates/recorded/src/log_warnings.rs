@@ -61,22 +61,32 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
 
 /// Warning that the sign of a curvature rests on an assumption, because the contacts have no normals. Either a fitted
 /// shape is assumed to be convex, or the object is concave and its outer side is assumed to face the default outward
-/// direction. `None` if the sign rests on no assumption.
+/// direction. The curvature along a single stroke also rests on an assumption: its size depends on the outer side.
+/// `None` if the curvature rests on no assumption.
 pub(super) fn assumed_side(
     surface: Option<&ShapeFit>,
+    stroke: Option<&StrokeCurvature>,
     curvature: &Curvature,
     outward: [f64; 3],
 ) -> Option<Warning> {
     let std = curvature.uncertainty.map_or(0.0, |one| one.mean_std);
-    let text = if surface.is_some_and(|fit| fit.is_side_assumed) {
+    let text = if let Some(stroke) = stroke {
+        if stroke.std.is_some() {
+            return None;
+        }
+        "the contacts are of one stroke without normals, and its outer side is assumed to face +z: the interval of the curvature along the stroke is valid for any outer side within 90 degrees of +z; record normals, or state setting `outward`"
+    } else if surface.is_some_and(|fit| fit.is_side_assumed) {
         "the contacts have no normals and do not show which side of the object is outside, so it is assumed to be convex: record normals, or state setting `outward` if all contacts are on one side"
     } else if outward == DEFAULT_OUTWARD && curvature.mean + NORMAL_95 * std < 0.0 {
         "the object is concave if its outer side faces +z, which is assumed because the contacts have no normals: if it was touched from below, state setting `outward` as 0,0,-1"
     } else {
         return None;
     };
-    let numbers = [("mean_curvature", curvature.mean)];
-    Some(Warning::new("assumed-side", text, numbers))
+    let numbers = match stroke {
+        Some(stroke) => ("curvature_along", stroke.value),
+        None => ("mean_curvature", curvature.mean),
+    };
+    Some(Warning::new("assumed-side", text, [numbers]))
 }
 
 pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
@@ -93,10 +103,10 @@ pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
 
 /// Warning that all contacts are on a single stroke, and that a stroke does not determine the curvature across it.
 pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
-    let half = stroke.half_width * stroke.std;
-    let [value, half] = [stroke.value, half].map(Number::rounded);
+    let [low, high] = stroke.interval95;
+    let [value, low, high] = [stroke.value, low, high].map(Number::rounded);
     let text = format!(
-        "the contacts are of one stroke: its curvature is {value} ± {half} 1/{} along it, and is not resolved across it",
+        "the contacts are of one stroke: its curvature is {value} 1/{} along it (95 %: {low} to {high}), and is not resolved across it",
         unit.as_str()
     );
     Warning::new("not-resolved-across", text, [])

@@ -47,11 +47,15 @@ impl StrokeReport {
         let StrokeCurvature {
             value,
             std,
-            half_width,
+            interval95,
             direction,
+            ..
         } = stroke;
         Self {
-            curvature_along: Value::within(*value, Some(*std), *half_width, Unit::PerLength, unit),
+            curvature_along: Value {
+                interval95: Some(interval95.map(Some)),
+                ..Value::new(*value, *std, Unit::PerLength, unit)
+            },
             curvature_across: Value::open(Unit::PerLength, unit),
             direction: tidy(direction),
         }

@@ -218,7 +218,7 @@ subjects! {
         "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best, and has no interval. The methods `penalised` and `quadric` estimate the curvatures.";
         "correlated-noise": "The noise of consecutive contacts is correlated. Fewer independent contacts are counted, and the intervals are wider.";
         "distant-contact": "One contact is much farther from its neighbours than all other contacts.";
-        "assumed-side": "The contacts have no normals, and the sign of the curvature follows from an assumption about the outer side of the object. State the outer side with `--outward`, or record normals.";
+        "assumed-side": "The contacts have no normals, and the sign of the curvature follows from an assumption about the outer side of the object; so does the size of the curvature along a single stroke. State the outer side with `--outward`, or record normals.";
         "assumed-indentation-std": "The indentation is stated without a standard deviation, so a standard deviation of 2 % is assumed.";
         "unstated-depth": "The depth of the markers is not stated; they are assumed to lie at the surface.";
         "swapped-columns": "The displacements along the skin fit better with their columns swapped or their sign changed.";

@@ -292,6 +292,23 @@ fn a_single_stroke_is_not_resolved_across() {
     }
 }
 
+/// A stroke over a ball with a radius of 25 mm, whose outer side is tilted by 50 degrees about the stroke.
+#[test]
+fn a_stroke_without_normals_holds_for_any_outer_side() {
+    let (sin, cos) = (libm::sin(0.87), libm::cos(0.87));
+    let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+    for row in 0..41 {
+        let x = 0.5 * f64::from(row) - 10.0;
+        let height = (625.0 - x * x).sqrt() + 0.01 * libm::sin(7.1 * f64::from(row * row));
+        text += &format!("0,{x},{},{}\n", height * sin, height * cos);
+    }
+    let stroke = estimate(&text, "quadric").unwrap();
+    let along = &stroke["stroke"]["curvature_along"];
+    let [low, high] = [0, 1].map(|end| along["interval95"][end].as_f64().unwrap());
+    assert!(low < 0.0 && 0.04 < high && high < 0.06, "{along}");
+    assert!(along["std"].is_null() && codes(&stroke).contains(&"assumed-side"));
+}
+
 #[test]
 fn copies_count_once() {
     let rows = |text: &str, times: usize| {
