@@ -9,10 +9,14 @@ use serde_json::{Map, Value as Json};
 
 use super::error::RecordedError;
 use super::file::RecordedFile;
+use super::heading::Heading;
 use super::text_table::{Record, RowResult, Text};
 
 /// Maximum number of columns of a table; a row may lack some of these columns.
 const MAX_KEYS: usize = 1_000;
+
+/// Maximum number of fingers whose readings are in one row that states no time.
+pub(super) const MAX_FINGERS: usize = 5;
 
 /// Maximum number of components of a vector or a quaternion.
 const MAX_COMPONENTS: usize = 4;
@@ -31,11 +35,13 @@ pub(super) struct JsonTable<'a> {
 }
 
 impl<'a> JsonTable<'a> {
-    /// Returns the table and the names of its columns. `header_line` is the first line that is not blank.
+    /// Returns the table and the names of its columns. `header_line` is the first line that is not blank. `label` is the
+    /// name of the column with the number of a finger or probe; `None` if the table has no such column.
     pub(super) fn of(
         file: &RecordedFile,
         text: Text<'a>,
         header_line: usize,
+        label: Option<&str>,
     ) -> Result<(Self, Vec<String>), RecordedError> {
         let mut table = Self {
             rows: Rows::Sequence(text),
@@ -56,6 +62,12 @@ impl<'a> JsonTable<'a> {
         }
         let first = table.objects(file).next().transpose()?;
         let (first, line) = first.unwrap_or((Json::Null, header_line));
+        if let Some(label) = label.filter(|_| has_series(&first)) {
+            return Err(file.error(format!(
+                "has lists of readings that may belong to one `{label}` or to one time each; write one list of \
+                 readings, each with the key `{label}`"
+            )));
+        }
         let pairs = pairs(file, line, &first)?;
         match pairs.len() {
             0 => Err(file.fail(
@@ -140,6 +152,22 @@ fn is_within(key: &str, name: &str) -> bool {
     part.is_some_and(|part| part.starts_with('.'))
 }
 
+/// Whether the first row of a table contains a series of readings. A list of objects or vectors, or the numbers along
+/// one axis, are a series if they have more items than a hand has fingers and the row states no time. Otherwise, the
+/// items are fingers at one time.
+fn has_series(row: &Json) -> bool {
+    let is_list = |items: &[Json]| items.iter().all(|item| item.is_array() || item.is_object());
+    let is_long = |(name, value): (&String, &Json)| {
+        let items = value.as_array().filter(|items| items.len() > MAX_FINGERS);
+        items.is_some_and(|items| is_list(items) || is_of_axis(name))
+    };
+    match row {
+        Json::Array(items) => items.len() > 1 && is_list(items),
+        Json::Object(row) if row.keys().any(|name| Heading::of(name).is_time()) => false,
+        row => row.as_object().is_some_and(|row| row.iter().any(is_long)),
+    }
+}
+
 /// Rows of a table, if the object contains a single list of objects (the rows), or if its lists have the same length
 /// and one of them contains a vector for each row. The single values of the object are added to each row. `None` for
 /// other objects.
@@ -217,11 +245,6 @@ fn columns(
     // A long list is a column. A short list may instead be a vector in a table with a single row, unless its name
     // denotes one axis.
     let is_long = |value: &Json| value.as_array().map_or(0, Vec::len) > MAX_COMPONENTS;
-    let is_of_axis = |name: &String| {
-        let name = spelt(name);
-        let mut words = name.split('_');
-        words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))
-    };
     let is_list = |value: &Json| value.is_array() || value.is_object();
     let (lists, shared): (Vec<_>, Vec<_>) =
         object.into_iter().partition(|(_, value)| is_list(value));
@@ -258,6 +281,13 @@ fn columns(
         columns.push(vec![value; rows]);
     }
     Ok(Some((names, columns)))
+}
+
+/// Whether a name denotes one axis, such as `x_mm`.
+fn is_of_axis(name: &String) -> bool {
+    let name = spelt(name);
+    let mut words = name.split('_');
+    words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))
 }
 
 /// Rows of a table that pandas wrote with the orientation `split`, `table` or `index`; `None` if it is no such table.

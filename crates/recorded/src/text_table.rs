@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use csv::StringRecord;
 use palpate_study::Warning;
-use palpate_study::readings::{Column, MATRIX, QUATERNION};
+use palpate_study::readings::{Column, MATRIX, Measure, QUATERNION};
 
 use super::delimited_text::DelimitedText;
 use super::error::RecordedError;
@@ -59,7 +59,11 @@ impl<'a> TextTable<'a> {
                 let (table, header) = table?;
                 (Format::Numpy(table), header, 1)
             }
-            None => Self::of_text(file)?,
+            None => {
+                let label = orders.last().and_then(|columns| columns.first());
+                let label = label.filter(|label| label.measure == Measure::Plain);
+                Self::of_text(file, label.map(|label| label.name))?
+            }
         };
         let mut table = Self {
             file,
@@ -181,7 +185,10 @@ impl<'a> TextTable<'a> {
         })
     }
 
-    fn of_text(file: &'a RecordedFile) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
+    fn of_text(
+        file: &'a RecordedFile,
+        label: Option<&str>,
+    ) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
         let text = Text::of(file.text("a header and one row per reading are needed")?);
         let lines = text.lines().count();
         if lines > MAX_LINES {
@@ -192,7 +199,7 @@ impl<'a> TextTable<'a> {
         let (text, stated) = text.begun();
         let (first, header_line) = text.rows_after(0).next().unwrap_or(("", 1));
         let (format, header) = if first.trim_start().starts_with(['{', '[']) {
-            let (table, header) = JsonTable::of(file, text, header_line)?;
+            let (table, header) = JsonTable::of(file, text, header_line, label)?;
             (Format::Json(table, text), header)
         } else {
             let stated = file.form.delimiter.or(stated);

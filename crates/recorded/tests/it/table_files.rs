@@ -449,4 +449,19 @@ fn damaged_files_are_refused_with_the_reason() {
         let error = glide(&contents, "").unwrap_err();
         assert!(error.contains(words), "{words}: {error}");
     }
+    // Each list may be a finger or a time. With its key, each reading has its finger.
+    let list = |item: &str| format!("[{}]", [item; 6].join(","));
+    let points = format!("{{\"points\":{}}}", list("[1,2,3]"));
+    let axes = ["x", "y", "z"].map(|axis| format!("\"{axis}\":{}", list("1")));
+    for item in [
+        list(r#"{"x":1,"y":2,"z":3}"#),
+        points,
+        format!("{{{}}}", axes.join(",")),
+    ] {
+        let error = glide(list(&item), "").unwrap_err();
+        assert!(
+            error.contains("one list of readings, each with the key `finger`"),
+            "{error}"
+        );
+    }
 }
