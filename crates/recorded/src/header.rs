@@ -281,7 +281,23 @@ impl<'a> Header<'a> {
             is_only.then(|| self.only_pairs(missing, &free)).flatten()
         };
         if let Some(mut pairs) = self.proposed(missing, &mut rest) {
-            let other = self.proposed(missing, &mut rest.clone());
+            let mut others = rest.clone();
+            let other = self.proposed(missing, &mut others);
+            // If there are more than two groups, each setting reads only one of them.
+            if self.proposed(missing, &mut others).is_some() {
+                message +=
+                    "; several groups of columns are alike, and a setting reads only one of them";
+                let mut labels = optional
+                    .iter()
+                    .filter(|column| matches!(column.name, "finger" | "probe"));
+                message += &labels.next().map_or(String::new(), |label| {
+                    format!(
+                        " (names such as `{}1_{}` read all of them)",
+                        label.name,
+                        missing[0].stem()
+                    )
+                });
+            }
             pairs.extend(self.optional(optional, &mut rest));
             message += &format!("; write {}", setting(&pairs));
             if let Some(other) = other {

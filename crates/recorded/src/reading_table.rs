@@ -126,7 +126,9 @@ impl ReadingTable {
             }
         })?;
         let mut source = ReadingSource::new(&table.file.name, lines);
-        let notes = [table.note(), header.unread(may, &places)];
+        let unread = header.unread(may, &places);
+        // A setting `columns` would read only one finger of a wide table.
+        let notes = [table.note(), unread.filter(|_| !table.is_wide())];
         let notes = notes.into_iter().flatten();
         source
             .notes

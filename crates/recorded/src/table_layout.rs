@@ -155,7 +155,7 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
 }
 
 /// Words that may accompany the number of a finger or probe in a column name.
-const FINGER_WORDS: &str = "finger link fingertip f tip digit probe roll trial contact position pos p point sensor field pose translation transform";
+const FINGER_WORDS: &str = "finger link fingertip f tip digit probe roll trial contact position pos p point sensor field pose translation transform hand arm robot gripper";
 /// Words that name a finger in a column name.
 const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right";
 
@@ -233,7 +233,8 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     // If the last word of the name is the number of an axis, as in `thumb.0` or `finger1.position.2`, replace it by x,
     // y or z.
     if let Some(axis) = (words.last()).and_then(|last| "012".find(last.as_str()))
-        && (words.iter().rev().skip(1)).any(|word| is_name(word) || word.parse::<u8>().is_ok())
+        && (words.iter().rev().skip(1)).any(|word| is_identifier(word))
+        && !words.iter().any(|word| is_one_of("x y z", word))
     {
         words.pop();
         words.push("xyz"[axis..=axis].to_owned());
@@ -242,6 +243,13 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         .iter()
         .enumerate()
         .map(|(place, column)| (place, self::words(column.stem())));
+    // In `normal_1_x`, the number is between the words of the column `normal_x`. Move it to the front.
+    for at in 2..words.len() {
+        let is_split = |stem: &&Column| *stem.stem() == format!("{}_{}", words[at - 2], words[at]);
+        if is_identifier(&words[at - 1]) && columns.iter().any(|column| is_split(column)) {
+            words.swap(at - 2, at - 1);
+        }
+    }
     // Use the longest column name that fits: `finger_1_normal_x` is the column `normal_x`, not the column `x`.
     let found = stems.filter_map(|(place, stem)| {
         let at = words.windows(stem.len()).rposition(|part| part == stem)?;
@@ -249,19 +257,23 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     });
     let (length, column, at) = found.max_by_key(|(length, ..)| *length)?;
     words.drain(at..at + length);
-    let unit = match (bracket, words.get(at)) {
-        (Some(unit), _) => unit.to_owned(),
-        (None, Some(word))
-            if word.parse::<u32>().is_err() && columns[column].measure.unit(word).is_some() =>
-        {
-            words.remove(at)
-        }
-        (None, _) => String::new(),
+    // The unit follows the name of the column, or it is the last word, as in `x_1_mm`.
+    let is_unit = |&place: &usize| {
+        let word = words.get(place).filter(|word| word.parse::<u32>().is_err());
+        word.is_some_and(|word| columns[column].measure.unit(word).is_some())
     };
-    let numbers = words
-        .iter()
-        .filter(|word| word.parse::<u32>().is_ok())
-        .count();
+    let unit = match (
+        bracket,
+        [at, words.len().saturating_sub(1)]
+            .iter()
+            .find(|place| is_unit(place)),
+    ) {
+        (Some(unit), _) => unit.to_owned(),
+        (None, Some(&place)) => words.remove(place),
+        (None, None) => String::new(),
+    };
+    let is_number = |word: &&String| word.parse::<u32>().is_ok();
+    let numbers = words.iter().filter(is_number).count();
     let names = words.iter().filter(|word| is_name(word)).count();
     // The name of an array may be a plural, such as `positions`.
     let is_other = |word: &&String| {
@@ -271,13 +283,20 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
             .any(|word| is_one_of(FINGER_WORDS, word))
     };
     let others = words.iter().filter(is_other).count();
-    let is_finger = numbers + names == 1 && others + 1 == words.len();
+    // A finger may have several names and a number, such as `left_index_tip_1`.
+    let identifiers = numbers + names;
+    let is_finger = numbers <= 1 && identifiers > 0 && others + identifiers == words.len();
     words.retain(|word| !is_one_of("position pos point contact field", word));
     is_finger.then(|| (column, unit, words.join("_")))
 }
 
 fn is_name(word: &str) -> bool {
     is_one_of(FINGERS, word)
+}
+
+/// Whether a word is the name or the number of a finger.
+fn is_identifier(word: &str) -> bool {
+    is_name(word) || word.parse::<u32>().is_ok()
 }
 
 fn is_one_of(words: &str, word: &str) -> bool {

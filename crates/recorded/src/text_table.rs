@@ -150,6 +150,10 @@ impl<'a> TextTable<'a> {
         own.unwrap_or(&self.header[index])
     }
 
+    pub(super) const fn is_wide(&self) -> bool {
+        self.wide.is_some()
+    }
+
     /// Column names of a quaternion whose components have only numbers as names in the file; `None` if there is no such
     /// quaternion. The last component is assumed to be the scalar part.
     pub(super) const fn numbered_quaternion(&self) -> Option<&[String; 4]> {

@@ -292,45 +292,44 @@ fn wide_tables_hold_several_fingers() {
         };
         format!("{header}\n{}", (0..10).map(row).collect::<String>())
     };
-    let repeated = |name: &dyn Fn(&str, &str) -> String, fingers: [&str; 3], columns: &[&str]| {
-        let names = fingers
-            .iter()
-            .flat_map(|finger| columns.iter().map(|column| name(finger, column)));
-        format!("time_s,{}", names.collect::<Vec<_>>().join(","))
+    // The name of a column: `C` is replaced by the name in `columns`, then `F` by the finger.
+    let repeated = |name: &str, fingers: [&str; 3], columns: &[&str]| {
+        let of_finger = |finger: &str| -> Vec<String> {
+            let name = |column| name.replace('C', column).replace('F', finger);
+            columns.iter().map(|column| name(column)).collect()
+        };
+        format!("time_s,{}", fingers.map(of_finger).concat().join(","))
     };
     let full = ["x_mm", "y_mm", "z_mm", "normal_x", "normal_y", "normal_z"];
     let letters = ["x", "y", "z", "nx", "ny", "nz"];
+    let numbers = ["1", "2", "3"];
+    let inner = [
+        "x_F_mm",
+        "y_F_mm",
+        "z_F_mm",
+        "normal_F_x",
+        "normal_F_y",
+        "normal_F_z",
+    ];
+    let contact = [
+        "contact_F_x_mm",
+        "contact_F_y_mm",
+        "contact_F_z_mm",
+        inner[3],
+        inner[4],
+        inner[5],
+    ];
     for header in [
-        repeated(
-            &|finger, column| format!("{finger}_{column}"),
-            ["finger1", "finger2", "finger3"],
-            &full,
-        ),
-        repeated(
-            &|finger, column| format!("{finger}.{column}"),
-            ["thumb", "index", "ring"],
-            &full,
-        ),
-        repeated(
-            &|finger, column| format!("{column}{finger}"),
-            ["1", "2", "3"],
-            &letters,
-        ),
-        repeated(
-            &|finger, column| format!("{column}_{finger}"),
-            ["f0", "f1", "f2"],
-            &full,
-        ),
-        repeated(
-            &|finger, column| format!("{finger}/pose/pos/{column}"),
-            ["th_tip", "ff_tip", "mf_tip"],
-            &full,
-        ),
-        repeated(
-            &|finger, column| format!("{finger}{column}"),
-            ["p1", "p2", "p3"],
-            &letters,
-        ),
+        repeated("F_C", ["finger1", "finger2", "finger3"], &full),
+        repeated("F.C", ["thumb", "index", "ring"], &full),
+        repeated("CF", numbers, &letters),
+        repeated("C_F", ["f0", "f1", "f2"], &full),
+        repeated("F/pose/pos/C", ["th_tip", "ff_tip", "mf_tip"], &full),
+        repeated("FC", ["p1", "p2", "p3"], &letters),
+        repeated("C", numbers, &inner),
+        repeated("left_index_tip_F_C", numbers, &full),
+        repeated("/hand/F/tip/C", ["thumb", "index", "middle"], &letters),
+        repeated("C", numbers, &contact),
     ] {
         let found =
             glide(wide(&header, &ALL[1..]), "").unwrap_or_else(|error| panic!("{error}: {header}"));
@@ -340,11 +339,7 @@ fn wide_tables_hold_several_fingers() {
             (&3.into(), &30.into())
         );
     }
-    let header = repeated(
-        &|finger, column| format!("{finger}_{column}"),
-        ["f1", "f2", "f3"],
-        &["x", "y", "z"],
-    );
+    let header = repeated("F_C", ["f1", "f2", "f3"], &letters[..3]);
     let table = wide(&header, &ALL[1..4]);
     let first: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
     let lost = table.replacen(&first[1..4].join(","), ",NaN,", 1);
@@ -361,11 +356,7 @@ fn wide_tables_hold_several_fingers() {
         "r:2: column `f2_y`: `east` is not a number"
     );
     // A log of ROS messages that each contain the poses of several fingers, in metres.
-    let header = repeated(
-        &|finger, column| format!("field.poses{finger}.position.{column}"),
-        ["0", "1", "2"],
-        &["x", "y", "z"],
-    );
+    let header = repeated("field.posesF.position.C", ["0", "1", "2"], &letters[..3]);
     let log = wide(&header.replace("time_s", "%time"), &ALL[1..4]);
     let found = glide(&log, "").unwrap();
     assert_eq!(
@@ -378,16 +369,17 @@ fn wide_tables_hold_several_fingers() {
         "r:2: 9 fields; the header has 10"
     );
     // These columns are a commanded and a measured position of one finger, which must not be read as two fingers.
-    let header = repeated(
-        &|finger, column| format!("{finger}_{column}"),
-        ["set", "real", "x"],
-        &["x", "y", "z"],
-    );
-    assert!(
-        glide(wide(&header, &ALL[1..4]), "")
-            .unwrap_err()
-            .contains("no columns `x`")
-    );
+    for (fingers, said) in [
+        (["set", "real", "x"], "no columns `x`"),
+        (
+            ["old", "new", "mid"],
+            "setting reads only one of them (names such as `finger1_x` read all of them); write",
+        ),
+    ] {
+        let header = repeated("F_C", fingers, &letters[..3]);
+        let error = glide(wide(&header, &ALL[1..4]), "").unwrap_err();
+        assert!(error.contains(said), "{error}");
+    }
 }
 
 #[test]
