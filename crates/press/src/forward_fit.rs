@@ -248,14 +248,26 @@ impl ForwardFit {
 /// sensor's own radius.
 ///
 /// # Errors
-/// [`PressError`] if the press or the fit of the Gaussian fails.
+/// [`PressError`] if the press or the fit of the Gaussian fails. [`PressError::Undetermined`] if the plane would touch
+/// all markers, as on a flat pad, because no marker then determines the width of the Gaussian.
 pub fn calibrated_c(
     markers: &Markers,
     body: &Body,
     indentation: f64,
     window: Option<f64>,
 ) -> Result<f64, PressError> {
-    let plane = markers.skin().contact(body, 0.0, indentation)?;
+    let skin = markers.skin();
+    let undetermined = PressError::Undetermined {
+        what: "the Gaussian's constant `c` is calibrated by a press of a plane, which would touch all markers of this flat or nearly flat sensor; state `c`, or use another method",
+    };
+    if skin.curvature() == 0.0 {
+        return Err(undetermined);
+    }
+    let plane = skin.contact(body, 0.0, indentation)?;
+    let distances = markers.distances([0.0; 2]);
+    if distances.iter().all(|distance| *distance <= plane.radius) {
+        return Err(undetermined);
+    }
     let moved = markers.displacements(&plane, [0.0; 2]);
     let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
     let fit = ForwardFit {
@@ -272,5 +284,5 @@ pub fn calibrated_c(
             std: 0.0,
         }),
     })?;
-    Ok(markers.skin().radius() * found.most_likely_curvature)
+    Ok(skin.radius() * found.most_likely_curvature)
 }

@@ -51,6 +51,13 @@ fn readings_without_information_are_refused() {
     let calibrated = |depth| calibrated_c(&published(), &half_space(), depth, None);
     assert_eq!(refusal(calibrated(f64::NAN)), "out-of-range");
     assert_eq!(refusal(calibrated(f64::INFINITY)), "too-deep");
+    // A plane touches all markers of a flat or nearly flat pad.
+    for radius in [1e6, f64::INFINITY] {
+        let skin = Skin::new(radius).unwrap();
+        let flat = Markers::new(skin, &[[0.0, 0.0], [2.0, 0.0], [4.0, 3.0]]).unwrap();
+        let found = calibrated_c(&flat, &half_space(), 0.5, None);
+        assert_eq!(refusal(found), "undetermined");
+    }
     for bad in [f64::NAN, f64::INFINITY, -1e200] {
         let mut normal = vec![0.1; count];
         normal[7] = bad;
