@@ -17,6 +17,8 @@ pub(super) struct Place {
 pub(super) struct Header<'a> {
     headings: Vec<Heading<'a>>,
     names: &'a ColumnNames,
+    /// Whether rotations without a unit are in degrees, because in rad they would exceed half a turn.
+    pub(super) is_in_degrees: bool,
 }
 
 impl<'a> Header<'a> {
@@ -43,7 +45,11 @@ impl<'a> Header<'a> {
                 }
             }
         }
-        Self { headings, names }
+        Self {
+            headings,
+            names,
+            is_in_degrees: false,
+        }
     }
 
     pub(super) fn name(&self, index: usize) -> &'a str {
@@ -78,6 +84,17 @@ impl<'a> Header<'a> {
             .zip(others)
             .filter_map(|(column, other)| Some(pair(other.stem(), self.own_name(column)?)));
         pairs.collect::<Vec<_>>().join(",")
+    }
+
+    /// Indices of the columns whose names are similar to those of rotation vectors in `columns`.
+    pub(super) fn angles(&self, columns: &[Column]) -> Vec<usize> {
+        let is_angle =
+            |column: &&Column| column.measure == Measure::Angle && column.stem() != "angle";
+        let is_similar = |&index: &usize| {
+            let mut angles = columns.iter().filter(is_angle);
+            angles.any(|column| is_similar(column, &self.headings[index]))
+        };
+        (0..self.headings.len()).filter(is_similar).collect()
     }
 
     pub(super) fn is_assigned(&self, columns: &[Column]) -> bool {
@@ -364,8 +381,13 @@ impl<'a> Header<'a> {
     fn pair_of(&self, column: &Column, index: usize) -> String {
         let heading = &self.headings[index];
         let states = heading.bracket.is_some() || suffix(heading, column).ok().flatten().is_some();
-        let key = if states { column.stem() } else { column.name };
-        pair(key, heading.name)
+        match column.measure {
+            _ if states => pair(column.stem(), heading.name),
+            Measure::Angle if self.is_in_degrees => {
+                pair(&format!("{}_deg", column.stem()), heading.name)
+            }
+            _ => pair(column.name, heading.name),
+        }
     }
 
     /// Pairs of names that assign the unused columns of the file to the missing columns, one by one in the order of the

@@ -8,7 +8,8 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::error::RecordedError;
 use super::file::RecordedFile;
-use super::heading::is_tip_radius;
+use super::heading::{Heading, is_tip_radius};
+use super::json_table::MAX_FINGERS;
 use super::text_table::{Record, RowResult};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -175,6 +176,7 @@ impl<'a> NumpyTable<'a> {
                 .pop()
                 .map_or(Err(String::new()), |(_, array)| Self::single(array)),
             _ => {
+                ambiguous(&arrays)?;
                 let mut table = Self::empty(arrays[0].1.shape[0]);
                 let mut names = Vec::new();
                 let first = arrays[0].0.clone();
@@ -380,6 +382,38 @@ impl<'a> Array<'a> {
         let lengths: Vec<String> = self.shape.iter().map(usize::to_string).collect();
         format!("({})", lengths.join(", "))
     }
+}
+
+/// Returns an error for arrays whose columns are ambiguous: several series side by side, of which each axis may be the
+/// time, and a grid beside the coordinates along its axes.
+fn ambiguous(arrays: &[(String, Array<'_>)]) -> Result<(), String> {
+    let lines = arrays.iter().filter(|(_, array)| array.shape.len() == 1);
+    let lines: Vec<_> = lines.map(|(name, array)| (name, array.shape[0])).collect();
+    let has_time = lines.iter().any(|(name, _)| Heading::of(name).is_time());
+    for (name, array) in arrays {
+        let shape = array.shape_text();
+        match array.shape[..] {
+            [first, second, parts, ..] if second > MAX_FINGERS && second != parts && !has_time => {
+                let rows = first * second;
+                return Err(format!(
+                    "has the array `{name}` of shape {shape}, whose first or second axis may be the time; reshape all \
+                     arrays to {rows} rows, and add an array `finger` or `probe` with one number per row"
+                ));
+            }
+            [_, second]
+                if second > 9
+                    && lines.len() == 2
+                    && lines.iter().all(|(_, length)| array.shape.contains(length)) =>
+            {
+                return Err(format!(
+                    "has the grid `{name}` of shape {shape} and the coordinates along its axes; write each coordinate \
+                     as a grid of this shape too, as numpy.meshgrid returns it"
+                ));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Fields of an array type. `text` is the type as Python writes it: `'<f8'`, or `[('x', '<f8'), ('position', '<f8',

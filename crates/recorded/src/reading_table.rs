@@ -1,6 +1,7 @@
 //! Reads the numbers of a table and converts them to palpate's units. Errors state the line and the column.
 
 use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::PI;
 
 use palpate_statistics::Number;
 use palpate_study::Warning;
@@ -39,7 +40,16 @@ impl ReadingTable {
     ) -> Result<Self, RecordedError> {
         let form = &table.file.form;
         let fail = |message| table.file.fail(table.header_line, message);
-        let header = Header::new(&table.header, &form.columns);
+        let mut header = Header::new(&table.header, &form.columns);
+        if header.places(columns, may).is_err() {
+            let angles = header.angles(columns);
+            table.each(|record| {
+                let fields = angles.iter().filter_map(|&index| record.fields.get(index));
+                let mut numbers = fields.filter_map(|field| field.trim().parse::<f64>().ok());
+                header.is_in_degrees |= numbers.any(|number| number.abs() > PI);
+                Ok(())
+            })?;
+        }
         let places = header.places(columns, may).map_err(fail)?;
         let unit = length_unit(&header, columns, &places, form.length_unit).map_err(fail)?;
         let factors: Vec<f64> = columns

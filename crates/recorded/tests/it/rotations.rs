@@ -149,6 +149,22 @@ fn followed(table: &str) -> Value {
     })
 }
 
+/// Rotations beyond half a turn are no rolls in rad, so the hint proposes degrees.
+#[test]
+fn rolls_without_a_unit_may_be_in_degrees() {
+    let table = |unit: &str| {
+        let header = format!("probe,rotation_x{unit},rotation_y{unit},shift_u_mm,shift_v_mm");
+        format!(
+            "{header}
+0,0,-20,5,0
+1,20,0,0,5
+"
+        )
+    };
+    let expected = roll(&table("_deg"), "", None).unwrap();
+    assert_eq!(followed(&table("")), expected);
+}
+
 #[test]
 fn the_same_rolls_in_each_form_have_one_estimate() {
     let header = "probe,rotation_x_rad,rotation_y_rad,rotation_z_rad,shift_u_mm,shift_v_mm";

@@ -426,6 +426,14 @@ fn damaged_files_are_refused_with_the_reason() {
             "is no JSON object",
         ),
         (
+            include_bytes!("../data/roll-series-side-by-side.npz").to_vec(),
+            "reshape all arrays to 18 rows, and add an array `finger` or `probe`",
+        ),
+        (
+            include_bytes!("../data/press-grid-with-axes.npz").to_vec(),
+            "has the grid `normal_displacement_mm` of shape (11, 11)",
+        ),
+        (
             b"{\"x\":[1,2],\"y\":[1]}".to_vec(),
             "columns of different lengths: `x` has 2 values, `y` has 1",
         ),
