@@ -402,23 +402,3 @@ fn rounded(trials: f64, round: fn(f64) -> f64) -> NonZeroU64 {
     let whole = round(trials / unit) * unit;
     NonZeroU64::new(whole as u64).unwrap_or(NonZeroU64::MIN)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn trials_have_three_digits() {
-        for (trials, up, down) in [
-            (0.2, 1, 1),
-            (7.5, 8, 7),
-            (123.0, 123, 123),
-            (1234.0, 1240, 1230),
-            (99_999.0, 100_000, 99_900),
-            (1e8, 100_000_000, 100_000_000),
-        ] {
-            assert_eq!(rounded(trials, f64::ceil).get(), up);
-            assert_eq!(rounded(trials, f64::floor).get(), down);
-        }
-    }
-}

@@ -299,26 +299,7 @@ pub fn resolved(study: &Study) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{decimal_place, with_digits};
-
-    #[test]
-    fn decimal_places_are_those_of_the_text() {
-        for exponent in -12..12 {
-            let power: f64 = format!("1e{exponent}").parse().unwrap();
-            for number in [
-                power.next_down(),
-                power,
-                power.next_up(),
-                3.7 * power,
-                -9.2 * power,
-            ] {
-                let text = format!("{number:e}");
-                let place = text.split_once('e').unwrap().1.parse().ok();
-                assert_eq!(decimal_place(number), place, "{number}");
-            }
-        }
-        assert_eq!(decimal_place(0.0), None);
-    }
+    use super::with_digits;
 
     #[test]
     fn quantiles_have_the_digits_that_their_histogram_resolves() {

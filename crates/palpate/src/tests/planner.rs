@@ -127,6 +127,7 @@ fn a_target_decides_trials_and_tolerance() {
         let (model_error, plan) = planned(&[successes], target(0.02)).unwrap();
         let trials = plan.trials().unwrap().get();
         assert!((least..least * 3 / 2).contains(&trials), "{trials}");
+        assert_eq!(trials % 10, 0, "{trials} has more than three digits");
         // The error of the model may be a tenth of the target error: 0.1 · 0.02 times the rms error of 0.1, which is
         // 2e-4. The largest tolerance below this value is 1e-4.
         assert_eq!((model_error, plan.by_budget), (1e-4, None));

@@ -73,26 +73,6 @@ fn budget_and_target_are_refused_if_trials_are_swept() {
     }
 }
 
-/// The errors of the estimates are sums of eight uniform random numbers, so they are nearly Gaussian. The root mean
-/// square of N such errors has the relative standard error 1/√(2 N). A target of 0.01 needs 5,000 trials, and the
-/// safety margin adds less than 2,500.
-#[test]
-fn target_error_sets_the_number_of_trials() {
-    let desk = Desk::with(STUDY);
-    let printed = desk
-        .palpate("run c.toml --out o --target-error 0.01")
-        .printed();
-    let trials = setting(&desk.read("o/run.toml"), "trials");
-    assert!((3500.0..7500.0).contains(&trials), "{trials}");
-    assert!(
-        printed.starts_with(&format!(
-            "trials  {trials} per cell with random numbers: the target error;"
-        )),
-        "{printed}"
-    );
-    assert_eq!(desk.table("o/cells.csv").number(0, "trials"), trials);
-}
-
 #[test]
 fn a_target_run_has_the_same_bytes_on_any_threads_and_in_a_rerun() {
     for (config, target) in [
@@ -169,18 +149,6 @@ fn run_toml_names_a_single_rung_and_keeps_auto_if_skipped_cells_need_another() {
         desk.palpate("run o/run.toml --out again --trials 2")
             .printed();
     }
-}
-
-#[test]
-fn a_target_is_refused_if_all_trials_of_the_pilot_fail() {
-    // The pads are so coarse that no roll moves the contact to another pad, so all trials fail.
-    let coarse = format!("{STUDY}\n[scene.sensor]\nkind = \"pads\"\npitch = 9.9\n");
-    let desk = Desk::with(&coarse);
-    desk.palpate("run c.toml --target-error 0.1").fails(
-        2,
-        "trials of a pilot fail (unresolved), so no error can be estimated",
-    );
-    assert_untouched(&desk.path(""));
 }
 
 /// Compares the chosen model with an almost exact model, with the same random numbers. No mean may differ by more than
