@@ -13,6 +13,8 @@ run c.toml --trials many | --trials
 run c.toml --budget 1e400s | --budget
 run c.toml --budget 1e-6s | one trial of each cell does not fit into 1e-6 s; it needs about
 run c.toml --budget 5d | --budget
+run c.toml --budget 1h30m | --budget
+run c.toml --budget nan | --budget
 run c.toml --target-error 2 | --target-error
 run c.toml --target-error 1e-6 | in cell 0: scene.object.radius = 50
 run c.toml --target-error 1e-6 | the maximum of 1e8

@@ -164,32 +164,3 @@ fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_manifest_is_read_as_it_was_written() {
-        let entry = |study| Entry {
-            sha256: vec![digest(b"a")],
-            study,
-        };
-        let files = [
-            ("cells.csv".to_owned(), entry(Some(StudyId::new("s", "t")))),
-            ("overlay.png".to_owned(), entry(None)),
-        ];
-        let manifest = Manifest::new(files.into());
-        let dir = tempfile::tempdir().unwrap();
-        fs::write(dir.path().join(MANIFEST), manifest.to_toml().unwrap()).unwrap();
-        assert_eq!(Manifest::read(dir.path()).unwrap(), Some(manifest));
-    }
-
-    #[test]
-    fn only_plain_names_are_beside_a_manifest() {
-        assert!(is_plain("cells.csv"));
-        for name in ["", ".", "..", "../a", "/a", "a/b", "a/"] {
-            assert!(!is_plain(name), "{name:?}");
-        }
-    }
-}

@@ -226,25 +226,3 @@ fn matches_extension(path: &Path) -> bool {
             _ => true,
         }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn heads_are_first_lines_and_titles() {
-        assert_eq!(head_of(b"a,b\n1,2\n"), Some(&b"a,b\n"[..]));
-        assert_eq!(head_of(b"a,b"), None);
-        for other in [
-            &b"<svg>\n"[..],
-            b"  0\nSECTION\n",
-            b"name = \"a\"\n",
-            b"\x89PNG\n",
-            b"PAR1,\n",
-        ] {
-            assert_eq!(head_of(other), None);
-        }
-        let page = b"<!DOCTYPE html>\n<title>palpate</title>\n";
-        assert_eq!(head_of(page), Some(&page[..page.len() - 9]));
-    }
-}
