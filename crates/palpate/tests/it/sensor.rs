@@ -44,36 +44,6 @@ fn desk() -> Desk {
 }
 
 #[test]
-fn the_published_calibration() {
-    let examples = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../examples/chromatouch-2020"
-    );
-    let desk = Desk::new();
-    let ended = desk.palpate(&format!(
-        "sensor calibrate {examples}/calibration-normal.csv {examples}/calibration-tangential.csv --out c.toml"
-    ));
-    assert_eq!(ended.status, Some(0), "{ended:?}");
-    for line in [
-        "all: 0.02583 turns/mm (std 0.0018), R^2 0.849, residual 0.154 mm rms, 39 points",
-        "series 0: 0.03125 turns/mm",
-        "series 1: 0.02482 turns/mm",
-        "series 2: 0.02142 turns/mm",
-        "through rest, used: 0.02438 turns/mm (std 0.00085), R^2 0.846, residual 0.165 mm rms",
-        "all: 6.982 px/mm (std 0.1), R^2 0.996, residual 0.0389 mm rms, 21 points",
-    ] {
-        assert!(ended.stdout.contains(line), "{line}\n{}", ended.stdout);
-    }
-    assert!(
-        ended
-            .stderr
-            .contains("warning: the normal slopes of the series differ")
-    );
-    let written = desk.read("c.toml");
-    assert!(written.starts_with("# Calibration") && written.contains("length_unit = \"mm\""));
-}
-
-#[test]
 fn frames_calibrate_and_are_tracked() {
     let desk = desk();
     let calibration = desk.read("c.toml");
@@ -218,17 +188,8 @@ fn unusable_frames_are_refused() {
     let desk = Desk::new();
     let rest = frame(|_| 0.0, &[]);
     write(&desk, "rest.png", rest.clone());
-    let whole = png(rest.clone());
     let plain = |colour| RgbImage::from_pixel(SIDE, SIDE, Rgb(colour));
     let frames: Vec<(&str, Vec<u8>, &str)> = vec![
-        ("empty.png", vec![], "is empty"),
-        (
-            "text.png",
-            b"x,y\n1,2\n".to_vec(),
-            "is not a PNG, JPEG, BMP, TIFF or WebP image",
-        ),
-        ("cut.png", whole[..whole.len() / 2].to_vec(), "truncated"),
-        ("stub.png", whole[..20].to_vec(), "truncated"),
         (
             "huge.png",
             png_header(20_000, 20_000),
@@ -242,7 +203,6 @@ fn unusable_frames_are_refused() {
             "rest.png has 400 x 400",
         ),
         ("black.png", png(plain([0; 3])), "black.png: no markers"),
-        ("white.png", png(plain([255; 3])), "white.png: no markers"),
     ];
     for (name, bytes, word) in frames {
         desk.write(name, bytes);
@@ -254,8 +214,6 @@ fn unusable_frames_are_refused() {
     }
     desk.palpate("sensor track dot.png dot.png --out o")
         .fails(1, "dot.png: the frame has 1 by 1 px");
-    desk.palpate("sensor track none.png rest.png --out o")
-        .fails(1, "none.png");
     // A grey image contains no hues.
     write(&desk, "grey.png", DynamicImage::from(rest).to_luma8());
     let ended = desk.palpate("sensor track grey.png grey.png --out o");
@@ -269,12 +227,9 @@ fn unusable_frames_are_refused() {
 /// table with its header. The second part contains words of the expected error.
 const NO_CALIBRATIONS: &str = r"
 1,0.02 | 1 points; a calibration needs at least 2
-1,0.02\n1,0.03\n1,0.02 | all 3 points have a normal displacement of 1
-1,0.02\n2,0.02 | the hue does not change
 1,0.02\n2,nan | t.csv:3: column `hue_turns`
 1,0.02\n2,9.3 | t.csv:3: column `hue_turns`: a change of hue must be between -0.5 and 0.5 turns, is 9.3
  | no readings
-1,0.02\n1e200,0.03 | t.csv:3: a number is beyond 1e100
 a,b\n1,2 | no columns `normal_displacement`
 tangential_displacement_mm,centroid_shift_px\n1,7 | 1 points
 ";
@@ -331,8 +286,6 @@ fn invalid_calibration_files_are_refused() {
     let run = "sensor track rest.png pressed.png --calibration bad.toml --sensor-radius 20 --depth 2 --px-per-rad 151.3 --out o";
     for (text, word) in [
         (String::new(), "is empty"),
-        ("length_unit = \"mm\"\n".to_owned(), "0 parts"),
-        (good.replace("hue_weight", "hue_wait"), "hue_wait"),
         (
             good.replace("length_unit = \"mm\"", "length_unit = \"ell\""),
             "ell",
@@ -340,14 +293,6 @@ fn invalid_calibration_files_are_refused() {
         (
             good.replacen("slope = ", "slope = 0.0 # ", 1),
             "a line's slope is 0",
-        ),
-        (
-            good.replacen("slope = ", "slope = nan # ", 1),
-            "a line's slope is NaN",
-        ),
-        (
-            good.replacen("slope = ", "slope = 1e-320 # ", 1),
-            "a line's slope is 1e-320; it must be",
         ),
     ] {
         desk.write("bad.toml", &text);
