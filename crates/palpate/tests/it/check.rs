@@ -59,16 +59,6 @@ fn each_combination_of_models_is_printed_once() {
 }
 
 #[test]
-fn a_scene_without_noise() {
-    let printed = Desk::with(SCENE).palpate("check c.toml").printed();
-    assert!(
-        printed.contains("cells   1; 1 of them run a single trial\n"),
-        "{printed}"
-    );
-    assert!(printed.contains("trials  1\n"), "{printed}");
-}
-
-#[test]
 fn the_chosen_rung_is_marked_for_projected_cameras_too() {
     // With the tolerance 0.3, the model `hertz` would also be allowed. But it takes as long as `half-space` and has a
     // larger error, so it is not chosen.

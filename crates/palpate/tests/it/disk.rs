@@ -105,14 +105,6 @@ fn a_full_disk_keeps_no_partly_written_file() {
     assert_eq!(desk.names("new"), [""; 0]);
 }
 
-#[cfg(target_os = "linux")]
-#[test]
-fn standard_output_is_full() {
-    Desk::new()
-        .shell("exec \"$palpate\" schema >/dev/full")
-        .fails(1, "cannot write to standard output");
-}
-
 /// The reader of a pipe may stop reading early, as `head` does in `palpate schema | head -1`.
 #[test]
 fn a_closed_pipe_is_no_error() {

@@ -71,15 +71,3 @@ fn the_page_contains_all_studies() {
     }
     assert!(desk.names("c").contains(&"claims.csv".to_owned()));
 }
-
-#[test]
-fn a_table_that_was_cut_off() {
-    let desk = Desk::with(&with_plot());
-    desk.palpate("run c.toml --out o").printed();
-    let cells = desk.read("o/cells.csv");
-    desk.write("o/cells.csv", &cells[..cells.len() - 40]);
-    for command in ["plot o", "report o --out page.html"] {
-        desk.palpate(command).fails(1, "o/cells.csv");
-    }
-    assert!(!desk.path("page.html").exists());
-}

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use palpate::{Arch, RunOptions, Runner, Simulation};
 
-use super::desk::{Desk, RUN_FILES, SCENE, STUDY, edited};
+use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
 const HEADER: &str = "cell,scene.object.radius_mm,quantity,unit,truth,trials,failures,\
     mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,relative_mean_abs_error,\
@@ -135,18 +135,6 @@ fn every_nth_cell_keeps_numbers_and_bytes() {
 }
 
 #[test]
-fn a_scene_without_noise_runs_one_trial() {
-    let desk = Desk::with(SCENE);
-    let printed = desk.palpate("run c.toml --out o").printed();
-    assert_eq!(printed, "a-study: 1 cells, 1 trials, 0 failed -> o\n");
-    let table = desk.table("o/cells.csv");
-    assert_eq!(table.header[..3], ["cell", "quantity", "unit"]);
-    assert_eq!(table.text(0, "trials"), "1");
-    assert!((table.number(0, "mean") - 0.02).abs() < 1e-15);
-    assert_eq!(table.text(0, "std"), "");
-}
-
-#[test]
 fn outputs_can_include_a_trace() {
     let outputs = "outputs = [\"cells\", \"trace\"]\nlength_unit";
     let desk = Desk::with(&edited(STUDY, "length_unit", outputs));
@@ -164,44 +152,6 @@ fn outputs_can_include_a_trace() {
     );
     assert_eq!(desk.read("o/trace.csv"), desk.read("t/trace.csv"));
     assert_eq!(desk.read("o/readings.csv"), desk.read("t/readings.csv"));
-}
-
-#[test]
-fn a_cell_in_which_every_trial_fails_still_has_rows() {
-    let lines = "sensor = { kind = \"pads\", pitch = 1, cap_deg = 15 }\nnoise";
-    let desk = Desk::with(&edited(STUDY, "noise", lines));
-    // On the large sphere, the contact leaves the area of the pads; on the small sphere, it does not.
-    let ended = desk.palpate("run c.toml --out o");
-    assert_eq!(
-        (ended.status, ended.stdout.as_str()),
-        (
-            Some(0),
-            "a-study: 2 cells, 40 trials, 20 failed (beyond-pads 20) -> o\n"
-        )
-    );
-    assert!(
-        ended
-            .stderr
-            .contains("trials fail as `beyond-pads` (cell 0)"),
-        "{ended:?}"
-    );
-    assert_eq!(
-        desk.read("o/failures.csv"),
-        "cell,kind,count,first_trial\n0,beyond-pads,20,0\n"
-    );
-    let table = desk.table("o/cells.csv");
-    assert_eq!(table.rows.len(), 10);
-    for row in 0..5 {
-        assert!(table.number(row, "truth") > 0.0);
-        assert_eq!(
-            (table.text(row, "trials"), table.text(row, "failures")),
-            ("20", "20")
-        );
-        let statistics = &table.rows[row][7..];
-        assert!(statistics.iter().all(String::is_empty), "{statistics:?}");
-    }
-    assert_eq!(table.text(5, "failures"), "0");
-    assert!(table.number(5, "mean") > 0.0);
 }
 
 /// In the tables of this study, the column `trials` contains two things: the swept field `trials`, and the statistic of

@@ -88,20 +88,6 @@ fn value(estimate: &serde_json::Value, quantity: &str) -> f64 {
 }
 
 #[test]
-fn estimates_from_a_trace_have_the_true_values() {
-    let eight = "duration_s = 1.0, directions_deg = [0, 45, 90, 135, 180, 225, 270, 315]";
-    let desk = Desk::with(&edited(SCENE, "duration_s = 1.0", eight));
-    desk.palpate("trace c.toml --out t").printed();
-    let json = estimate(&desk, "t/readings.csv --probe-radius 10");
-    for quantity in ["normal_curvature_u", "normal_curvature_v", "mean_curvature"] {
-        assert_close(value(&json, quantity), 0.02, 1e-12);
-    }
-    assert_close(value(&json, "gaussian_curvature"), 0.0004, 1e-12);
-    assert_close(value(&json, "arc_length"), 0.5 / 0.12, 1e-12);
-    assert_eq!(json["normal_curvature_u"]["unit"], "1/mm");
-}
-
-#[test]
 fn a_traced_trial_has_the_estimates_of_the_run() {
     let motions = [
         r#"angular_velocity = { kind = "uniform", fraction = 0.02 }"#,
