@@ -106,29 +106,3 @@ pub(super) fn sum(
     };
     distances.iter().map(at).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn polynomials_and_waves() {
-        let ninth: f64 = over(0.0, 2.0, 10)
-            .map(|[x, weight]| weight * x.powi(9))
-            .sum();
-        assert!((ninth - 102.4).abs() < 1e-11);
-        let waves: f64 = on_panels(100.0, 12.0)
-            .map(|[x, weight]| weight * libm::cos(x))
-            .sum();
-        assert!((waves - libm::sin(100_f64)).abs() < 1e-10, "{waves}");
-        for place in [0.0, 0.3, 1.0, 1.1, 7.0] {
-            let width = 1e-4;
-            let peak = |x: f64| width / (width * width + (x - place) * (x - place));
-            let area: f64 = around(1.0, place, width)
-                .map(|[x, weight]| weight * peak(x))
-                .sum();
-            let truth = libm::atan((1.0 - place) / width) + libm::atan(place / width);
-            assert!((area - truth).abs() < 1e-12, "{place}: {area} {truth}");
-        }
-    }
-}

@@ -127,16 +127,3 @@ impl Path {
         at_least_rounding(off / self.tip_radius)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_finest_rung_errs_by_rounding() {
-        for stage in ladder().scenes {
-            let errors = stage.errors();
-            assert!(errors.iter().any(|error| *error < 1e-13), "{errors:?}");
-        }
-    }
-}

@@ -45,14 +45,6 @@ pub(super) struct SceneRungs {
     pub(super) rungs: Vec<Rung>,
 }
 
-#[cfg(test)]
-impl SceneRungs {
-    pub(super) fn errors(self) -> Vec<f64> {
-        let errors = self.rungs.into_iter().map(|rung| (rung.error)());
-        errors.map(|error| error.unwrap().error).collect()
-    }
-}
-
 /// Error of a rung (a model or setting), as defined by [`Ladder::error`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {

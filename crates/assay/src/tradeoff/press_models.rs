@@ -164,16 +164,3 @@ impl Press {
 fn places() -> impl Iterator<Item = f64> {
     (0..PLACES).map(|at| REACH * at as f64 / (PLACES - 1) as f64)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_solved_layer_is_the_best_rung() {
-        for stage in ladder().scenes {
-            let errors = stage.errors();
-            assert!(*errors.last().unwrap() < 1e-9, "{errors:?}");
-        }
-    }
-}

@@ -191,16 +191,3 @@ fn in_charts(roll: &Roll) -> Result<RollEnd> {
         path: fine.arc_length,
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_roll_has_its_truth() {
-        for stage in ladder().unwrap().scenes {
-            let errors = stage.errors();
-            assert!(errors.iter().any(|error| *error < 1e-12), "{errors:?}");
-        }
-    }
-}
