@@ -403,24 +403,4 @@ mod tests {
         let nothing = Scale::around(Spacing::Log, std::iter::empty());
         assert!(!nothing.ticks().is_empty());
     }
-
-    #[test]
-    fn a_log_axis_has_labels_of_one_form() {
-        let labels = |ends: [f64; 2]| {
-            let ticks = Scale::around(Spacing::Log, ends.into_iter()).ticks();
-            let labels: Vec<String> = ticks.into_iter().map(|tick| tick.label).collect();
-            labels.join(", ")
-        };
-        assert_eq!(labels([2e-3, 9e-3]), "0.002, 0.005");
-        assert_eq!(labels([3e5, 4e6]), "5 × 10⁵, 10⁶, 2 × 10⁶");
-    }
-
-    #[test]
-    fn what_a_log_axis_cannot_show_is_refused() {
-        let refused = |value: f64| Spacing::Log.refusal(value).unwrap_or_default();
-        assert!(refused(0.0).contains("exactly 0") && refused(-1.0).contains("negative"));
-        assert_eq!(refused(1e-9), "");
-        assert!(Spacing::Linear.refusal(0.0).is_none());
-        assert!(Spacing::Linear.refusal(f64::NAN).is_some());
-    }
 }
