@@ -127,38 +127,3 @@ fn rounded(value: f64, step: f64) -> f64 {
         Err(_) => 0.0,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_have_few_digits() {
-        let span = Span::new(0.05, 2.0, false);
-        let values = span.spread(17, 0.05);
-        assert_eq!(values.len(), 17);
-        assert_eq!((values[0], values[1], values[16]), (0.05, 0.063, 2.0));
-        assert_eq!(span.between(0.4, 0.5, 0.05), Some(0.447));
-        assert_eq!(span.between(0.4, 0.4001, 0.05), None);
-        let degrees = Span::new(-30.0, 30.0, false);
-        assert_eq!(degrees.spread(5, 0.05), [-30.0, -15.0, 0.0, 15.0, 30.0]);
-        assert_eq!(rounded(1e-9, 0.1), 0.0);
-    }
-
-    #[test]
-    fn whole_numbers_are_whole() {
-        let markers = Span::new(5.0, 12.0, true);
-        assert_eq!(
-            markers.spread(17, 0.05),
-            [5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0]
-        );
-        let sizes = Span::new(64.0, 2048.0, true);
-        assert!(
-            sizes
-                .spread(17, 0.05)
-                .iter()
-                .all(|size| size.fract() == 0.0)
-        );
-        assert_eq!(sizes.between(64.0, 65.0, 0.05), None);
-    }
-}
