@@ -223,56 +223,6 @@ mod tests {
     use crate::Layout;
     use approx::assert_relative_eq;
 
-    fn gore(gores: u32, samples: u32, radius: f64) -> Vec<[f64; 2]> {
-        let upright = |[across, from_apex]: [f64; 2]| [across, radius * FRAC_PI_2 - from_apex];
-        let pattern = Pattern::new(gores, samples, radius).unwrap();
-        pattern.outline().map(upright).collect()
-    }
-
-    /// Area that a closed line encloses, positive if the line is counter-clockwise.
-    fn area(outline: &[[f64; 2]]) -> f64 {
-        let next = outline.iter().cycle().skip(1);
-        let sides = outline.iter().zip(next);
-        sides.map(|([x, y], [u, v])| 0.5 * (x * v - u * y)).sum()
-    }
-
-    #[test]
-    fn a_gore_of_two_steps_has_five_corners() {
-        let (radius, gores) = (20.0, 4);
-        let outline = gore(gores, 2, radius);
-        let (quarter, height) = (5.0 * PI, 10.0 * PI);
-        let half = quarter * 0.5_f64.sqrt();
-        let expected = [
-            [quarter, 0.0],
-            [half, 0.5 * height],
-            [0.0, height],
-            [-half, 0.5 * height],
-            [-quarter, 0.0],
-        ];
-        assert_eq!(outline.len(), 5);
-        for (corner, expected) in outline.iter().zip(&expected) {
-            assert_relative_eq!(corner[..], expected[..], epsilon = 1e-13);
-        }
-        assert_eq!(outline[2], [0.0, height]);
-    }
-
-    #[test]
-    fn a_gore_is_as_large_as_its_share_of_the_hemisphere() {
-        for (gores, samples) in [(3, 1), (4, 7), (12, 1000)] {
-            let radius: f64 = 20.0;
-            let outline = gore(gores, samples, radius);
-            assert_eq!(outline.len(), 2 * samples as usize + 1);
-            let area = area(&outline);
-            // The outline of a gore (flat piece of the skin) consists of chords. The chords enclose less area than the
-            // exact outline, which is a sine curve. The ratio of the two areas is (h/2) cot(h/2), where h is the step
-            // of the polar angle.
-            let half_step = 0.25 * PI / f64::from(samples);
-            let chords = half_step / libm::tan(half_step);
-            let share = TAU * radius * radius / f64::from(gores);
-            assert_relative_eq!(area, share * chords, max_relative = 1e-12);
-        }
-    }
-
     #[test]
     fn flattened_markers_fold_back_to_their_places() {
         let radius = 20.0;
