@@ -264,34 +264,3 @@ pub(crate) fn quantile(histogram: &[u32; 256], share: f64) -> u8 {
     }
     u8::MAX
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn two_peaks_are_separated() {
-        let mut histogram = [0; 256];
-        histogram[3] = 500;
-        histogram[5] = 500;
-        histogram[100] = 20;
-        let classes = Classes::of(&histogram).unwrap();
-        assert_eq!(
-            (classes.ground, classes.markers, classes.limit),
-            (4.0, 100.0, 52)
-        );
-        assert_eq!(classes.ground_std, 1.0);
-        assert_eq!(
-            [0.0, 0.6, 1.0].map(|share| quantile(&histogram, share)),
-            [3, 5, 100]
-        );
-    }
-
-    #[test]
-    fn one_peak_has_no_classes() {
-        let mut histogram = [0; 256];
-        histogram[77] = 9;
-        assert_eq!(Classes::of(&histogram), None);
-        assert_eq!(Classes::of(&[0; 256]), None);
-    }
-}

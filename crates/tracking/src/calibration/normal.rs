@@ -302,18 +302,6 @@ mod tests {
     }
 
     #[test]
-    fn nearness_is_the_displacement_over_the_distance() {
-        let fitted = NormalCalibration::fit(&two_markers(), NormalFrom::Size).expect("a slope");
-        assert_relative_eq!(fitted.line.slope, 1.0 / 18.0, max_relative = 1e-12);
-        let deep = change(f64::NAN, libm::log(18.0_f64 / 16.0));
-        assert_relative_eq!(
-            fitted.read(0, &deep).expect("finite"),
-            2.0,
-            max_relative = 1e-12
-        );
-    }
-
-    #[test]
     fn markers_have_slopes_of_their_own_only_if_requested() {
         let fitted = NormalCalibration::fit(&two_markers(), NormalFrom::Hue).expect("a slope");
         assert_relative_eq!(fitted.line.slope, 0.03, max_relative = 1e-12);
