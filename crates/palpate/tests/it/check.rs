@@ -87,16 +87,16 @@ fn the_chosen_rung_is_marked_for_projected_cameras_too() {
 }
 
 #[test]
-fn a_sample_of_a_million_cells_is_checked_and_reported() {
+fn a_sample_of_many_cells_is_checked_and_reported() {
     let axis = |path: &str, from: f64, to: f64| {
-        format!("[[sweep]]\npath = \"{path}\"\nfrom = {from}\nto = {to}\ncount = 1000\n")
+        format!("[[sweep]]\npath = \"{path}\"\nfrom = {from}\nto = {to}\ncount = 200\n")
     };
     let radii = axis("scene.object.radius", 20.0, 80.0);
     let durations = axis("scene.motion.duration_s", 0.5, 1.0);
     let desk = Desk::with(&format!("{SCENE}{radii}{durations}"));
     let printed = desk.palpate("check c.toml").printed();
     for words in [
-        "cells   1000000; ",
+        "cells   40000; ",
         "\ntrials  at most ",
         "sample  each swept value is checked against the limits of its field; ",
         "all fields together are checked in ",
