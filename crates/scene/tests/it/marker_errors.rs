@@ -148,7 +148,7 @@ fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
 /// scatter. This is true for all positions of the markers relative to the pixels.
 #[test]
 fn markers_are_where_they_are_projected() {
-    for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (700, 0.15), (1024, 0.0)] {
+    for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (1024, 0.0)] {
         let Errors { bias, scatter, .. } = errors(&mut looks(size_px, 3.0, misalignment), 6);
         for number in 0..4 {
             assert!(
