@@ -284,7 +284,7 @@ fn columns(
 }
 
 /// Whether a name denotes one axis, such as `x_mm`.
-fn is_of_axis(name: &String) -> bool {
+fn is_of_axis(name: &str) -> bool {
     let name = spelt(name);
     let mut words = name.split('_');
     words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))

@@ -246,7 +246,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     // In `normal_1_x`, the number is between the words of the column `normal_x`. Move it to the front.
     for at in 2..words.len() {
         let is_split = |stem: &&Column| *stem.stem() == format!("{}_{}", words[at - 2], words[at]);
-        if is_identifier(&words[at - 1]) && columns.iter().any(|column| is_split(column)) {
+        if is_identifier(&words[at - 1]) && columns.iter().any(is_split) {
             words.swap(at - 2, at - 1);
         }
     }
