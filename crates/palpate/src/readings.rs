@@ -44,6 +44,6 @@ pub fn frame(file: &str, width: u32, height: u32, rgb: Vec<u8>) -> Option<Frame>
     (image.as_raw().len() as u64 == 3 * pixels).then(|| Frame {
         file: file.to_owned(),
         image,
-        jpeg_quality: None,
+        compression: None,
     })
 }

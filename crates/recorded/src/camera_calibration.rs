@@ -7,7 +7,7 @@ use palpate_tracking::Found;
 
 use super::camera_file::CameraEstimate;
 use super::error::RecordedError;
-use super::frame_pair::{Frame, find};
+use super::frame_pair::{Compression, Frame, find};
 use super::layout_matching::Matched;
 use super::nominal_sensor::{NominalSensor, TERM_STDS};
 use super::study_options::press_of;
@@ -40,7 +40,25 @@ pub fn calibrate_camera(
     let nominal = nominal.map_err(of_study)?;
     usable(rest, nominal.camera).map_err(fail)?;
     let at_rest = MarkersAtRest::of(&nominal, &find(rest)?, study.length_unit);
-    at_rest.map(|at_rest| at_rest.camera).map_err(fail)
+    let mut camera = at_rest.map_err(fail)?.camera;
+    let of_colours = compressed(rest).map(|remedy| {
+        format!("the lens of the camera may be wrong, and curvatures biased by several percent; {remedy}")
+    });
+    camera
+        .warnings
+        .extend(Warning::of("subsampled-colours", of_colours));
+    Ok(camera)
+}
+
+/// Text of a likely cause and the remedy if the camera and the frame at rest contradict each other. `None` if the colours
+/// of the frame are not subsampled.
+pub(super) fn compressed(rest: &Frame) -> Option<String> {
+    let compression = rest.compression.filter(|one| one.subsamples_colours)?;
+    Some(format!(
+        "a likely cause is the compression of {} as {} with subsampled colours: use a lossless format, such as PNG, or \
+         JPEG 4:4:4",
+        rest.file, compression.format
+    ))
 }
 
 fn is_determined(camera: &CameraEstimate) -> bool {
@@ -105,13 +123,18 @@ pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String>
             camera.size_px
         ));
     }
-    if let Some(quality) = frame
-        .jpeg_quality
-        .filter(|quality| *quality < MIN_JPEG_QUALITY)
+    let is_poor = |one: &Compression| match one.quality {
+        Some(quality) => quality < MIN_JPEG_QUALITY,
+        None => one.format != "JPEG",
+    };
+    if let Some(Compression {
+        format, quality, ..
+    }) = frame.compression.filter(is_poor)
     {
+        let quality = quality.map_or(String::new(), |quality| format!(" with quality {quality}"));
         return Err(format!(
-            "is compressed as JPEG with quality {quality}, which moves and colours the edges of the markers by more \
-             than their noise; at least {MIN_JPEG_QUALITY} is required, or a format without loss such as PNG"
+            "is compressed as {format}{quality}, which moves and colours the edges of the markers by more than their \
+             noise; JPEG with a quality of at least {MIN_JPEG_QUALITY} is required, or a format without loss such as PNG"
         ));
     }
     let mut levels: Vec<u8> = frame.image.pixels().map(|pixel| pixel.0[1]).collect();

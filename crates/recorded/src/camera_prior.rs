@@ -5,6 +5,7 @@ use palpate_chromatouch::{Departure, OddTerms};
 use palpate_press::DeparturePrior;
 use palpate_statistics::Number;
 
+use super::camera_calibration::compressed;
 use super::camera_file::CameraEstimate;
 use super::error::RecordedError;
 use super::frame_pair::Frame;
@@ -179,7 +180,9 @@ impl<'a> CameraPrior<'a> {
                 Number::rounded(square)
             );
         }
-        let remedy = "calibrate the camera with this frame by `sensor calibrate`";
+        let remedy = compressed(rest).unwrap_or_else(|| {
+            "calibrate the camera with this frame by `sensor calibrate`".to_owned()
+        });
         if is_alone || square > MAX_CHI_SQUARED {
             let message = format!("contradicts the frame at rest: {difference}; {remedy}");
             return Err(RecordedError::readings(

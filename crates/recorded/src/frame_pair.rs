@@ -22,8 +22,20 @@ pub struct Frame {
     pub file: String,
     /// Pixels of the frame.
     pub image: RgbImage,
-    /// Quality with which a JPEG frame was compressed, from 1 to 100; `None` for other formats.
-    pub jpeg_quality: Option<f64>,
+    /// Lossy compression of the file; `None` if the file's format stores all pixels exactly.
+    pub compression: Option<Compression>,
+}
+
+/// Lossy compression of a frame, which moves and colours the edges of markers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compression {
+    /// Name of the format, such as JPEG.
+    pub format: &'static str,
+    /// Quality of a JPEG file, from 1 to 100; `None` for other formats, and if the file does not contain the luminance
+    /// quantisation table.
+    pub quality: Option<f64>,
+    /// Whether the file stores the colours with a lower resolution than the brightness, as in JPEG 4:2:0.
+    pub subsamples_colours: bool,
 }
 
 /// Largest side of a frame, px. Larger frames are rejected before they are decoded.
@@ -119,9 +131,15 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     Ok(Frame {
         file: file.name.clone(),
         image: image.into_rgb8(),
-        jpeg_quality: (format == ImageFormat::Jpeg)
-            .then(|| jpeg_quality(&file.bytes))
-            .flatten(),
+        compression: match format {
+            ImageFormat::Jpeg => Some(jpeg(&file.bytes)),
+            ImageFormat::WebP if file.bytes.get(12..16) == Some(b"VP8 ") => Some(Compression {
+                format: "lossy WebP",
+                quality: None,
+                subsamples_colours: true,
+            }),
+            _ => None,
+        },
     })
 }
 
@@ -129,26 +147,37 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
 /// K.1).
 const LUMINANCE_AT_50: f64 = 3688.0;
 
-/// Quality of a JPEG file (1 to 100, as in libjpeg), computed from the luminance quantisation table of the file; `None`
-/// if this table is not found.
-fn jpeg_quality(bytes: &[u8]) -> Option<f64> {
-    let mut rest = bytes.get(2..)?;
-    loop {
-        let [_, marker, high, low, number, ..] = *rest else {
-            return None;
-        };
-        if marker == 0xdb && number == 0 {
-            let sum: f64 = rest.get(5..69)?.iter().map(|&step| f64::from(step)).sum();
-            let share = sum / LUMINANCE_AT_50;
-            let quality = if share <= 1.0 {
-                100.0 - 50.0 * share
-            } else {
-                50.0 / share
-            };
-            return Some(libm::round(quality));
+/// Compression of a JPEG file. Its quality (as in libjpeg) is computed from the luminance quantisation table.
+fn jpeg(bytes: &[u8]) -> Compression {
+    let mut found = Compression {
+        format: "JPEG",
+        quality: None,
+        subsamples_colours: false,
+    };
+    let mut rest = bytes.get(2..).unwrap_or_default();
+    while let [_, marker, high, low, ref data @ ..] = *rest {
+        match (marker, data) {
+            (0xdb, [0, steps @ ..]) if steps.len() >= 64 => {
+                let sum: f64 = steps[..64].iter().map(|&step| f64::from(step)).sum();
+                let share = sum / LUMINANCE_AT_50;
+                let quality = if share <= 1.0 {
+                    100.0 - 50.0 * share
+                } else {
+                    50.0 / share
+                };
+                found.quality = Some(libm::round(quality));
+            }
+            // The frame header states the sampling factors of the brightness and of the two colours.
+            (0xc0..=0xc2, [_, _, _, _, _, 3, _, light, _, _, blue, _, _, red, ..]) => {
+                found.subsamples_colours = light != blue || light != red;
+            }
+            (0xda, _) => break,
+            _ => {}
         }
-        rest = rest.get(2 + usize::from(u16::from_be_bytes([high, low]))..)?;
+        let length = usize::from(u16::from_be_bytes([high, low]));
+        rest = rest.get(2 + length..).unwrap_or_default();
     }
+    found
 }
 
 /// Tracks of the markers from a frame at rest to a pressed frame.

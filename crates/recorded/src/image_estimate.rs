@@ -84,7 +84,7 @@ pub(super) fn estimate_images(
     let stated = stated.map(|value| stated_indentation(value, std, unit));
     let (indentation, assumed) = stated.unzip();
     let images = scene.images();
-    let is_jpeg = [rest, press].map(|frame| frame.jpeg_quality.is_some()) != [false; 2];
+    let is_jpeg = [rest, press].map(|frame| frame.compression.is_some()) != [false; 2];
     let of_jpeg = if is_jpeg { JPEG_FACTOR } else { 1.0 };
     let scaled = ScaledFit::of(fit, &markers.pictures, images, indentation, of_jpeg);
     let mut scaled = scaled.map_err(|(error, scatter)| scene.refused(&error, scatter))?;

@@ -75,7 +75,9 @@ pub use camera_file::{CameraEstimate, Residual, parse_camera};
 pub use camera_reading::{FrameReader, FrameReading, TrackedPress};
 pub use error::RecordedError;
 pub use file::RecordedFile;
-pub use frame_pair::{Frame, FramePair, TrackCounts, difference_image, parse_frame, track_frames};
+pub use frame_pair::{
+    Compression, Frame, FramePair, TrackCounts, difference_image, parse_frame, track_frames,
+};
 pub use glide_estimate::{GlideFitResult, estimate_glide};
 pub use glide_options::{GlideOptions, TipReports};
 pub use glide_recording::{GlideRecording, parse_glide};

@@ -227,6 +227,7 @@ subjects! {
         "large-contact": "The contact radius is a large share of the sensor's or the object's radius, so the strains are not small.";
         "gaussian-body": "The fitted Gaussian is not an elastic contact model, so its intervals cover the noise but not the error of the model.";
         "srgb-frames": "The frame at rest fits the sensor only if its pixels are encoded by sRGB. Both frames were linearised. State `--srgb` to omit this warning.";
+        "subsampled-colours": "The frame at rest is compressed with a lower resolution of its colours, as in JPEG 4:2:0. The calibration fits the errors of the compression into the lens, so curvatures may have a bias of several percent.";
         "jpeg-frames": "The frames are compressed as JPEG. The compression changes all markers in a similar way, so all uncertainties are tripled.";
         "scatter-at-rest": "The markers in the frame at rest scatter more than the stated errors of the tracker. The intervals are widened accordingly.";
         "missing-markers": "Some markers of the layout were not found in the frames.";

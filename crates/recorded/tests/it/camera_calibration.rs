@@ -113,7 +113,7 @@ fn frame(image: RgbImage) -> Frame {
     Frame {
         file: "rest.png".to_owned(),
         image,
-        jpeg_quality: None,
+        compression: None,
     }
 }
 

@@ -38,6 +38,8 @@ discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 }
 static CAMERA: LazyLock<String> = LazyLock::new(|| {
     let study = parse("field.toml", SENSOR).unwrap();
     let camera = calibrate_camera(&frame(REST).unwrap(), &study.config).unwrap();
+    let mut warnings = camera.warnings.iter();
+    assert!(warnings.any(|one| one.code == "subsampled-colours"));
     camera.to_toml()
 });
 
@@ -51,12 +53,13 @@ fn estimate(frames: [Frame; 2]) -> serde_json::Value {
     read(frames).unwrap()
 }
 
-fn read([rest, pressed]: [Frame; 2]) -> Result<serde_json::Value, String> {
+fn read(frames: [Frame; 2]) -> Result<serde_json::Value, String> {
+    read_by(CAMERA.clone(), frames)
+}
+
+fn read_by(camera: String, [rest, pressed]: [Frame; 2]) -> Result<serde_json::Value, String> {
     let study = parse("field.toml", SENSOR).unwrap();
-    let camera = parse_camera(&RecordedFile::new(
-        "camera.toml",
-        CAMERA.clone().into_bytes(),
-    ));
+    let camera = parse_camera(&RecordedFile::new("camera.toml", camera.into_bytes()));
     let mut options = PictureOptions::from_study(&study.config, study.config.length_unit).unwrap();
     options.camera = Some(("camera.toml".to_owned(), camera.unwrap()));
     options.indentation = Some(1.0);
@@ -107,7 +110,39 @@ fn jpeg_frames_of_low_quality_are_refused_by_name() {
         let words = format!("frame: is compressed as JPEG with quality {quality}, which moves");
         assert!(error.starts_with(&words), "{error}");
     }
-    assert_eq!(frame(REST).unwrap().jpeg_quality, Some(92.0));
+    let rest = frame(REST).unwrap();
+    let compression = |frame: &Frame| {
+        frame
+            .compression
+            .map(|one| (one.quality, one.subsamples_colours))
+    };
+    assert_eq!(compression(&rest), Some((Some(92.0), true)));
+    assert_eq!(
+        compression(&compressed(REST, 97)),
+        Some((Some(97.0), false))
+    );
+    let place = CAMERA
+        .lines()
+        .find(|line| line.starts_with("place = "))
+        .unwrap();
+    let camera = CAMERA.replace(place, "place = [3.0, 0.0, 0.0]");
+    let error = read_by(camera, [REST, PRESSED].map(|bytes| frame(bytes).unwrap())).unwrap_err();
+    assert!(
+        error.ends_with(
+            "JPEG with subsampled colours: use a lossless format, such as PNG, or JPEG 4:4:4"
+        ),
+        "{error}"
+    );
+    let webp = b"RIFF6\0\0\0WEBPVP8 *\0\0\0\x90\x01\0\x9d\x01*\x10\0\x10\0\x02\xc0L%\xa0\x02t\xba\0\x03\x98\0\xfe\xd0\xca\xfe-\xa4t*u\x7f\xf1\xbcu\xb7\xd6\xde\xca\0\0\0";
+    let webp = Frame {
+        image: rest.image.clone(),
+        ..frame(webp).unwrap()
+    };
+    assert!(
+        read([webp, rest.clone()])
+            .unwrap_err()
+            .contains("is compressed as lossy WebP, which")
+    );
     codes_if_right(&estimate(
         [REST, PRESSED].map(|bytes| compressed(bytes, 97)),
     ));

@@ -45,7 +45,7 @@ fn frames(scene: &PressScene, study: &Study, trial: u64) -> [Frame; 2] {
     [("rest.png", rest), ("pressed.png", pressed)].map(|(file, image)| Frame {
         file: file.to_owned(),
         image,
-        jpeg_quality: None,
+        compression: None,
     })
 }
 
