@@ -5,7 +5,7 @@ use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
-use crate::roll_fit::{FitNoise, Observation, RollData, SeriesFit};
+use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
 use crate::roll_series::check;
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
@@ -91,13 +91,13 @@ impl Problem<'_> {
         let is_exact = matches!(self.places, Places::Pads(_)) && self.noise.is_exact();
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
         let tolerance = if is_set { ROUGH_TOLERANCE } else { TOLERANCE };
-        let noise = self.fit_noise();
+        let mut noise = self.fit_noise();
         let undetermined = self.undetermined();
         loop {
             let mut data = self.prepare(&Matrix2::identity());
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
-            let first = SeriesFit::<3>::new(&data, &noise, FLAT, tolerance);
+            let first = SeriesFit::<3>::weighted(&data, &noise, FLAT, tolerance);
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
                 let is_determined = |fit: &&SeriesFit<3>| {
                     let mobility = fit.shape.relative().try_inverse().unwrap_or_default();
@@ -117,10 +117,11 @@ impl Problem<'_> {
                 first =
                     SeriesFit::new(&data, &noise, first.shape, tolerance).ok_or(undetermined)?;
             }
-            let scale = match self.is_noise_stated() {
-                true => 1.0,
-                false => first.chi_squared / first.freedom.max(1) as f64,
-            };
+            let scale = first.estimated.map_or(1.0, |noise| noise.variance);
+            // Fits with different numbers of terms are comparable only if their smallest variances are equal.
+            if let Some(estimated) = first.estimated {
+                noise.min_variance = MIN_SHARE * MIN_SHARE * estimated.shared;
+            }
             let mobility = first.shape.relative().try_inverse().unwrap_or_default();
             if scale.sqrt() * largest_spread(&mobility, &first.covariance) > MAX_SPREAD {
                 return Err(undetermined);
@@ -311,6 +312,8 @@ impl Problem<'_> {
             rotation_std: self.noise.rotation_std_rad,
             relative_sample_std: self.noise.relative_sample_std,
             relative_roll_std: self.noise.relative_rotation_std,
+            is_estimated: !self.is_noise_stated(),
+            min_variance: 0.0,
         }
     }
 
@@ -334,10 +337,10 @@ impl Problem<'_> {
             .iter()
             .map(|roll| roll.end.norm())
             .fold(0.0, f64::max);
-        let residual = (fit.chi_squared / fit.freedom.max(1) as f64).sqrt();
         // If the noise is not stated and the residuals are very small, they are errors of the model and not noise. Then
         // no roll is an outlier.
-        if !self.is_noise_stated() && residual < MIN_RESIDUAL * longest {
+        let is_small = |noise: EstimatedNoise| noise.mean_square.sqrt() < MIN_RESIDUAL * longest;
+        if fit.estimated.is_some_and(is_small) {
             return None;
         }
         let mut worst = (OUTLIER_LEVEL / data.len() as f64, None);
@@ -348,11 +351,13 @@ impl Problem<'_> {
             if freedom == 0 || roll.observations.is_empty() {
                 continue;
             }
-            let p_value = match self.is_noise_stated() {
-                true => chi_squared_tail(fall, freedom),
-                false => {
-                    let others = (fit.chi_squared - fall).max(0.0);
-                    ratio_tail(fall, freedom, others, fit.freedom.saturating_sub(freedom))
+            let p_value = match fit.estimated {
+                None => chi_squared_tail(fall, freedom),
+                // Compare with the scatter between the other rolls: it may be much larger than the noise of samples.
+                Some(noise) => {
+                    let others = (fit.shared_chi_squared() - fall).max(0.0);
+                    let of_others = noise.shared_freedom.round() as usize;
+                    ratio_tail(fall, freedom, others, of_others.saturating_sub(freedom))
                 }
             };
             self.reports[roll.roll].p_value = Some(p_value);
@@ -439,7 +444,7 @@ impl Problem<'_> {
         all: &mut Vec<Candidate>,
     ) {
         shape.terms += 1;
-        if let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) {
+        if let Some(fit) = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE) {
             *shape = fit.shape;
             let mut one = self.candidate(data, &fit, shape.terms);
             // Widen the standard errors for the omitted terms. They probably change the curvature at the start as the
@@ -459,13 +464,8 @@ impl Problem<'_> {
     /// The information criterion of Akaike for a fit.
     fn criterion<const N: usize>(&self, fit: &SeriesFit<N>, coefficients: usize) -> f64 {
         let penalty = 2.0 * coefficients as f64;
-        match self.is_noise_stated() {
-            true => fit.chi_squared + penalty,
-            false => {
-                let count = (fit.freedom + coefficients) as f64;
-                count * libm::log((fit.chi_squared / count).max(1e-300)) + penalty
-            }
-        }
+        let deviance = |noise| fit.deviance(&noise);
+        penalty + fit.estimated.map_or(fit.chi_squared, deviance)
     }
 
     fn of_fit<const N: usize>(&self, fit: &SeriesFit<N>, terms: usize) -> SeriesEstimate {
@@ -474,9 +474,9 @@ impl Problem<'_> {
             true => Uncertainty::NormalMobility,
             false => Uncertainty::NormalForm,
         };
-        if !self.is_noise_stated() {
-            covariance *= fit.chi_squared / fit.freedom.max(1) as f64;
-            uncertainty = Uncertainty::Student(fit.freedom);
+        if let Some(noise) = fit.estimated {
+            covariance *= noise.variance;
+            uncertainty = Uncertainty::Student(noise.freedom as usize);
         }
         let goodness = self.is_noise_stated();
         let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));

@@ -358,6 +358,42 @@ fn errors_of_the_measured_rotations_do_not_attenuate() {
 }
 
 #[test]
+fn intervals_without_stated_noise_include_the_scatter_between_rolls() {
+    let mut draws = Draws(12);
+    let cell = PadCell::square(1.0);
+    for error in [0.0, 0.003, 0.03] {
+        let (mut held, mut width, trials) = (0, 0.0, 20);
+        for trial in 0..trials {
+            let turn = 0.1 * f64::from(trial);
+            let mut rolls = without_starts(&rolls(25.0, &cell, turn, &mut draws));
+            for roll in &mut rolls {
+                let gain = Vector3::from_fn(|_, _| draws.normal()) * error;
+                roll.samples = roll.samples.iter().step_by(40).copied().collect();
+                for sample in &mut roll.samples {
+                    let drive = Vector2::new(-sample.rotation.y, sample.rotation.x);
+                    let noise = Vector2::from_fn(|_, _| draws.normal()) * 0.005;
+                    let path = drive / (1.0 / RADIUS + 1.0 / 25.0);
+                    sample.place = chart(&Vector2::zeros(), &path) + noise;
+                    sample.rotation += gain * sample.rotation.norm();
+                    sample.rotation.z = 0.0;
+                }
+            }
+            let places = Places::Contacts { std: 0.0 };
+            let found = estimate_series(SeriesMethod::Trajectory, RADIUS, &places, &EXACT, &rolls);
+            let found = found.unwrap();
+            assert!(found.rolls.iter().all(|roll| roll.left_out.is_none()));
+            let [low, high] = found.interval95(Quantity::Mean).map(Option::unwrap);
+            width += (high - low) * 25.0 / f64::from(trials);
+            held += u32::from(low < 0.04 && 0.04 < high);
+        }
+        assert!(held >= 17, "{error}: {held} of {trials}");
+        // Nearly the width for known noise, whose standard error is `error` · (1 + 25 / 10) / 4 plus that of the contact
+        // points.
+        assert!(width < 0.012 + 5.5 * error, "{error}: {width}");
+    }
+}
+
+#[test]
 fn a_roll_that_contradicts_the_others_is_left_out() {
     let cell = PadCell::square(1.0);
     let mut rolls = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
