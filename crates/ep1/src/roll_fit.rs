@@ -22,6 +22,11 @@ const ROUGH: f64 = 1e-4;
 const STEP: f64 = 1e-6;
 /// A fit also ends if the changes of its unknowns are below this value and a step no longer halves them.
 const SETTLED: f64 = 1e-5;
+/// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard deviation
+/// of the start. It is a little more than half a pad.
+const MAX_START: f64 = 2.2;
+/// If a step of a fit is longer than this share of the step before, the next steps are halved.
+const ALTERNATING: f64 = 0.8;
 /// Smallest standard deviation of contact points, relative to the standard deviation of the rotation error that all
 /// samples of a roll share. The result does not depend on this limit, because contact points at the limit determine the
 /// path far better than the rotations do.
@@ -350,7 +355,7 @@ impl<const N: usize> SeriesFit<N> {
             estimated: None,
         };
         let mut path = Vec::new();
-        let mut last_change = f64::INFINITY;
+        let (mut last_change, mut damping) = (f64::INFINITY, 1.0);
         for _ in 0..MAX_STEPS {
             let mut gradient = SVector::<f64, N>::zeros();
             fit.information = SMatrix::zeros();
@@ -366,14 +371,26 @@ impl<const N: usize> SeriesFit<N> {
             fit.covariance = inverse_of(&fit.information)?;
             let full = fit.covariance * gradient;
             let (shape, share) = moved(&fit.shape, &full)?;
-            let step = full * share;
-            fit.shape = shape;
+            let step = full * (share * damping);
+            fit.shape = match damping < 1.0 {
+                true => moved(&fit.shape, &step)?.0,
+                false => shape,
+            };
             let mut change = step.amax();
-            for state in &mut fit.rolls {
-                let own = state.step * share + state.response * step;
+            for (roll, state) in rolls.iter().zip(&mut fit.rolls) {
+                let own = state.step * (share * damping) + state.response * step;
+                // The roll starts on its first pad. Without this limit, a start that the crossings hardly determine would
+                // move far to reduce the residuals of a model with too few terms.
+                let before = state.start;
+                let limit = MAX_START * roll.start_std;
+                for part in 0..2 {
+                    let moved = before[part] + own[part];
+                    let guess = roll.start[part];
+                    state.start[part] = moved.max(guess - limit).min(guess + limit);
+                }
                 // The largest change includes the changes of the roll's start and of its rotation error.
-                change = change.max(own.amax());
-                state.start += own.fixed_rows::<2>(0);
+                let moved = (state.start - before).amax();
+                change = change.max(moved).max(own.fixed_rows::<2>(2).amax());
                 state.error += own.fixed_rows::<2>(2);
             }
             // Newton's decrement is the squared distance of the estimate from the minimum, in units of the standard
@@ -385,6 +402,11 @@ impl<const N: usize> SeriesFit<N> {
             let is_settled = change < SETTLED && change > 0.5 * last_change;
             if change < tolerance || is_settled || (share == 1.0 && decrement < DECREMENT) {
                 return fit.chi_squared.is_finite().then_some(fit);
+            }
+            // Successive steps may alternate between two points, because starts and shape depend on each other. Half
+            // steps lead to the middle.
+            if change > ALTERNATING * last_change {
+                damping = 0.5;
             }
             last_change = change;
         }

@@ -97,7 +97,12 @@ impl Problem<'_> {
             let mut data = self.prepare(&Matrix2::identity());
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
-            let first = SeriesFit::<3>::weighted(&data, &noise, FLAT, tolerance);
+            let mut first = SeriesFit::<3>::weighted(&data, &noise, FLAT, tolerance);
+            // If the curvature changes, a fit of constant curvature to exact readings may not converge, but it is good
+            // enough as the start of fits with more terms.
+            if is_exact && first.is_none() {
+                first = SeriesFit::new(&data, &noise, FLAT, ROUGH_TOLERANCE);
+            }
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
                 let is_determined = |fit: &&SeriesFit<3>| {
                     let mobility = fit.shape.relative().try_inverse().unwrap_or_default();

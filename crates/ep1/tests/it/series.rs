@@ -394,6 +394,25 @@ fn intervals_without_stated_noise_include_the_scatter_between_rolls() {
 }
 
 #[test]
+fn trajectories_are_found_from_exact_pads() {
+    let mut draws = Draws(13);
+    let cell = PadCell::square(1.0);
+    let mut failed = Vec::new();
+    for trial in 0..100 {
+        let turn = 6.3 * draws.uniform();
+        let object = 12.0 + 180.0 * draws.uniform();
+        let rolls = without_starts(&rolls(object, &cell, turn, &mut draws));
+        let places = Places::Pads(cell);
+        let found = estimate_series(SeriesMethod::Trajectory, RADIUS, &places, &EXACT, &rolls);
+        let relative = found.map(|found| found.curvature.mean_curvature() * RADIUS + 1.0);
+        if !relative.is_ok_and(|found| (found * object / (object + RADIUS) - 1.0).abs() < 0.02) {
+            failed.push(trial);
+        }
+    }
+    assert_eq!(failed, []);
+}
+
+#[test]
 fn a_roll_that_contradicts_the_others_is_left_out() {
     let cell = PadCell::square(1.0);
     let mut rolls = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
