@@ -194,36 +194,6 @@ fn estimates_from_a_trace_have_the_true_values() {
         assert!(estimate["object_radius"]["convex95"].is_null());
     }
 
-    let printed = desk
-        .palpate("trace c.toml --out n --cell 0 --trial 3")
-        .printed();
-    let indentation = printed
-        .split("indentation of ")
-        .nth(1)
-        .unwrap()
-        .split(' ')
-        .next()
-        .unwrap();
-    assert_ne!(desk.read("n/readings.csv"), desk.read("t/readings.csv"));
-    let estimate = json(
-        &desk,
-        &format!(
-            "n/readings.csv --sensor-radius 20 --depth 2 --indentation {indentation} --indentation-std 0.02"
-        ),
-    );
-    let curvature = &estimate["object_curvature"];
-    assert!((number(&curvature["value"]) - 1.0 / 30.0).abs() < 4.0 * number(&curvature["std"]));
-    let ends = &curvature["interval95"];
-    assert!(number(&ends[0]) < number(&curvature["value"]));
-    assert!(number(&ends[1]) > number(&curvature["value"]));
-    assert_close(number(&estimate["noise"]["normal_std"]["value"]), 0.05, 0.3);
-    assert_close(
-        number(&estimate["noise"]["tangential_std"]["value"]),
-        0.02,
-        0.3,
-    );
-    assert_eq!(estimate["wrong_markers"], Value::Array(Vec::new()));
-
     // A press without a valid contact cannot be traced.
     let said = desk.palpate("trace c.toml --out e --cell 3").said(1);
     assert_eq!(

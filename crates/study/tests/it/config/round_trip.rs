@@ -1,7 +1,9 @@
 //! Tests that a config, written as TOML with all its defaults, describes the same study as the original config.
 
+use std::path::Path;
+
 use super::{BASE, edited, study};
-use palpate_study::config::{Study, parse, to_toml};
+use palpate_study::config::{Study, load, parse, to_toml};
 
 fn returns(study: &Study) -> String {
     let text = to_toml(&study.config);
@@ -149,76 +151,20 @@ fn overrides_and_the_version_are_written() {
 }
 
 #[test]
-fn presses_return() {
-    let press = r#"name = "a-press"
-        length_unit = "mm"
-        [scene]
-        kind = "press"
-        probe = { kind = "marker-sphere", radius = 20, marker_depth = 2 }
-        object = { kind = "plane" }
-        motion = { indentation = 1 }
-        "#;
-    let text = returns(&parse("study.toml", press).unwrap());
-    for filled_in in [
-        "layout = \"published\"\n",
-        "contact_deg = [0.0, 0.0]\n",
-        "[scene.model]\nkind = \"half-space\"\npoisson = 0.5\n",
-        "tangential = true\nframes = 1\n",
-        "indentation = \"known\"\nindentation_std = 0.0\nbaseline = \"known\"\ngain_std = 0.0\nnoise = \"stated\"\n",
-    ] {
-        assert!(text.contains(filled_in), "{filled_in}: {text}");
+fn committed_configs_return() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let mut presses = 0;
+    for folder in ["sim-configs", "examples"] {
+        for entry in root.join(folder).read_dir().unwrap() {
+            let path = entry.unwrap().path();
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "toml")
+            {
+                let text = returns(&load(&path).unwrap());
+                presses += u32::from(text.contains("kind = \"press\""));
+            }
+        }
     }
-    let everything = r#"
-        model = { kind = "bonded-layer", thickness = 5 }
-        sensor = { kind = "direct", tangential = false, frames = 4 }
-        estimator = { kind = "gaussian", c = 0.8, window = 9, indentation = "fitted", baseline = "fitted", noise = "found" }
-        [scene.noise]
-        normal_displacement = { kind = "gaussian", std = 0.05 }
-        tangential_displacement = { kind = "gaussian", std = 0.02 }
-        indentation = { kind = "gaussian", std = 0.02 }
-        gain = { kind = "gaussian", std = 0.17 }
-        wrong_markers = { count = 3, std = 1 }
-        [[sweep]]
-        path = "scene.probe.layout"
-        values = [
-            "published",
-            { label = "gores", kind = "gores", gores = 6, rows = [1, 0, 3], row_spacing_deg = 10 },
-            { label = "lattice", kind = "lattice", pitch = 2, cap_deg = 60 },
-            { label = "line", kind = "line", markers = 61, length = 20 },
-            { label = "radius", kind = "radius", markers = 60, length = 9 },
-        ]
-        [[sweep]]
-        path = "scene.estimator"
-        values = [
-            { label = "half-space", kind = "half-space", poisson = 0.4 },
-            { label = "layer", kind = "bonded-layer", thickness = 6, gain_std = 0.1 },
-        ]
-        [[sweep]]
-        path = "scene.noise.gain.std"
-        values = [0, 0.17]
-        [[sweep]]
-        path = "scene.noise.wrong_markers.std"
-        values = [0, 1]"#;
-    let study = parse("study.toml", &(press.to_string() + everything)).unwrap();
-    assert_eq!(
-        study.columns,
-        [
-            "scene.probe.layout",
-            "scene.estimator",
-            "scene.noise.gain.std",
-            "scene.noise.wrong_markers.std_mm",
-        ]
-    );
-    returns(&study);
-    let sweep = r#"
-        [[sweep]]
-        path = "scene.estimator.kind"
-        values = ["half-space", "gaussian"]"#;
-    returns(
-        &parse(
-            "study.toml",
-            &(press.to_string() + "estimator = { kind = \"half-space\" }" + sweep),
-        )
-        .unwrap(),
-    );
+    assert!(presses > 10, "{presses}");
 }
