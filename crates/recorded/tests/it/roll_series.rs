@@ -12,17 +12,24 @@ const HEADER: &str = "probe,time_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_
 /// Rows of the time series of four rolls by 0.5 rad, in four directions. Each roll has `samples` samples. The contact
 /// starts at the middle of a pad, so it crosses to the next pad at odd multiples of half a pitch.
 fn rows(samples: u32) -> Vec<[f64; 6]> {
+    flattening(samples, 4, PITCH, 0.0)
+}
+
+/// Like [`rows`], with `count` rolls on an object whose curvature decreases along the rolls: the contact's travel per
+/// radian grows by the share `growth` times the squared rotation.
+fn flattening(samples: u32, count: u32, pitch: f64, growth: f64) -> Vec<[f64; 6]> {
     let [probe, object] = RADII;
-    let mobility = 1.0 / (1.0 / probe + 1.0 / object);
     let mut rows = Vec::new();
-    for number in 0..4 {
-        // The four directions are rotated by 0.25 rad from the axes, so that no roll is parallel to the edges of the
+    for number in 0..count {
+        // The directions are rotated by 0.25 rad from the axes, so that no roll is parallel to the edges of the
         // pads.
-        let (v, u) = libm::sincos(0.25 + f64::from(number) * std::f64::consts::FRAC_PI_2);
+        let (v, u) =
+            libm::sincos(0.25 + f64::from(number) * std::f64::consts::TAU / f64::from(count));
         for sample in 0..=samples {
             let time = f64::from(sample) / f64::from(samples);
             let angle = 0.5 * time;
-            let pad = |axis: f64| (axis * angle * mobility / PITCH).round() * PITCH + 0.0;
+            let mobility = (1.0 + growth * angle * angle) / (1.0 / probe + 1.0 / object);
+            let pad = |axis: f64| (axis * angle * mobility / pitch).round() * pitch + 0.0;
             let [x, y] = [v * angle, -u * angle];
             rows.push([f64::from(number), time, x, y, pad(u), pad(v)]);
         }
@@ -48,6 +55,22 @@ fn estimate(table: &str, settings: &Value) -> Result<Value, String> {
     let estimate = estimate_roll(readings, &options(settings)?);
     let estimate = estimate.map_err(|error| error.to_string())?;
     Ok(serde_json::to_value(estimate).unwrap())
+}
+
+/// With noisy rotations, `auto` uses `pad-edge` only if the readings agree with a constant curvature.
+#[test]
+fn auto_follows_a_changing_curvature() {
+    let auto = json!({ "kind": "auto", "pitch": 0.5, "rotation_std_rad": 0.001 });
+    for (growth, method) in [(0.0, "pad-edge"), (0.05, "trajectory")] {
+        let found = estimate(&table(&flattening(500, 8, 0.5, growth)), &auto).unwrap();
+        assert_eq!(found["method"], method, "{found}");
+        let truth = 1.0 / RADII[1];
+        let ends = &found["mean_curvature"]["interval95"];
+        assert!(
+            ends[0].as_f64() < Some(truth) && ends[1].as_f64() > Some(truth),
+            "{found}"
+        );
+    }
 }
 
 #[test]

@@ -153,7 +153,6 @@ fn overrides_and_the_version_are_written() {
 #[test]
 fn committed_configs_return() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let mut presses = 0;
     for folder in ["sim-configs", "examples"] {
         for entry in root.join(folder).read_dir().unwrap() {
             let path = entry.unwrap().path();
@@ -161,10 +160,8 @@ fn committed_configs_return() {
                 .extension()
                 .is_some_and(|extension| extension == "toml")
             {
-                let text = returns(&load(&path).unwrap());
-                presses += u32::from(text.contains("kind = \"press\""));
+                returns(&load(&path).unwrap());
             }
         }
     }
-    assert!(presses > 10, "{presses}");
 }
