@@ -208,7 +208,7 @@ def test_a_batch_of_rolls_reports_undetermined_sets(rolls):
         fresh, restored = getattr(batch, name), getattr(again, name)
         if isinstance(value, dict):
             fresh, restored = fresh.to_dict(), restored.to_dict()
-            assert fresh.keys() == value.keys() and fresh["unit"] == value["unit"]
+            assert fresh.keys() == value.keys() and fresh.get("unit") == value.get("unit")
         np.testing.assert_equal(restored, fresh)
     assert batch.p_value.shape == (9,) and batch.arc_length.std is None
     many[5000, 3, 1] = np.nan
