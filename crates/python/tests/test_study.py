@@ -75,7 +75,7 @@ def test_check_and_plan(ball):
     assert "closed form" in check.groups[0].needs[0]
     planned = ball.plan(target_error=0.05)
     assert 150 < planned.trials < 400
-    assert ball.plan(budget=0.2).trials > 200
+    assert ball.plan(budget=2).trials > 200
     for goal in ({}, {"budget": -1}, {"target_error": float("nan")}):
         with pytest.raises(palpate.ArgumentError):
             ball.plan(**goal)
