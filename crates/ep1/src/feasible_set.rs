@@ -90,7 +90,8 @@ pub(crate) struct Programs {
 }
 
 impl Programs {
-    /// The linear programs of the same rolls after the bounds have changed slightly.
+    /// Linear programs for the same rolls, whose bounds have changed slightly. They begin at the corners at which the
+    /// last programs ended.
     pub(crate) fn restarted(&self) -> Self {
         Self {
             sums: Vec::new(),

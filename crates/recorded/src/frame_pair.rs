@@ -167,7 +167,7 @@ fn jpeg(bytes: &[u8]) -> Compression {
                 };
                 found.quality = Some(libm::round(quality));
             }
-            // The frame header states the sampling factors of the brightness and of the two colours.
+            // The frame header of a JPEG file states the sampling factors of the brightness and of the two colours.
             (0xc0..=0xc2, [_, _, _, _, _, 3, _, light, _, _, blue, _, _, red, ..]) => {
                 found.subsamples_colours = light != blue || light != red;
             }
