@@ -77,7 +77,7 @@ fn format(shell: &Shell) -> Result<()> {
 fn clippy(shell: &Shell) -> Result<()> {
     let clippy = cmd!(
         shell,
-        "cargo clippy --workspace --all-targets --features {FEATURES} -- -D warnings"
+        "cargo clippy --release --workspace --all-targets --features {FEATURES} -- -D warnings"
     );
     Ok(clippy.envs(NO_INTERPRETER).run()?)
 }
@@ -87,7 +87,7 @@ fn clippy(shell: &Shell) -> Result<()> {
 fn tests(shell: &Shell) -> Result<()> {
     let tests = cmd!(
         shell,
-        "cargo test --workspace --exclude {PYTHON} --features {FEATURES}"
+        "cargo test --release --workspace --exclude {PYTHON} --features {FEATURES}"
     );
     Ok(tests.env("PROPTEST_RNG_SEED", "1996").run()?)
 }
@@ -96,7 +96,7 @@ fn examples(shell: &Shell) -> Result<()> {
     for file in shell.read_dir("crates/palpate/examples")? {
         let name = file.file_stem().unwrap_or_default();
         let program = programs::target_dir(shell)
-            .join("debug/examples")
+            .join("release/examples")
             .join(name);
         cmd!(shell, "{program}").run()?;
     }
@@ -106,7 +106,7 @@ fn examples(shell: &Shell) -> Result<()> {
 fn docs(shell: &Shell) -> Result<()> {
     let doc = cmd!(
         shell,
-        "cargo doc --workspace --features {FEATURES} --no-deps"
+        "cargo doc --release --workspace --features {FEATURES} --no-deps"
     );
     let doc = doc.env("RUSTDOCFLAGS", "-D warnings");
     Ok(doc.envs(NO_INTERPRETER).run()?)
@@ -141,7 +141,7 @@ fn web_assembly(shell: &Shell) -> Result<()> {
     let target = tools::WASM;
     let check = cmd!(
         shell,
-        "cargo check --package palpate --lib --no-default-features --target {target}"
+        "cargo check --release --package palpate --lib --no-default-features --target {target}"
     );
     Ok(check.run()?)
 }

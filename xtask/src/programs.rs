@@ -18,26 +18,20 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
 /// builds and tests this crate.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Feature that lints and tests switch on. The feature is off by default, and later steps build the program without it.
-/// Tests are built only with the feature, because a second build would take minutes.
+/// Feature that lints, tests and [`build`] switch on. The program that users install does not have the feature by
+/// default.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
-/// Packages that every release build compiles. The feature that counts computational work is off, as in the program
-/// that users install. All builds select the same packages, because Cargo combines the features of the selected
-/// packages: another selection would compile most crates again.
-const RELEASED: [&str; 7] = [
-    "-p",
-    "palpate",
-    "-p",
-    "palpate-assay",
-    "--no-default-features",
-    "--features",
-    "palpate/cli",
-];
+/// Packages of [`build`]. Cargo combines the features of the selected packages. With this selection, programs, tests and
+/// the Python package share all compiled crates.
+const RELEASED: [&str; 4] = ["-p", "palpate", "-p", "palpate-assay"];
 
 /// Builds the release programs in [`RELEASED`], and returns the path of `program`.
 pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
-    let build = cmd!(shell, "cargo build --release {RELEASED...} --bins");
+    let build = cmd!(
+        shell,
+        "cargo build --release {RELEASED...} --features {FEATURES} --bins"
+    );
     build.quiet().run()?;
     Ok(released(shell, program))
 }

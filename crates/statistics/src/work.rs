@@ -1,8 +1,9 @@
 //! Counters of the computational work of a simulation. Tests use the counters to check, for example, that a scene
 //! without noise draws no random numbers.
 //!
-//! Work is counted separately for each thread, and only with the feature `count`. Without this feature, every function
-//! of this module is empty.
+//! Work is counted separately for each thread. A count takes one instruction.
+
+use std::cell::Cell;
 
 /// Amount of computational work that was done on one thread, for each kind of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,37 +24,27 @@ pub struct Tally {
     pub frames: u64,
 }
 
-#[cfg(feature = "count")]
-mod counting {
-    use std::cell::Cell;
-
-    use super::Tally;
-
-    thread_local! {
-        static TALLY: Cell<Tally> = const {
-            Cell::new(Tally { draws: 0, rolls: 0, derivatives: 0, searches: 0, layers: 0, projections: 0, frames: 0 })
-        };
-    }
-
-    pub(super) fn add(change: impl FnOnce(&mut Tally)) {
-        TALLY.with(|cell| {
-            let mut tally = cell.get();
-            change(&mut tally);
-            cell.set(tally);
-        });
-    }
-
-    /// Runs the function `work`. Returns the counts of the computational work that `work` does on this thread, and the
-    /// result of `work`.
-    pub fn counted<T>(work: impl FnOnce() -> T) -> (Tally, T) {
-        let before = TALLY.replace(Tally::default());
-        let given = work();
-        (TALLY.replace(before), given)
-    }
+thread_local! {
+    static TALLY: Cell<Tally> = const {
+        Cell::new(Tally { draws: 0, rolls: 0, derivatives: 0, searches: 0, layers: 0, projections: 0, frames: 0 })
+    };
 }
 
-#[cfg(feature = "count")]
-pub use counting::counted;
+fn add(change: impl FnOnce(&mut Tally)) {
+    TALLY.with(|cell| {
+        let mut tally = cell.get();
+        change(&mut tally);
+        cell.set(tally);
+    });
+}
+
+/// Runs the function `work`. Returns the counts of the computational work that `work` does on this thread, and the
+/// result of `work`.
+pub fn counted<T>(work: impl FnOnce() -> T) -> (Tally, T) {
+    let before = TALLY.replace(Tally::default());
+    let given = work();
+    (TALLY.replace(before), given)
+}
 
 macro_rules! counters {
     ($($(#[$doc:meta])* $name:ident => $field:ident;)*) => {
@@ -61,10 +52,7 @@ macro_rules! counters {
             $(#[$doc])*
             #[inline(always)]
             pub fn $name(count: u64) {
-                #[cfg(feature = "count")]
-                counting::add(|tally| tally.$field += count);
-                #[cfg(not(feature = "count"))]
-                let _ = count;
+                add(|tally| tally.$field += count);
             }
         )*
     };
@@ -87,7 +75,7 @@ counters! {
     painted => frames;
 }
 
-#[cfg(all(test, feature = "count"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
