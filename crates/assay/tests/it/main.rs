@@ -3,5 +3,4 @@
 
 mod auto_check;
 mod contact_reference;
-#[cfg(feature = "count")]
 mod required_work;

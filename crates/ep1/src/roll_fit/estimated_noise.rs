@@ -1,0 +1,188 @@
+//! Estimates the noise of contact points and of rotations from the residuals of a fit to rolls.
+
+use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector4};
+
+use super::{FitNoise, RollData, SeriesFit, inverse_of, moved};
+use crate::rolled_path::LocalShape;
+
+/// Smallest standard deviation of contact points, relative to the standard deviation of the rotation error that all
+/// samples of a roll share. The result does not depend on this limit, because contact points at the limit determine the
+/// path far better than the rotations do.
+pub(crate) const MIN_SHARE: f64 = 0.01;
+
+/// Ratio of variances with which errors that the samples of a roll share count as unlimited, relative to the ratio that
+/// the readings determine.
+const UNLIMITED: f64 = 1e8;
+/// Normal equations of the relative rotation error that the samples of a roll share, after elimination of the start.
+#[derive(Clone, Debug)]
+pub(super) struct SharedError<const N: usize> {
+    information: Matrix2<f64>,
+    mixed: SMatrix<f64, 2, N>,
+    gradient: Vector2<f64>,
+}
+
+/// Noise of contact points and rotations, estimated from the residuals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EstimatedNoise {
+    /// Mean square of the residuals of a fit in which all contact points have the same weight.
+    pub(crate) mean_square: f64,
+    /// Variance of a contact point, in squared radii of the probe.
+    pub(crate) variance: f64,
+    /// Variance of the relative rotation error that the samples of a roll share.
+    pub(crate) shared: f64,
+    /// Degrees of freedom of `shared`.
+    pub(crate) shared_freedom: f64,
+    /// Degrees of freedom of the covariance.
+    pub(crate) freedom: f64,
+}
+
+impl<const N: usize> SeriesFit<N> {
+    /// As [`new`](Self::new). If the noise is not stated, the result has weights that follow from estimates of the
+    /// noise. The change from equal weights is computed to first order.
+    pub(crate) fn weighted(
+        rolls: &[RollData],
+        noise: &FitNoise,
+        shape: LocalShape,
+        tolerance: f64,
+    ) -> Option<Self> {
+        let mut fit = Self::new(rolls, noise, shape, tolerance)?;
+        if !noise.is_estimated {
+            return Some(fit);
+        }
+        let before = fit.covariance.trace();
+        let mut estimated = fit.variances();
+        let least = noise
+            .min_variance
+            .max(MIN_SHARE * MIN_SHARE * estimated.shared);
+        estimated.variance = estimated.variance.max(least).max(f64::MIN_POSITIVE);
+        let full = fit.weigh(estimated.ratio())?;
+        let (shape, part) = moved(&fit.shape, &full)?;
+        fit.shape = shape;
+        for roll in &mut fit.rolls {
+            roll.gradient -= roll.information * full * part;
+            roll.shared.gradient -= roll.shared.mixed * full * part;
+        }
+        // Degrees of freedom of a sum of two variances by Satterthwaite.
+        let share = 1.0 - (before / fit.covariance.trace()).min(1.0);
+        let other = (1.0 - share) * (1.0 - share) / estimated.freedom;
+        estimated.freedom = 1.0 / (share * share / estimated.shared_freedom + other);
+        fit.estimated = Some(estimated);
+        Some(fit)
+    }
+
+    /// Changes the normal equations, whose weights are equal, to those for shared errors with the variance `ratio`.
+    /// Returns the change of the unknowns.
+    fn weigh(&mut self, ratio: f64) -> Option<SVector<f64, N>> {
+        let mut gradient = SVector::<f64, N>::zeros();
+        self.information = SMatrix::zeros();
+        for roll in &mut self.rolls {
+            let share = roll.shared.share(ratio);
+            let by_shared = roll.shared.mixed.tr_mul(&share);
+            roll.information -= by_shared * roll.shared.mixed;
+            roll.gradient -= by_shared * roll.shared.gradient;
+            self.chi_squared -= roll.shared.gradient.dot(&(share * roll.shared.gradient));
+            self.information += roll.information;
+            gradient += roll.gradient;
+        }
+        self.covariance = inverse_of(&self.information)?;
+        let step = self.covariance * gradient;
+        self.chi_squared -= gradient.dot(&step);
+        Some(step)
+    }
+
+    /// Estimates the variances of the noise from a fit in which all contact points have the same weight. The variance of
+    /// a contact point follows from the residuals of a fit with nearly unlimited shared errors. The expected sum of the
+    /// squared gradients with respect to the shared errors is a linear function of both variances.
+    fn variances(&self) -> EstimatedNoise {
+        let (mut square, mut first, mut second) = (0.0, 0.0, 0.0);
+        let mut mixed = SMatrix::<f64, N, N>::zeros();
+        let mut weighted = mixed;
+        for SharedError {
+            information,
+            mixed: own,
+            gradient,
+        } in self.rolls.iter().map(|roll| &roll.shared)
+        {
+            square += gradient.norm_squared();
+            first += information.trace();
+            second += information.norm_squared();
+            mixed += own.tr_mul(own);
+            weighted += own.tr_mul(&(information * own));
+        }
+        let fitted = self.covariance * mixed;
+        let freedom = self.freedom.max(1) as f64;
+        first -= fitted.trace();
+        second += (fitted * fitted).trace() - 2.0 * (self.covariance * weighted).trace();
+        let mean_square = self.chi_squared / freedom;
+        let mut unlimited = self.clone();
+        let within = (self.freedom + 3).checked_sub(2 * self.rolls.len());
+        let within = within.filter(|within| *within > 0 && second > 0.0);
+        let variance = within.and_then(|within| {
+            unlimited.weigh(UNLIMITED / first)?;
+            Some(unlimited.chi_squared.max(0.0) / within as f64)
+        });
+        let shared = variance.map_or(0.0, |variance| (square - variance * first) / second);
+        EstimatedNoise {
+            mean_square,
+            variance: variance.filter(|_| shared > 0.0).unwrap_or(mean_square),
+            shared: shared.max(0.0),
+            shared_freedom: (first * first / second).max(1.0),
+            freedom,
+        }
+    }
+
+    /// −2 times the logarithm of the likelihood for the estimated noise, up to a constant.
+    pub(crate) fn deviance(&self, noise: &EstimatedNoise) -> f64 {
+        let count = (self.freedom + N) as f64;
+        let ratio = noise.ratio();
+        let shared = self.rolls.iter().map(|roll| {
+            let sum = Matrix2::identity() + roll.shared.information * ratio;
+            libm::log(sum.determinant())
+        });
+        count * libm::log(noise.variance) + shared.sum::<f64>() + self.chi_squared / noise.variance
+    }
+
+    /// The part of chi-squared that is due to the shared rotation errors.
+    pub(crate) fn shared_chi_squared(&self) -> f64 {
+        let ratio = self.estimated.map_or(0.0, |noise| noise.ratio());
+        let of_rolls = self.rolls.iter().map(|roll| roll.shared.chi_squared(ratio));
+        of_rolls.sum()
+    }
+}
+
+impl EstimatedNoise {
+    /// Variance of the shared rotation error, divided by the variance of a contact point.
+    pub(super) fn ratio(&self) -> f64 {
+        self.shared / self.variance
+    }
+}
+
+impl<const N: usize> SharedError<N> {
+    /// Covariance of the shared error, given the readings of the roll, if its variance is `ratio` before.
+    fn share(&self, ratio: f64) -> Matrix2<f64> {
+        let sum = Matrix2::identity() + self.information * ratio;
+        sum.try_inverse().unwrap_or_default() * ratio
+    }
+
+    /// The part of chi-squared that is due to the shared error, whose variance is `ratio`.
+    pub(super) fn chi_squared(&self, ratio: f64) -> f64 {
+        let free = self.information.try_inverse().unwrap_or_default();
+        self.gradient
+            .dot(&((free - self.share(ratio)) * self.gradient))
+    }
+
+    /// Eliminates the start from the normal equations of a roll's own unknowns.
+    pub(super) fn new(
+        own: &Matrix4<f64>,
+        mixed: &SMatrix<f64, 4, N>,
+        gradient: &Vector4<f64>,
+    ) -> Option<Self> {
+        let of_start = own.fixed_view::<2, 2>(0, 0).try_inverse()?;
+        let cross = own.fixed_view::<2, 2>(2, 0) * of_start;
+        Some(Self {
+            information: own.fixed_view::<2, 2>(2, 2) - cross * own.fixed_view::<2, 2>(0, 2),
+            mixed: mixed.fixed_view::<2, N>(2, 0) - cross * mixed.fixed_view::<2, N>(0, 0),
+            gradient: gradient.fixed_rows::<2>(2) - cross * gradient.fixed_rows::<2>(0),
+        })
+    }
+}
