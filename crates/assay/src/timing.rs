@@ -210,37 +210,3 @@ fn total(dump: &str) -> Option<u64> {
     let numbers = line("summary:").or_else(|| line("totals:"))?;
     numbers.split_whitespace().next()?.parse().ok()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quartiles_of_an_even_and_an_odd_count() {
-        assert_eq!(quantile(&[1.0, 2.0, 3.0], 0.5), 2.0);
-        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0], 0.25), 1.75);
-        assert_eq!(quantile(&[7.0], 0.75), 7.0);
-    }
-
-    #[test]
-    fn the_total_of_a_dump_is_read() {
-        let dump = "# callgrind format\nversion: 1\npart: 2\n\nevents: Ir\nsummary: 123456\n\nfn=(1) f\n12 7\n\ntotals: 99\n";
-        assert_eq!(total(dump), Some(123_456));
-        assert_eq!(total("events: Ir\nfn=(1) f\n3 4\ntotals: 99 5\n"), Some(99));
-        assert_eq!(total("events: Ir\n"), None);
-    }
-
-    #[test]
-    fn dumps_are_read_in_order_until_one_is_missing() {
-        let folder = tempfile::tempdir().unwrap();
-        let stem = folder.path().join("dump");
-        for (part, total) in [(1, 5), (2, 7), (4, 9)] {
-            fs::write(
-                stem.with_extension(part.to_string()),
-                format!("summary: {total}\n"),
-            )
-            .unwrap();
-        }
-        assert_eq!(dumps(&stem).unwrap(), [5, 7]);
-    }
-}

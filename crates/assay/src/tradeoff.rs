@@ -178,35 +178,3 @@ fn answer(rungs: &[CostError], target: f64) -> Option<usize> {
         .filter(adequate)
         .min_by(|&a, &b| rungs[a].cost.total_cmp(&rungs[b].cost))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn rungs(worths: &[(f64, f64)]) -> Vec<CostError> {
-        worths
-            .iter()
-            .map(|&(cost, error)| CostError { cost, error })
-            .collect()
-    }
-
-    #[test]
-    fn rungs_that_are_worse_in_both_are_not_on_the_front() {
-        let rungs = rungs(&[(1.0, 0.1), (2.0, 0.2), (3.0, 0.01), (3.0, 0.02), (1.0, 0.1)]);
-        assert_eq!(pareto(&rungs), [true, false, true, false, false]);
-        assert!(pareto(&[]).is_empty());
-    }
-
-    #[test]
-    fn a_difference_of_one_percent_in_cost_does_not_count() {
-        let rungs = rungs(&[(100.0, 0.2), (101.0, 0.1), (102.0, 0.1)]);
-        assert_eq!(pareto(&rungs), [false, true, false]);
-        assert_eq!(answer(&rungs, 0.5), Some(1));
-    }
-
-    #[test]
-    fn rounding_errors_are_equal() {
-        let rungs = rungs(&[(5.0, 9e-16), (20.0, 2e-16), (20.0, 2e-16)]);
-        assert_eq!(pareto(&rungs), [true, false, false]);
-    }
-}

@@ -160,29 +160,3 @@ impl Score {
 fn rounded(share: f64) -> f64 {
     (1e3 * share).round() / 1e3
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn failures_are_misses_and_rejected_presses_are_warned() {
-        let mut scene = SceneCoverage {
-            quantities: vec![(0.0, [0.0; 3]); 2],
-            ..SceneCoverage::default()
-        };
-        let [hit, miss] = [[true; 3], [false, false, true]];
-        scene.count(Ok(vec!["poor-fit"]), &[(0, hit), (1, miss)]);
-        scene.count(Ok(vec![]), &[(0, hit), (1, [false; 3])]);
-        scene.count(Err("other-body"), &[]);
-        scene.count(Err("no-contact"), &[]);
-        let score = Score::new(&[scene]);
-        // Four trials are counted. The second quantity has an estimate in two of them, and in one of these the 95 %
-        // interval contains the true value. So its coverage is 1/4. This is lower than the coverage of the first
-        // quantity, so it is the score.
-        assert_eq!((score.coverage, score.lowest), ([0.0, 0.0, 0.25], 0.25));
-        assert_eq!((score.failed, score.warned), (0.5, 0.667));
-        assert_eq!(score.failures, "no-contact 0.25 other-body 0.25");
-        assert_eq!(score.warnings, "poor-fit 0.25");
-    }
-}

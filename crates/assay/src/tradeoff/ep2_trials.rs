@@ -171,21 +171,3 @@ fn shape_error(scene: &Scene, trials: u64) -> Result<RungError> {
     });
     larger(&trials.collect::<Vec<Squares>>())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_are_relative_to_the_curvedness() {
-        // For a sphere of radius 2, the mean curvature is H = 1/2 and the Gaussian curvature is K = 1/4, so the squared
-        // curvedness C² is 1/4.
-        let mut squares = Squares::default();
-        squares.add([0.25, 0.25], [0.55, 0.5]);
-        assert!((larger(&[squares]).unwrap().error - 0.1).abs() < 1e-12);
-        let mut worse = Squares::default();
-        worse.add([0.5, 0.25], [0.5, 0.5]);
-        assert!((larger(&[worse]).unwrap().error - 1.0).abs() < 1e-12);
-        assert!(larger(&[Squares::default()]).is_err());
-    }
-}

@@ -210,19 +210,3 @@ pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
         Err(anyhow!("the error is {error}"))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_root_mean_square_has_the_standard_error_of_its_trials() {
-        // The mean of the squares 1 and 9 is 5, and their standard deviation is s = √32. The root mean square is r =
-        // √5. Its standard error from two trials is s/(2r√2) = 2/√5.
-        let rms = root_mean(&[1.0, 9.0]).unwrap();
-        assert!((rms.error - 5_f64.sqrt()).abs() < 1e-15);
-        assert!((rms.std.unwrap() - 2.0 / 5_f64.sqrt()).abs() < 1e-15);
-        assert_eq!(root_mean(&[4.0]).unwrap(), 2.0.into());
-        assert!(root_mean(&[]).is_err());
-    }
-}

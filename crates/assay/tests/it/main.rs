@@ -3,4 +3,6 @@
 
 mod auto_check;
 mod contact_reference;
+mod families;
+mod paraboloid_reference;
 mod required_work;
