@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 use std::io::Cursor;
 use std::num::NonZeroU8;
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, RgbImage};
+use image::{GenericImageView, ImageError, ImageFormat, RgbImage};
 use palpate_tracking::{
     Change, Finder, Found, Marker, Status, Track, TrackingError, difference, match_markers,
 };
 use serde::Serialize;
+use tiff::decoder::Decoder;
+use tiff::tags::{CompressionMethod, Tag};
 
 use super::error::RecordedError;
 use super::file::RecordedFile;
@@ -38,8 +40,9 @@ pub struct Compression {
     pub subsamples_colours: bool,
 }
 
-/// Largest side of a frame, px. Larger frames are rejected before they are decoded.
+/// Largest side of a frame, px.
 const LARGEST_SIDE: u32 = 8192;
+const ACCEPTED: &str = "at most 8192 x 8192 px are accepted";
 
 const FORMATS: [(ImageFormat, &str); 5] = [
     (ImageFormat::Png, "PNG"),
@@ -100,8 +103,10 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     let format = FORMATS.into_iter().find(|(one, _)| Some(*one) == format);
     let (format, name) =
         format.ok_or_else(|| file.error("is not a PNG, JPEG, BMP, TIFF or WebP image"))?;
-    let broken =
-        |error: ImageError| file.error(format!("is a broken or truncated {name} image: {error}"));
+    let broken = |error: ImageError| match error {
+        ImageError::Limits(_) => file.error(format!("has too many pixels; {ACCEPTED}")),
+        _ => file.error(format!("is a broken or truncated {name} image: {error}")),
+    };
     let scan = file.bytes.windows(2).rposition(|bytes| bytes == SCAN);
     let scan = &file.bytes[scan.unwrap_or_default()..];
     // Check for the byte sequence that ends a JPEG image. If the image is truncated, the decoder returns no error but
@@ -109,15 +114,11 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     if format == ImageFormat::Jpeg && !scan.windows(2).any(|bytes| bytes == END) {
         return Err(file.error("is a truncated JPEG image: the marker of its end is missing"));
     }
-    let reader = ImageReader::with_format(Cursor::new(file.bytes.as_slice()), format);
-    let decoder = reader.into_decoder().map_err(broken)?;
-    let (width, height) = decoder.dimensions();
+    let image = image::load_from_memory_with_format(&file.bytes, format).map_err(broken)?;
+    let (width, height) = image.dimensions();
     if width > LARGEST_SIDE || height > LARGEST_SIDE {
-        return Err(file.error(format!(
-            "has {width} x {height} px; at most {LARGEST_SIDE} x {LARGEST_SIDE} are accepted"
-        )));
+        return Err(file.error(format!("has {width} x {height} px; {ACCEPTED}")));
     }
-    let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
     if image.color().has_alpha()
         && image
             .to_rgba16()
@@ -138,9 +139,22 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
                 quality: None,
                 subsamples_colours: true,
             }),
+            ImageFormat::Tiff if holds_jpeg(&file.bytes) => Some(Compression {
+                format: "JPEG in TIFF",
+                quality: None,
+                subsamples_colours: true,
+            }),
             _ => None,
         },
     })
+}
+
+/// Whether the pixels of a TIFF file are compressed as JPEG.
+fn holds_jpeg(bytes: &[u8]) -> bool {
+    let jpeg = [CompressionMethod::JPEG, CompressionMethod::ModernJPEG].map(|one| one.to_u16());
+    let method = Decoder::new(Cursor::new(bytes))
+        .and_then(|mut file| file.find_tag_unsigned(Tag::Compression));
+    method.is_ok_and(|method| method.is_some_and(|one: u16| jpeg.contains(&one)))
 }
 
 /// Sum of the entries of the standard luminance quantisation table, which belongs to quality 50 (ITU-T T.81, table

@@ -143,6 +143,8 @@ fn jpeg_frames_of_low_quality_are_refused_by_name() {
             .unwrap_err()
             .contains("is compressed as lossy WebP, which")
     );
+    let tiff = frame(include_bytes!("../data/jpeg-in.tif")).unwrap();
+    assert_eq!(tiff.compression.unwrap().format, "JPEG in TIFF");
     codes_if_right(&estimate(
         [REST, PRESSED].map(|bytes| compressed(bytes, 97)),
     ));
