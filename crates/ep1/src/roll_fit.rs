@@ -5,10 +5,15 @@
 //! rolls. Errors of measured rotations would attenuate the estimate if the derivatives used the measured rotations.
 //! Therefore the derivatives use the rotations without their estimated errors (errors in variables).
 
+mod estimated_noise;
+
 use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
 
 use crate::crossings::Crossing;
 use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients};
+
+use estimated_noise::SharedError;
+pub(crate) use estimated_noise::{EstimatedNoise, MIN_SHARE};
 
 /// Largest number of steps of a fit.
 const MAX_STEPS: usize = 25;
@@ -27,17 +32,9 @@ const SETTLED: f64 = 1e-5;
 const MAX_START: f64 = 2.2;
 /// If a step of a fit is longer than this share of the step before, the next steps are halved.
 const ALTERNATING: f64 = 0.8;
-/// Smallest standard deviation of contact points, relative to the standard deviation of the rotation error that all
-/// samples of a roll share. The result does not depend on this limit, because contact points at the limit determine the
-/// path far better than the rotations do.
-pub(crate) const MIN_SHARE: f64 = 0.01;
 /// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value, the
 /// errors that are common to a roll would vanish in rounding errors.
 const MIN_STD: f64 = 1e-5;
-
-/// Ratio of variances with which errors that the samples of a roll share count as unlimited, relative to the ratio that
-/// the readings determine.
-const UNLIMITED: f64 = 1e8;
 
 /// One reading of a roll.
 #[derive(Clone, Copy, Debug)]
@@ -82,14 +79,6 @@ pub(crate) struct FitNoise {
     pub(crate) min_variance: f64,
 }
 
-/// Normal equations of the relative rotation error that the samples of a roll share, after elimination of the start.
-#[derive(Clone, Debug)]
-struct SharedError<const N: usize> {
-    information: Matrix2<f64>,
-    mixed: SMatrix<f64, 2, N>,
-    gradient: Vector2<f64>,
-}
-
 /// The state and the normal equations of one roll after elimination of its own unknowns: its start and the error of its
 /// rotation.
 #[derive(Clone, Debug)]
@@ -124,21 +113,6 @@ pub(crate) struct SeriesFit<const N: usize> {
     pub(crate) freedom: usize,
     /// The noise, if it is estimated from the residuals.
     pub(crate) estimated: Option<EstimatedNoise>,
-}
-
-/// Noise of contact points and rotations, estimated from the residuals.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EstimatedNoise {
-    /// Mean square of the residuals of a fit in which all contact points have the same weight.
-    pub(crate) mean_square: f64,
-    /// Variance of a contact point, in squared radii of the probe.
-    pub(crate) variance: f64,
-    /// Variance of the relative rotation error that the samples of a roll share.
-    pub(crate) shared: f64,
-    /// Degrees of freedom of `shared`.
-    pub(crate) shared_freedom: f64,
-    /// Degrees of freedom of the covariance.
-    pub(crate) freedom: f64,
 }
 
 impl<const N: usize> RollFit<N> {
@@ -415,111 +389,6 @@ impl<const N: usize> SeriesFit<N> {
         (tolerance >= ROUGH && fit.chi_squared.is_finite()).then_some(fit)
     }
 
-    /// As [`new`](Self::new). If the noise is not stated, the result has weights that follow from estimates of the
-    /// noise. The change from equal weights is computed to first order.
-    pub(crate) fn weighted(
-        rolls: &[RollData],
-        noise: &FitNoise,
-        shape: LocalShape,
-        tolerance: f64,
-    ) -> Option<Self> {
-        let mut fit = Self::new(rolls, noise, shape, tolerance)?;
-        if !noise.is_estimated {
-            return Some(fit);
-        }
-        let before = fit.covariance.trace();
-        let mut estimated = fit.variances();
-        let least = noise
-            .min_variance
-            .max(MIN_SHARE * MIN_SHARE * estimated.shared);
-        estimated.variance = estimated.variance.max(least).max(f64::MIN_POSITIVE);
-        let full = fit.weigh(estimated.ratio())?;
-        let (shape, part) = moved(&fit.shape, &full)?;
-        fit.shape = shape;
-        for roll in &mut fit.rolls {
-            roll.gradient -= roll.information * full * part;
-            roll.shared.gradient -= roll.shared.mixed * full * part;
-        }
-        // Degrees of freedom of a sum of two variances by Satterthwaite.
-        let share = 1.0 - (before / fit.covariance.trace()).min(1.0);
-        let other = (1.0 - share) * (1.0 - share) / estimated.freedom;
-        estimated.freedom = 1.0 / (share * share / estimated.shared_freedom + other);
-        fit.estimated = Some(estimated);
-        Some(fit)
-    }
-
-    /// Changes the normal equations, whose weights are equal, to those for shared errors with the variance `ratio`.
-    /// Returns the change of the unknowns.
-    fn weigh(&mut self, ratio: f64) -> Option<SVector<f64, N>> {
-        let mut gradient = SVector::<f64, N>::zeros();
-        self.information = SMatrix::zeros();
-        for roll in &mut self.rolls {
-            let share = roll.shared.share(ratio);
-            let by_shared = roll.shared.mixed.tr_mul(&share);
-            roll.information -= by_shared * roll.shared.mixed;
-            roll.gradient -= by_shared * roll.shared.gradient;
-            self.chi_squared -= roll.shared.gradient.dot(&(share * roll.shared.gradient));
-            self.information += roll.information;
-            gradient += roll.gradient;
-        }
-        self.covariance = inverse_of(&self.information)?;
-        let step = self.covariance * gradient;
-        self.chi_squared -= gradient.dot(&step);
-        Some(step)
-    }
-
-    /// Estimates the variances of the noise from a fit in which all contact points have the same weight. The variance of
-    /// a contact point follows from the residuals of a fit with nearly unlimited shared errors. The expected sum of the
-    /// squared gradients with respect to the shared errors is a linear function of both variances.
-    fn variances(&self) -> EstimatedNoise {
-        let (mut square, mut first, mut second) = (0.0, 0.0, 0.0);
-        let mut mixed = SMatrix::<f64, N, N>::zeros();
-        let mut weighted = mixed;
-        for SharedError {
-            information,
-            mixed: own,
-            gradient,
-        } in self.rolls.iter().map(|roll| &roll.shared)
-        {
-            square += gradient.norm_squared();
-            first += information.trace();
-            second += information.norm_squared();
-            mixed += own.tr_mul(own);
-            weighted += own.tr_mul(&(information * own));
-        }
-        let fitted = self.covariance * mixed;
-        let freedom = self.freedom.max(1) as f64;
-        first -= fitted.trace();
-        second += (fitted * fitted).trace() - 2.0 * (self.covariance * weighted).trace();
-        let mean_square = self.chi_squared / freedom;
-        let mut unlimited = self.clone();
-        let within = (self.freedom + 3).checked_sub(2 * self.rolls.len());
-        let within = within.filter(|within| *within > 0 && second > 0.0);
-        let variance = within.and_then(|within| {
-            unlimited.weigh(UNLIMITED / first)?;
-            Some(unlimited.chi_squared.max(0.0) / within as f64)
-        });
-        let shared = variance.map_or(0.0, |variance| (square - variance * first) / second);
-        EstimatedNoise {
-            mean_square,
-            variance: variance.filter(|_| shared > 0.0).unwrap_or(mean_square),
-            shared: shared.max(0.0),
-            shared_freedom: (first * first / second).max(1.0),
-            freedom,
-        }
-    }
-
-    /// −2 times the logarithm of the likelihood for the estimated noise, up to a constant.
-    pub(crate) fn deviance(&self, noise: &EstimatedNoise) -> f64 {
-        let count = (self.freedom + N) as f64;
-        let ratio = noise.ratio();
-        let shared = self.rolls.iter().map(|roll| {
-            let sum = Matrix2::identity() + roll.shared.information * ratio;
-            libm::log(sum.determinant())
-        });
-        count * libm::log(noise.variance) + shared.sum::<f64>() + self.chi_squared / noise.variance
-    }
-
     /// Chi-squared of all rolls minus chi-squared without this roll, and the degrees of freedom of this difference.
     /// `None` if the other rolls do not determine the coefficients.
     /// If the noise is estimated, the result includes only the part that is due to the shared rotation errors.
@@ -535,50 +404,6 @@ impl<const N: usize> SeriesFit<N> {
         }
         let fall = own + roll.gradient.dot(&(others * roll.gradient));
         fall.is_finite().then_some((fall, freedom))
-    }
-
-    /// The part of chi-squared that is due to the shared rotation errors.
-    pub(crate) fn shared_chi_squared(&self) -> f64 {
-        let ratio = self.estimated.map_or(0.0, |noise| noise.ratio());
-        let of_rolls = self.rolls.iter().map(|roll| roll.shared.chi_squared(ratio));
-        of_rolls.sum()
-    }
-}
-
-impl EstimatedNoise {
-    /// Variance of the shared rotation error, divided by the variance of a contact point.
-    fn ratio(&self) -> f64 {
-        self.shared / self.variance
-    }
-}
-
-impl<const N: usize> SharedError<N> {
-    /// Covariance of the shared error, given the readings of the roll, if its variance is `ratio` before.
-    fn share(&self, ratio: f64) -> Matrix2<f64> {
-        let sum = Matrix2::identity() + self.information * ratio;
-        sum.try_inverse().unwrap_or_default() * ratio
-    }
-
-    /// The part of chi-squared that is due to the shared error, whose variance is `ratio`.
-    fn chi_squared(&self, ratio: f64) -> f64 {
-        let free = self.information.try_inverse().unwrap_or_default();
-        self.gradient
-            .dot(&((free - self.share(ratio)) * self.gradient))
-    }
-
-    /// Eliminates the start from the normal equations of a roll's own unknowns.
-    fn new(
-        own: &Matrix4<f64>,
-        mixed: &SMatrix<f64, 4, N>,
-        gradient: &Vector4<f64>,
-    ) -> Option<Self> {
-        let of_start = own.fixed_view::<2, 2>(0, 0).try_inverse()?;
-        let cross = own.fixed_view::<2, 2>(2, 0) * of_start;
-        Some(Self {
-            information: own.fixed_view::<2, 2>(2, 2) - cross * own.fixed_view::<2, 2>(0, 2),
-            mixed: mixed.fixed_view::<2, N>(2, 0) - cross * mixed.fixed_view::<2, N>(0, 0),
-            gradient: gradient.fixed_rows::<2>(2) - cross * gradient.fixed_rows::<2>(0),
-        })
     }
 }
 

@@ -16,9 +16,9 @@ const UNLIMITED: f64 = 1e8;
 /// Normal equations of the relative rotation error that the samples of a roll share, after elimination of the start.
 #[derive(Clone, Debug)]
 pub(super) struct SharedError<const N: usize> {
-    information: Matrix2<f64>,
-    mixed: SMatrix<f64, 2, N>,
-    gradient: Vector2<f64>,
+    pub(super) information: Matrix2<f64>,
+    pub(super) mixed: SMatrix<f64, 2, N>,
+    pub(super) gradient: Vector2<f64>,
 }
 
 /// Noise of contact points and rotations, estimated from the residuals.
