@@ -54,19 +54,6 @@ impl Estimate {
         self.mobility * Vector2::new(-rotation.y, rotation.x)
     }
 
-    /// Sets the standard errors of all curvatures to `None`.
-    pub fn omit_stds(&mut self) {
-        let curvatures = [
-            &mut self.normal_curvature_u,
-            &mut self.normal_curvature_v,
-            &mut self.gaussian_curvature,
-            &mut self.mean_curvature,
-        ];
-        curvatures
-            .into_iter()
-            .for_each(|measured| measured.std = None);
-    }
-
     /// Amplification of errors: the relative error of the object's normal curvature at `angle_rad` from u, divided by a
     /// small relative error of the readings. It is `1 + 1/RCR`, where RCR is the object's normal curvature divided by
     /// the probe's (1996 paper, equation 7). `None` where the object is flat, because the ratio is infinite there.

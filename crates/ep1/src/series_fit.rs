@@ -44,8 +44,7 @@ const ISOTROPY: f64 = 0.02;
 /// The curvature from time series of rolls of a probe of `radius`.
 ///
 /// # Errors
-/// [`SeriesError`] if a number is out of range, if a roll contradicts the other rolls, or if the rolls do not determine
-/// the
+/// [`SeriesError`] if a number is out of range, if a roll contradicts the other rolls, or if the rolls do not determine the
 /// curvature.
 pub fn estimate_series(
     method: SeriesMethod,
@@ -482,6 +481,12 @@ impl Problem<'_> {
         if let Some(noise) = fit.estimated {
             covariance *= noise.variance;
             uncertainty = Uncertainty::Student(noise.freedom as usize);
+        } else if self.noise.is_exact() && matches!(self.places, Places::Pads(_)) {
+            // The residuals of exact readings exceed the gaps between samples if the terms do not describe the curvature
+            // along the rolls.
+            let freedom = fit.freedom.max(1);
+            covariance *= (fit.chi_squared / freedom as f64).max(1.0);
+            uncertainty = Uncertainty::Student(freedom);
         }
         let goodness = self.is_noise_stated();
         let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));

@@ -348,8 +348,8 @@ pub fn estimate_roll(
         let start = options.series.start.map(Vector2::from);
         series.rolls.iter_mut().for_each(|roll| roll.start = start);
     }
-    let (has_series, has_pads) = (recorded.series.is_some(), options.series.pads.is_some());
-    let is_of_ends = options.estimator.method(has_series, has_pads).0 == "least-squares";
+    let has_series = recorded.series.is_some();
+    let is_of_ends = options.estimator.method(has_series).0 == "least-squares";
     let repeated = match options.noise.pad_start {
         PadStart::PerRoll if is_of_ends => recorded.leave_out_copies(),
         _ => None,
@@ -382,23 +382,15 @@ pub fn estimate_roll(
     };
 
     if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
-        let mut estimate = series.estimate();
-        // For exact readings, the method `trajectory` has no standard errors: the residuals do not show how far the
-        // curvature along the roll departs from the fitted terms.
-        let has_error =
-            series.method != "trajectory" || !has_pads || !options.series.noise.is_exact();
-        if !has_error {
-            estimate.omit_stds();
-        }
+        let estimate = series.estimate();
         return Ok(RollEstimate {
             options: options.clone(),
             unit,
-            covariance: has_error.then_some(series.estimate.covariance),
+            covariance: Some(series.estimate.covariance),
             residual: estimate.residual(readings).0,
             estimate,
             freedom: None,
             std_from: match options.series.noise.is_exact() {
-                _ if !has_error => "none: no noise is stated",
                 true if recorded
                     .series
                     .as_ref()

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector2;
 use palpate_ep1::{
-    Estimate, Exclusion, PadCell, Places, Quantity, RollReport, RollSample, RollSeries,
-    SeriesError, SeriesEstimate, SeriesMethod, SeriesNoise, estimate_series,
+    Estimate, Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError,
+    SeriesEstimate, SeriesMethod, SeriesNoise, estimate_series,
 };
-use palpate_statistics::{Number, SIGNIFICANCE_LEVEL};
+use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 use serde::Serialize;
 
@@ -81,7 +81,7 @@ pub(super) fn estimate_of_series(
 ) -> Result<Option<SeriesResult>, String> {
     let readings = recorded.series.as_ref();
     let has_pads = readings.is_some_and(|readings| readings.has_pads);
-    let (mut name, chosen_because) = options.estimator.method(readings.is_some(), has_pads);
+    let (mut name, chosen_because) = options.estimator.method(readings.is_some());
     let method = match name {
         "pad-edge" => SeriesMethod::PadEdge,
         "trajectory" => SeriesMethod::Trajectory,
@@ -130,41 +130,16 @@ pub(super) fn estimate_of_series(
     }
     let radius = options.probe_radius;
     let fit = |method| estimate_series(method, radius, &places, &series.noise, &readings.rolls);
-    let mut estimate = fit(method).map_err(|error| refused(recorded, readings, error))?;
-    if chosen_because.is_some() && method == SeriesMethod::PadEdge && !series.noise.is_exact() {
-        let changing = fit(SeriesMethod::Trajectory).ok();
-        if let Some(changing) = changing.filter(|changing| is_changing(&estimate, changing)) {
-            (name, estimate) = ("trajectory", changing);
-        }
+    let mut estimate = fit(method);
+    // Readings that do not determine how the curvature changes may still bound a constant curvature.
+    if estimate.is_err() && chosen_because.is_some() && has_pads {
+        (name, estimate) = ("pad-edge", fit(SeriesMethod::PadEdge));
     }
+    let estimate = estimate.map_err(|error| refused(recorded, readings, error))?;
     Ok(Some(SeriesResult {
         method: name,
         estimate,
     }))
-}
-
-/// Whether the readings show that the curvature is not `constant` along the rolls, as one estimate assumes, but
-/// `changing`, as the other assumes. False if a fit with a changing curvature leaves out a roll or is poor, because a
-/// wrong roll can look like a change of the curvature.
-fn is_changing(constant: &SeriesEstimate, changing: &SeriesEstimate) -> bool {
-    let is_out = |roll: &RollReport| roll.left_out == Some(Exclusion::Inconsistent);
-    let leaves_out = |one: &SeriesEstimate| one.rolls.iter().any(is_out);
-    let is_poor = |one: &SeriesEstimate| {
-        one.goodness
-            .is_some_and(|fit| fit.p_value < SIGNIFICANCE_LEVEL)
-    };
-    let form = constant.curvature;
-    let values = [form.k_uu, form.k_vv, form.mean_curvature()];
-    let quantities = [QUANTITIES[0].1, QUANTITIES[1].1, Quantity::Mean];
-    let is_outside = |(value, quantity)| {
-        let [low, high] = changing.interval95(quantity);
-        low.is_some_and(|low| value < low) || high.is_some_and(|high| value > high)
-    };
-    let differs = || values.into_iter().zip(quantities).any(is_outside);
-    changing.terms > 1
-        && !leaves_out(changing)
-        && !is_poor(changing)
-        && (is_poor(constant) || (!leaves_out(constant) && differs()))
 }
 
 fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesError) -> String {

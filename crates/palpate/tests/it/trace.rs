@@ -178,12 +178,12 @@ fn a_traced_series_has_the_estimate_of_its_trial() {
     for (sensor, method, options) in [
         (
             r#"kind = "pads", pitch = 1.0, offset = "random""#,
-            "pad-edge",
+            "trajectory",
             "--pitch 1",
         ),
         (
             r#"kind = "pads", pitch = 1.0, layout = "hexagonal", offset = "random""#,
-            "pad-edge",
+            "trajectory",
             "--pitch 1 --pad-layout hexagonal",
         ),
         (

@@ -339,8 +339,7 @@ impl RollScene {
     fn method_need(&self) -> String {
         let probes = self.rolls.len();
         let sampled = self.sampled.as_ref();
-        let has_pads = sampled.is_some_and(SampledRolls::has_pads);
-        let (name, reason) = self.estimator.method(sampled.is_some(), has_pads);
+        let (name, reason) = self.estimator.method(sampled.is_some());
         let reason = reason.map_or_else(String::new, |reason| format!(", chosen because {reason}"));
         match sampled {
             Some(sampled) if sampled.method.is_some() => {

@@ -98,8 +98,7 @@ impl SampledRolls {
         let squares = rolls.iter().map(|roll| roll.rotation.norm_squared());
         let size = (squares.sum::<f64>() / rolls.len() as f64).sqrt();
         let noise = rotation_sensor.series_noise(size);
-        let has_pads = matches!(sensor, RollSensor::Pads(_));
-        let method = match config.estimator.method(true, has_pads).0 {
+        let method = match config.estimator.method(true).0 {
             "pad-edge" => Some(SeriesMethod::PadEdge),
             "trajectory" => Some(SeriesMethod::Trajectory),
             _ => None,

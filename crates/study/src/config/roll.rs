@@ -454,8 +454,7 @@ pub enum RollEstimatorConfig {
         #[serde(default)]
         start: RollStart,
     },
-    /// The estimator that suits the readings: "pad-edge" for time series from pads, "trajectory" for other time series,
-    /// otherwise "least-squares".
+    /// The estimator that suits the readings: "trajectory" for time series, otherwise "least-squares".
     Auto {
         /// Whether the estimator receives the position of the first contact on the pads.
         #[serde(default)]
@@ -482,24 +481,17 @@ impl RollEstimatorConfig {
     }
 
     /// Name of the estimator for these readings, and the reason for the choice if `auto` chose it.
-    pub const fn method(
-        &self,
-        is_series: bool,
-        has_pads: bool,
-    ) -> (&'static str, Option<&'static str>) {
-        match (self, is_series, has_pads) {
-            (Self::LeastSquares, ..) => ("least-squares", None),
-            (Self::PadEdge { .. }, ..) => ("pad-edge", None),
-            (Self::Trajectory { .. }, ..) => ("trajectory", None),
-            (Self::Auto { .. }, false, _) => {
+    pub const fn method(&self, is_series: bool) -> (&'static str, Option<&'static str>) {
+        match (self, is_series) {
+            (Self::LeastSquares, _) => ("least-squares", None),
+            (Self::PadEdge { .. }, _) => ("pad-edge", None),
+            (Self::Trajectory { .. }, _) => ("trajectory", None),
+            (Self::Auto { .. }, false) => {
                 ("least-squares", Some("only the end of each roll was read"))
             }
-            (Self::Auto { .. }, true, true) => {
-                ("pad-edge", Some("the rolls are time series from pads"))
-            }
-            (Self::Auto { .. }, true, false) => (
+            (Self::Auto { .. }, true) => (
                 "trajectory",
-                Some("the rolls are time series of contact points"),
+                Some("the rolls are time series, and the curvature may change along them"),
             ),
         }
     }
