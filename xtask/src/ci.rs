@@ -18,7 +18,7 @@ const NO_INTERPRETER: [(&str, &str); 2] = [
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
 /// Steps that run one after another. Most of the time, each of them uses all processor cores.
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 10] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", crate_imports::check),
@@ -26,6 +26,7 @@ const STEPS: [Step; 9] = [
     ("tests", tests),
     ("examples", examples),
     ("docs", docs),
+    ("WebAssembly", web_assembly),
     ("licences", licences),
     ("results", results),
 ];
@@ -36,8 +37,6 @@ const SIDE_BY_SIDE: [&[Step]; 2] = [
     &[
         ("answers", programs::check_answers),
         ("instructions and accuracy", bench),
-        // This step can run while the wheel is built: it writes to another folder of the target directory.
-        ("WebAssembly", web_assembly),
         ("documents", book::check),
     ],
 ];
