@@ -18,7 +18,7 @@ const NO_INTERPRETER: [(&str, &str); 2] = [
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
 /// Steps that run one after another. Most of the time, each of them uses all processor cores.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 9] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", crate_imports::check),
@@ -26,18 +26,17 @@ const STEPS: [Step; 10] = [
     ("tests", tests),
     ("examples", examples),
     ("docs", docs),
-    ("WebAssembly", web_assembly),
     ("licences", licences),
     ("results", results),
 ];
 
 /// Two lists of steps that run at the same time, because most of the time each step uses only one core.
 const SIDE_BY_SIDE: [&[Step]; 2] = [
-    &[("python", python)],
+    &[("python", python), ("instructions and accuracy", bench)],
     &[
         ("answers", programs::check_answers),
-        ("instructions and accuracy", bench),
         ("documents", book::check),
+        ("WebAssembly", web_assembly),
     ],
 ];
 

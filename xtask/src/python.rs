@@ -16,7 +16,7 @@ const PACKAGE: &str = "crates/python";
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
 
 /// Largest allowed size of a wheel, MB.
-const MAX_WHEEL_MB: f64 = 8.0;
+const MAX_WHEEL_MB: f64 = 10.0;
 
 #[derive(Args)]
 pub(crate) struct Options {
