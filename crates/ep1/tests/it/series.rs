@@ -326,6 +326,23 @@ fn trajectories_find_the_curvature_at_the_start_of_long_rolls() {
 }
 
 #[test]
+fn trajectories_over_exact_pads_have_intervals() {
+    let mut draws = Draws(5);
+    let cell = PadCell::square(1.0);
+    let places = Places::Pads(cell);
+    let (mut held, trials) = (0, 40);
+    for trial in 0..trials {
+        let rolls = without_starts(&rolls(50.0, &cell, 0.1 * f64::from(trial), &mut draws));
+        let found =
+            estimate_series(SeriesMethod::Trajectory, RADIUS, &places, &EXACT, &rolls).unwrap();
+        let [low, high] = found.interval95(Quantity::Mean).map(Option::unwrap);
+        assert!(high - low < 0.03 / 50.0, "{low} {high}");
+        held += u32::from((low..high).contains(&(1.0 / 50.0)));
+    }
+    assert!(held >= 36, "{held} of {trials}");
+}
+
+#[test]
 fn errors_of_the_measured_rotations_do_not_attenuate() {
     let mut draws = Draws(11);
     let noise = SeriesNoise {
