@@ -18,8 +18,7 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
 /// builds and tests this crate.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Feature that lints, tests and [`build`] switch on. The program that users install does not have the feature by
-/// default.
+/// Lints, tests and [`build`] switch this feature on. In the program that users install, it is off by default.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
 /// Packages of [`build`]. Cargo combines the features of the selected packages. With this selection, programs, tests and

@@ -90,8 +90,8 @@ pub(crate) struct Programs {
 }
 
 impl Programs {
-    /// Linear programs for the same rolls, whose bounds have changed slightly. They begin at the corners at which the
-    /// last programs ended.
+    /// Linear programs for the same rolls with slightly changed bounds. Each program begins at the corner at which the
+    /// previous one ended.
     pub(crate) fn restarted(&self) -> Self {
         Self {
             sums: Vec::new(),

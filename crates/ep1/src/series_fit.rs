@@ -41,11 +41,15 @@ const FLAT: LocalShape = LocalShape {
 /// of their sum, the crossings of pad edges are located again.
 const ISOTROPY: f64 = 0.02;
 
+/// Rolls are reversed if the sum of the contacts' travels along the directions of the rolls, divided by the sum of all
+/// travels, is below this value. The ratio is near 1 for sound rolls, −1 for reversed rolls, and 0 for noise.
+const REVERSED: f64 = -0.8;
+
 /// The curvature from time series of rolls of a probe of `radius`.
 ///
 /// # Errors
-/// [`SeriesError`] if a number is out of range, if a roll contradicts the other rolls, or if the rolls do not determine the
-/// curvature.
+/// [`SeriesError`] if a number is out of range, if the contacts moved against the rolls, if a roll contradicts the other
+/// rolls, or if the rolls do not determine the curvature.
 pub fn estimate_series(
     method: SeriesMethod,
     radius: f64,
@@ -113,6 +117,9 @@ impl Problem<'_> {
             if usable < 2 {
                 return Err(SeriesError::TooFewRolls { rolls: usable });
             }
+            if self.is_reversed() {
+                return Err(SeriesError::NotRolling);
+            }
             let mut first = first.ok_or(undetermined)?;
             let mobility = first.shape.relative().try_inverse().unwrap_or_default();
             let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
@@ -141,6 +148,20 @@ impl Problem<'_> {
                 return Ok(found);
             }
         }
+    }
+
+    /// Whether the contacts moved against the direction of the rolls, for example because the rotations have the wrong
+    /// sign.
+    fn is_reversed(&self) -> bool {
+        let ends = |roll: &RollSeries| Some((*roll.samples.first()?, *roll.samples.last()?));
+        let (mut along, mut travel) = (0.0, 0.0);
+        for (first, last) in self.rolls.iter().filter_map(ends) {
+            let moved = last.place - first.place;
+            let drive = drive_of(&last.rotation);
+            along += moved.dot(&drive) / drive.norm().max(f64::MIN_POSITIVE);
+            travel += moved.norm();
+        }
+        along < REVERSED * travel
     }
 
     /// The estimate from exact rotations and active pads. `fit` is the least-squares fit to the crossings of pad edges.
@@ -482,8 +503,8 @@ impl Problem<'_> {
             covariance *= noise.variance;
             uncertainty = Uncertainty::Student(noise.freedom as usize);
         } else if self.noise.is_exact() && matches!(self.places, Places::Pads(_)) {
-            // The residuals of exact readings exceed the gaps between samples if the terms do not describe the curvature
-            // along the rolls.
+            // If the terms do not describe the curvature along the rolls, the residuals are larger than the steps between
+            // samples explain.
             let freedom = fit.freedom.max(1);
             covariance *= (fit.chi_squared / freedom as f64).max(1.0);
             uncertainty = Uncertainty::Student(freedom);

@@ -42,7 +42,7 @@ pub struct Compression {
 
 /// Largest side of a frame, px.
 const LARGEST_SIDE: u32 = 8192;
-const ACCEPTED: &str = "at most 8192 x 8192 px are accepted";
+const ACCEPTED: &str = "at most 8192 px per side are accepted";
 
 const FORMATS: [(ImageFormat, &str); 5] = [
     (ImageFormat::Png, "PNG"),

@@ -1,4 +1,4 @@
-//! Tests of the reference for presses on a paraboloid, against independent programs and limits.
+//! Compares the reference for presses on a paraboloid with independent programs and with limiting cases.
 
 use palpate_assay::paraboloid_reference::{Body, ParaboloidPress};
 

@@ -5,15 +5,17 @@ use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector4};
 use super::{FitNoise, RollData, SeriesFit, inverse_of, moved};
 use crate::rolled_path::LocalShape;
 
-/// Smallest standard deviation of contact points, relative to the standard deviation of the rotation error that all
-/// samples of a roll share. The result does not depend on this limit, because contact points at the limit determine the
-/// path far better than the rotations do.
+/// Smallest ratio of the standard deviation of contact points to that of the rotation error that all samples of a roll
+/// share. The limit does not change the result: at the limit, contact points determine the path far better than
+/// rotations do.
 pub(crate) const MIN_SHARE: f64 = 0.01;
 
-/// Ratio of variances with which errors that the samples of a roll share count as unlimited, relative to the ratio that
-/// the readings determine.
+/// A fit with free shared errors uses this variance of the shared error of a roll, in units of the variance that the
+/// readings determine.
 const UNLIMITED: f64 = 1e8;
-/// Normal equations of the relative rotation error that the samples of a roll share, after elimination of the start.
+
+/// Normal equations of the relative rotation error that the samples of a roll share. The position at the start of the
+/// roll is eliminated from them.
 #[derive(Clone, Debug)]
 pub(super) struct SharedError<const N: usize> {
     pub(super) information: Matrix2<f64>,
@@ -37,8 +39,8 @@ pub(crate) struct EstimatedNoise {
 }
 
 impl<const N: usize> SeriesFit<N> {
-    /// As [`new`](Self::new). If the noise is not stated, the result has weights that follow from estimates of the
-    /// noise. The change from equal weights is computed to first order.
+    /// Like [`new`](Self::new), but if the noise is not stated, estimates of the noise set the weights. The change from
+    /// equal weights is computed to first order.
     pub(crate) fn weighted(
         rolls: &[RollData],
         noise: &FitNoise,

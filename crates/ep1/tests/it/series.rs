@@ -4,8 +4,8 @@
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_ep1::{
-    Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesMethod, SeriesNoise,
-    estimate_series,
+    Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
+    SeriesNoise, estimate_series,
 };
 use palpate_geometry::surfaces::{Cylinder, Ellipsoid, Graph};
 use palpate_geometry::{Shape, ShapeThresholds, Surface};
@@ -322,6 +322,19 @@ fn trajectories_find_the_curvature_at_the_start_of_long_rolls() {
             assert_relative_eq!(found.k_min, truth.k_min, max_relative = 0.01);
             assert_relative_eq!(found.k_max, truth.k_max, max_relative = 0.01);
         }
+    }
+}
+
+#[test]
+fn trajectories_of_reversed_rolls_are_refused() {
+    let cell = PadCell::square(1.0);
+    let mut rolls = without_starts(&rolls(50.0, &cell, 0.3, &mut Draws(6)));
+    for sample in rolls.iter_mut().flat_map(|roll| &mut roll.samples) {
+        sample.rotation = -sample.rotation;
+    }
+    for places in [Places::Pads(cell), Places::Contacts { std: 0.0 }] {
+        let found = estimate_series(SeriesMethod::Trajectory, RADIUS, &places, &EXACT, &rolls);
+        assert_eq!(found.unwrap_err(), SeriesError::NotRolling);
     }
 }
 

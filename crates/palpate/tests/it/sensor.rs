@@ -193,7 +193,7 @@ fn unusable_frames_are_refused() {
         (
             "huge.png",
             png_header(20_000, 20_000),
-            "has too many pixels; at most 8192 x 8192 px",
+            "has too many pixels; at most 8192 px per side",
         ),
         ("long.png", png(RgbImage::new(1, 8193)), "has 1 x 8193 px"),
         ("dot.png", png(RgbImage::new(1, 1)), "has 1 x 1 px"),
