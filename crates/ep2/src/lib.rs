@@ -51,6 +51,7 @@ mod frame;
 mod gross_outliers;
 mod independent_fit;
 mod knots;
+mod lanes;
 mod matrix;
 mod misfit;
 mod noise;

@@ -3,10 +3,7 @@
 use std::ops::{AddAssign, Mul};
 
 use crate::knots::{Knots, MAX_DEGREE};
-
-/// Values of one quantity at several places, which are processed together (SIMD).
-pub(crate) type Lanes = wide::f64x2;
-pub(crate) const LANES: usize = 2;
+use crate::lanes::{LANES, Lanes};
 
 /// Height w, slopes and second derivatives of a graph at one place (or, with `Lanes`, at several places).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

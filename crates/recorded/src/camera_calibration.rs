@@ -1,5 +1,6 @@
 //! Estimates the pose and the scale of a camera from one frame at rest and the layout of its markers.
 
+use palpate_frames::Compression;
 use palpate_press::Seen;
 use palpate_study::config::{CameraConfig, LengthUnit, StudyConfig};
 use palpate_study::{FieldError, Warning};
@@ -7,7 +8,7 @@ use palpate_tracking::Found;
 
 use super::camera_file::CameraEstimate;
 use super::error::RecordedError;
-use super::frame_pair::{Compression, Frame, find};
+use super::frame_pair::{Frame, find};
 use super::layout_matching::Matched;
 use super::nominal_sensor::{NominalSensor, TERM_STDS};
 use super::study_options::press_of;

@@ -1,16 +1,14 @@
 //! Reads frames of a camera sensor from image files, and tracks the markers from a frame at rest to a pressed frame.
 
 use std::f64::consts::TAU;
-use std::io::Cursor;
 use std::num::NonZeroU8;
 
-use image::{GenericImageView, ImageError, ImageFormat, RgbImage};
+use image::RgbImage;
+use palpate_frames::{Compression, decode};
 use palpate_tracking::{
     Change, Finder, Found, Marker, Status, Track, TrackingError, difference, match_markers,
 };
 use serde::Serialize;
-use tiff::decoder::Decoder;
-use tiff::tags::{CompressionMethod, Tag};
 
 use super::error::RecordedError;
 use super::file::RecordedFile;
@@ -27,34 +25,6 @@ pub struct Frame {
     /// Lossy compression of the file; `None` if the file's format stores all pixels exactly.
     pub compression: Option<Compression>,
 }
-
-/// Lossy compression of a frame, which moves and colours the edges of markers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compression {
-    /// Name of the format, such as JPEG.
-    pub format: &'static str,
-    /// Quality of a JPEG file, from 1 to 100; `None` for other formats, and if the file does not contain the luminance
-    /// quantisation table.
-    pub quality: Option<f64>,
-    /// Whether the file stores the colours with a lower resolution than the brightness, as in JPEG 4:2:0.
-    pub subsamples_colours: bool,
-}
-
-/// Largest side of a frame, px.
-const LARGEST_SIDE: u32 = 8192;
-const ACCEPTED: &str = "at most 8192 px per side are accepted";
-
-const FORMATS: [(ImageFormat, &str); 5] = [
-    (ImageFormat::Png, "PNG"),
-    (ImageFormat::Jpeg, "JPEG"),
-    (ImageFormat::Bmp, "BMP"),
-    (ImageFormat::Tiff, "TIFF"),
-    (ImageFormat::WebP, "WebP"),
-];
-
-/// Byte sequences in a JPEG file: the marker of a scan and the marker of the image's end.
-const SCAN: &[u8] = b"\xff\xda";
-const END: &[u8] = b"\xff\xd9";
 
 impl Frame {
     /// The same frame, with the pixels converted from the sRGB encoding to values that are proportional to the light.
@@ -96,102 +66,12 @@ impl Frame {
 /// [`RecordedError::File`] if the file is no PNG, JPEG, BMP, TIFF or WebP image, if it is broken or truncated, if a
 /// side is longer than 8192 px, or if a pixel is transparent.
 pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
-    if file.bytes.is_empty() {
-        return Err(file.error("is empty; an image is needed"));
-    }
-    let format = image::guess_format(&file.bytes).ok();
-    let format = FORMATS.into_iter().find(|(one, _)| Some(*one) == format);
-    let (format, name) =
-        format.ok_or_else(|| file.error("is not a PNG, JPEG, BMP, TIFF or WebP image"))?;
-    let broken = |error: ImageError| match error {
-        ImageError::Limits(_) => file.error(format!("has too many pixels; {ACCEPTED}")),
-        _ => file.error(format!("is a broken or truncated {name} image: {error}")),
-    };
-    let scan = file.bytes.windows(2).rposition(|bytes| bytes == SCAN);
-    let scan = &file.bytes[scan.unwrap_or_default()..];
-    // Check for the byte sequence that ends a JPEG image. If the image is truncated, the decoder returns no error but
-    // fills the missing part with grey.
-    if format == ImageFormat::Jpeg && !scan.windows(2).any(|bytes| bytes == END) {
-        return Err(file.error("is a truncated JPEG image: the marker of its end is missing"));
-    }
-    let image = image::load_from_memory_with_format(&file.bytes, format).map_err(broken)?;
-    let (width, height) = image.dimensions();
-    if width > LARGEST_SIDE || height > LARGEST_SIDE {
-        return Err(file.error(format!("has {width} x {height} px; {ACCEPTED}")));
-    }
-    if image.color().has_alpha()
-        && image
-            .to_rgba16()
-            .pixels()
-            .any(|pixel| pixel.0[3] != u16::MAX)
-    {
-        return Err(file.error(
-            "has transparent pixels, which have no colour; flatten it or drop its alpha channel",
-        ));
-    }
+    let decoded = decode(&file.bytes).map_err(|error| file.error(error.to_string()))?;
     Ok(Frame {
         file: file.name.clone(),
-        image: image.into_rgb8(),
-        compression: match format {
-            ImageFormat::Jpeg => Some(jpeg(&file.bytes)),
-            ImageFormat::WebP if file.bytes.get(12..16) == Some(b"VP8 ") => Some(Compression {
-                format: "lossy WebP",
-                quality: None,
-                subsamples_colours: true,
-            }),
-            ImageFormat::Tiff if holds_jpeg(&file.bytes) => Some(Compression {
-                format: "JPEG in TIFF",
-                quality: None,
-                subsamples_colours: true,
-            }),
-            _ => None,
-        },
+        image: decoded.image,
+        compression: decoded.compression,
     })
-}
-
-/// Whether the pixels of a TIFF file are compressed as JPEG.
-fn holds_jpeg(bytes: &[u8]) -> bool {
-    let jpeg = [CompressionMethod::JPEG, CompressionMethod::ModernJPEG].map(|one| one.to_u16());
-    let method = Decoder::new(Cursor::new(bytes))
-        .and_then(|mut file| file.find_tag_unsigned(Tag::Compression));
-    method.is_ok_and(|method| method.is_some_and(|one: u16| jpeg.contains(&one)))
-}
-
-/// Sum of the entries of the standard luminance quantisation table, which belongs to quality 50 (ITU-T T.81, table
-/// K.1).
-const LUMINANCE_AT_50: f64 = 3688.0;
-
-/// Compression of a JPEG file. Its quality (as in libjpeg) is computed from the luminance quantisation table.
-fn jpeg(bytes: &[u8]) -> Compression {
-    let mut found = Compression {
-        format: "JPEG",
-        quality: None,
-        subsamples_colours: false,
-    };
-    let mut rest = bytes.get(2..).unwrap_or_default();
-    while let [_, marker, high, low, ref data @ ..] = *rest {
-        match (marker, data) {
-            (0xdb, [0, steps @ ..]) if steps.len() >= 64 => {
-                let sum: f64 = steps[..64].iter().map(|&step| f64::from(step)).sum();
-                let share = sum / LUMINANCE_AT_50;
-                let quality = if share <= 1.0 {
-                    100.0 - 50.0 * share
-                } else {
-                    50.0 / share
-                };
-                found.quality = Some(libm::round(quality));
-            }
-            // The frame header of a JPEG file states the sampling factors of the brightness and of the two colours.
-            (0xc0..=0xc2, [_, _, _, _, _, 3, _, light, _, _, blue, _, _, red, ..]) => {
-                found.subsamples_colours = light != blue || light != red;
-            }
-            (0xda, _) => break,
-            _ => {}
-        }
-        let length = usize::from(u16::from_be_bytes([high, low]));
-        rest = rest.get(2 + length..).unwrap_or_default();
-    }
-    found
 }
 
 /// Tracks of the markers from a frame at rest to a pressed frame.

@@ -75,9 +75,7 @@ pub use camera_file::{CameraEstimate, Residual, parse_camera};
 pub use camera_reading::{FrameReader, FrameReading, TrackedPress};
 pub use error::RecordedError;
 pub use file::RecordedFile;
-pub use frame_pair::{
-    Compression, Frame, FramePair, TrackCounts, difference_image, parse_frame, track_frames,
-};
+pub use frame_pair::{Frame, FramePair, TrackCounts, difference_image, parse_frame, track_frames};
 pub use glide_estimate::{GlideFitResult, estimate_glide};
 pub use glide_options::{GlideOptions, TipReports};
 pub use glide_recording::{GlideRecording, parse_glide};
@@ -86,6 +84,7 @@ pub use load_curve::{LoadCurve, LoadEstimate, LoadOptions, estimate_force, parse
 pub use overlay::overlay;
 pub use palpate_ep1::ReadingNoise;
 pub use palpate_ep2::{Curvature, MapPoint};
+pub use palpate_frames::Compression;
 pub use palpate_geometry::{ShapeClass, ShapeThresholds};
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
 pub use press_estimate::estimate_press;

@@ -210,11 +210,8 @@ impl Drawing {
                 .map_err(|error| error.to_string())?;
         }
         drop(backend);
-        let mut png = io::Cursor::new(Vec::new());
-        image::imageops::thumbnail(&large, width / DETAIL, height / DETAIL)
-            .write_with_encoder(image::codecs::png::PngEncoder::new(&mut png))
-            .map_err(|error| error.to_string())?;
-        Ok(png.into_inner())
+        let reduced = palpate_frames::reduced(&large, [width / DETAIL, height / DETAIL]);
+        palpate_frames::png(&reduced).map_err(|error| error.to_string())
     }
 }
 

@@ -13,7 +13,6 @@ pub(crate) mod table_writer;
 use std::io::{ErrorKind, Write};
 
 use anyhow::{Context, Error};
-use image::codecs::png::PngEncoder;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -59,12 +58,8 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
 }
 
 pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture
-        .write_with_encoder(PngEncoder::new(&mut bytes))
-        .context("cannot write a picture as PNG")
-        .map_err(Failure::work)?;
-    Ok(bytes.into_inner())
+    let bytes = palpate_frames::png(picture).context("cannot write a picture as PNG");
+    bytes.map_err(Failure::work)
 }
 
 #[cfg(test)]
