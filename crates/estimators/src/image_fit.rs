@@ -1,5 +1,7 @@
 //! Builds the fit to marker images from the settings of an estimator and the parameters of the sensor.
 
+use std::sync::Arc;
+
 use palpate_chromatouch::{Departure, DiscDepths, Optics};
 use palpate_press::{Body, DeparturePrior, ImageFit, Markers, PressError};
 use palpate_statistics::Number;
@@ -44,7 +46,7 @@ impl ImageFitSetup<'_> {
     ///
     /// # Errors
     /// [`FieldError`] if the soft body or the discs are impossible.
-    pub fn fit(&self) -> Result<Option<ImageFit<ImageModel>>, FieldError> {
+    pub fn fit(&self) -> Result<Option<ImageFit>, FieldError> {
         let PressEstimatorConfig::Image {
             poisson, shift_std, ..
         } = self.estimator
@@ -88,9 +90,9 @@ impl ImageFitSetup<'_> {
         let aligned = vec![[0.0; 2]; self.optics.array().places().len()];
         let optics = self.optics.misaligned(&aligned);
         Ok(Some(ImageFit {
-            view: ImageModel {
+            view: Arc::new(ImageModel {
                 optics: optics.map_err(|error| optics_error(&error))?,
-            },
+            }),
             markers: self.markers.clone(),
             bodies: pair().ok_or_else(missing)?,
             deeper: pair().map(|bodies| (deeper, bodies)),

@@ -8,7 +8,7 @@ use palpate_press::{
 use palpate_study::{Column, Table, number};
 use palpate_tracking::{MarkerErrors, Track};
 
-use crate::image_model::{ImageModel, marker_image};
+use crate::image_model::marker_image;
 
 /// Input of [`ImageEstimator`]: the images of the markers.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct MarkerImages {
 /// The fit to marker images, and the images at rest that all trials share.
 #[derive(Clone, Debug)]
 pub struct ImageEstimator {
-    fit: ImageFit<ImageModel>,
+    fit: ImageFit,
     rest: Vec<Option<Seen>>,
     fitted: OnceLock<Result<Rest, PressError>>,
 }
@@ -30,7 +30,7 @@ pub struct ImageEstimator {
 impl ImageEstimator {
     /// An estimator that uses the fit `fit`. `rest` contains the images of the markers at rest, which are the same for
     /// all trials.
-    pub fn new(fit: ImageFit<ImageModel>, rest: Vec<Option<Seen>>) -> Self {
+    pub fn new(fit: ImageFit, rest: Vec<Option<Seen>>) -> Self {
         Self {
             fit,
             rest,

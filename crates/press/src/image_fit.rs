@@ -27,15 +27,17 @@ pub use departure_prior::DeparturePrior;
 pub use rest::Rest;
 pub use view::{PictureSlopes, Seen, SensorState, Steps, View};
 
+use std::sync::Arc;
+
 use crate::{Body, Markers, Measured, PressError};
 use departure_prior::FreePrior;
 
 /// A least-squares fit of the images of one press. The fitted parameters are the relative curvature, the place of the
 /// contact, the indentation and, if possible, the sideways shift of the object.
 #[derive(Clone, Debug)]
-pub struct ImageFit<V> {
+pub struct ImageFit {
     /// The camera model, which computes the image of the markers after their discs were displaced.
-    pub view: V,
+    pub view: Arc<dyn View>,
     /// The markers, that is, their places on the skin.
     pub markers: Markers,
     /// The soft body, as two models: the first computes displacements at the depth of the magenta discs, the second at
@@ -59,7 +61,7 @@ pub struct ImageFit<V> {
     pub shift_std: f64,
 }
 
-impl<V: View> ImageFit<V> {
+impl ImageFit {
     fn validate(&self) -> Result<(), PressError> {
         for std in &self.common_stds {
             squarable("common_stds", *std)?;

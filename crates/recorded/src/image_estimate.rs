@@ -1,6 +1,6 @@
 //! Estimates the curvature of an object from two frames of a camera sensor, by a fit to the images of the markers.
 
-use palpate_estimators::{ImageEstimator, ImageFitSetup, ImageModel, MarkerImages, pressed_images};
+use palpate_estimators::{ImageEstimator, ImageFitSetup, MarkerImages, pressed_images};
 use palpate_press::{
     Body, ImageFit, MarkerDisplacement, Measured, Misfit, PressError, PressEstimate, Seen,
 };
@@ -303,7 +303,7 @@ impl ScaledFit {
     /// # Errors
     /// The error of the fit, together with the scatter of the markers at rest.
     fn of(
-        fit: ImageFit<ImageModel>,
+        fit: ImageFit,
         rest: &[Option<Seen>],
         mut pictures: MarkerImages,
         indentation: Option<Measured>,

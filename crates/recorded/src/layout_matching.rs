@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 use palpate_chromatouch::{Departure, Optics};
-use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
+use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
@@ -11,7 +11,7 @@ use palpate_tracking::{Found, Marker};
 
 use super::camera_file::{CameraEstimate, Residual};
 use super::nominal_sensor::{NominalSensor, TERMS};
-use palpate_estimators::{ImageModel, marker_image};
+use palpate_estimators::marker_image;
 
 /// Largest accepted difference between a disc parameter and its nominal value, in prior standard deviations.
 const MAX_DEPARTURE: f64 = 6.0;
@@ -140,7 +140,7 @@ impl Matched {
 
     fn images(
         nominal: &NominalSensor<'_>,
-        fit: &ImageFit<ImageModel>,
+        fit: &ImageFit,
         found: &Found,
         shares: [f64; 2],
     ) -> Result<Matches, String> {
@@ -316,7 +316,7 @@ fn settled(
     nominal: &NominalSensor<'_>,
     (mut rest, mut optics): (Rest, Optics),
     images: &[Option<Seen>],
-) -> Result<(ImageFit<ImageModel>, Rest, Optics), String> {
+) -> Result<(ImageFit, Rest, Optics), String> {
     for _ in 0..MAX_FITS {
         optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
         let again = nominal
@@ -338,7 +338,7 @@ fn other_layout(error: impl std::fmt::Display) -> String {
 
 /// Images of the markers at rest as the model predicts them. The sensor is the estimated sensor in `rest` or, without
 /// `rest`, the nominal sensor. `None` for a marker that the predicted frame does not contain.
-fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
+fn law(fit: &ImageFit, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
     let markers = fit.markers.places().len();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
     let aligned = vec![[0.0; 2]; markers];

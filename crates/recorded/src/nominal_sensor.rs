@@ -1,5 +1,7 @@
 //! The nominal sensor: the sensor that a study states. Frames at rest are compared with it.
 
+use std::sync::Arc;
+
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
 };
@@ -251,13 +253,13 @@ impl<'a> NominalSensor<'a> {
             .map_err(|error| optics_error(&error))
     }
 
-    pub(super) fn fit(&self, optics: &Optics) -> Result<ImageFit<ImageModel>, String> {
+    pub(super) fn fit(&self, optics: &Optics) -> Result<ImageFit, String> {
         let body = || Body::half_space(0.5, self.sphere.marker_depth);
         let body = || body().map_err(|error| error.to_string());
         Ok(ImageFit {
-            view: ImageModel {
+            view: Arc::new(ImageModel {
                 optics: optics.clone(),
-            },
+            }),
             markers: self.markers.clone(),
             // This fit only computes images at rest, which do not depend on the soft body. So any body can be used for
             // both discs.

@@ -2,12 +2,13 @@
 //! sensor are uncertain.
 
 use std::hint::black_box;
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use nalgebra::Matrix4;
 use palpate_chromatouch::Departure;
 use palpate_estimators::ImageModel;
-use palpate_press::{Body, ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
+use palpate_press::{Body, ImageFit, MarkerDisplacement, Rest, Seen, SensorState};
 use palpate_sensing::{Channel, Stream};
 
 use super::camera_frames::optics;
@@ -57,7 +58,7 @@ pub fn layers(depths: &[f64]) -> Result<Vec<Body>> {
 
 /// A press that a camera observes.
 pub struct CameraPress {
-    fit: ImageFit<ImageModel>,
+    fit: ImageFit,
     at_rest: Vec<Option<Seen>>,
     pressed: Vec<Option<Seen>>,
 }
@@ -83,9 +84,9 @@ impl CameraPress {
         let optics = optics(640)?;
         let misalignments = optics.array().misalignments();
         let fit = ImageFit {
-            view: ImageModel {
+            view: Arc::new(ImageModel {
                 optics: optics.misaligned(&[[0.0; 2]; 77])?,
-            },
+            }),
             markers: markers()?,
             bodies: nominal,
             deeper: Some((DEPTH_STEP, deeper)),

@@ -7,7 +7,6 @@
 
 use super::fit_state::FitState;
 use super::image_problem::Problem;
-use super::view::View;
 use crate::least_squares::{LeastSquares, inverse};
 use crate::unknowns::{CURVATURE, Square, State, Unknowns};
 
@@ -21,7 +20,7 @@ const MAX_VARIANCE: f64 = 1.0;
 /// used. For larger differences, the expansion is not valid.
 const MAX_SHIFT: f64 = 1.0;
 
-impl<V: View + Clone> Problem<'_, V> {
+impl Problem<'_> {
     /// Posterior mean of the logarithm of the curvature, minus the most likely value of this logarithm. The result is 0
     /// if the mean cannot be computed. `weighed` is the fit for which the weights of the readings were computed.
     pub(super) fn mean_beside(&self, weighed: &FitState, covariance: &Square) -> f64 {

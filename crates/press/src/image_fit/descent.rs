@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::image_search::WRONG;
 use super::rest::{Pictures, Rest, Resting, State};
-use super::view::{NUMBERS, View};
+use super::view::NUMBERS;
 use crate::{GoodnessOfFit, PressError};
 
 const MAX_STEPS: usize = 200;
@@ -51,7 +51,7 @@ impl Cost {
     }
 }
 
-impl<V: View> Resting<'_, V> {
+impl Resting<'_> {
     pub(super) fn rest(&self) -> Result<Rest, PressError> {
         let start = State {
             common: DVector::zeros(self.free.len()),

@@ -3,7 +3,6 @@
 use nalgebra::{SMatrix, Vector2};
 
 use super::ImageFit;
-use super::view::View;
 use crate::markers::PressSlopes;
 use crate::shear::stuck_shift;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, State, UNKNOWNS, Unknowns};
@@ -24,7 +23,7 @@ pub(super) struct Moving {
     pub(super) slopes: Vec<[DiscSlopes; 2]>,
 }
 
-impl<V: View> ImageFit<V> {
+impl ImageFit {
     pub(super) fn moved(&self, state: &State) -> Result<Discs, PressError> {
         self.moved_by(&self.bodies, state)
     }

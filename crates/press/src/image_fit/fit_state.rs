@@ -1,7 +1,7 @@
 //! Fit parameters of an image fit, with the residuals and derivatives at these parameters.
 
 use super::image_problem::{Problem, Residuals, Slopes};
-use super::view::{NUMBERS, View};
+use super::view::NUMBERS;
 use crate::least_squares::{LeastSquares, solve};
 use crate::unknowns::{Fitted, State, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
@@ -37,9 +37,9 @@ impl FitState {
 
     /// The fit with the fit parameters `state`, which must be near those of `self`, because the derivatives of `self`
     /// are reused.
-    fn near<V: View>(
+    fn near(
         self,
-        problem: &Problem<'_, V>,
+        problem: &Problem<'_>,
         state: State,
         residuals: Residuals,
     ) -> Result<Self, PressError> {
@@ -78,7 +78,7 @@ impl FitState {
     }
 }
 
-impl<V: View> LeastSquares for Problem<'_, V> {
+impl LeastSquares for Problem<'_> {
     type Fit = FitState;
     const SINGULAR: f64 = 1e-6;
     const FREE: &'static str = "a combination of curvature, position and indentation is \

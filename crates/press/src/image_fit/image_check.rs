@@ -7,14 +7,14 @@ use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, chi_squared_tail, normal_ta
 use super::fit_state::FitState;
 use super::image_problem::Problem;
 use super::image_search::settle;
-use super::view::{NUMBERS, Seen, View};
+use super::view::{NUMBERS, Seen};
 use super::{ImageFit, Rest};
 use crate::least_squares::LeastSquares;
 use crate::misfit::{Noise, PATTERNS, PatternSums, patterns, stated_indentation};
 use crate::unknowns::State;
 use crate::{Measured, PressError, PressEstimate};
 
-impl<V: View + Clone> ImageFit<V> {
+impl ImageFit {
     /// Compares a stated indentation with the indentation that is estimated from the images alone.
     ///
     /// # Errors
@@ -83,7 +83,7 @@ impl<V: View + Clone> ImageFit<V> {
     }
 }
 
-impl<V: View> Problem<'_, V> {
+impl Problem<'_> {
     fn pattern_sums(&self, best: &FitState) -> Result<PatternSums, PressError> {
         let FitState {
             residuals, slopes, ..

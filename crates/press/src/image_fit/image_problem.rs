@@ -13,7 +13,7 @@ use super::ImageFit;
 use super::disc_displacements::{DiscSlopes, Moving};
 use super::fit_state::FitState;
 use super::rest::{Rest, products};
-use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
+use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, difference};
 use crate::least_squares::LeastSquares;
 use crate::unknowns::{Fitted, OTHERS, Square, State, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
@@ -43,8 +43,8 @@ pub(super) struct Slopes {
 /// The least-squares problem of an image fit: the readings, the fitted parameters, and the weights of the readings.
 /// Only [`Problem::weigh`] and [`Problem::weigh_at_rest`] compute the weights again.
 #[derive(Clone)]
-pub(super) struct Problem<'a, V> {
-    pub(super) fit: &'a ImageFit<V>,
+pub(super) struct Problem<'a> {
+    pub(super) fit: &'a ImageFit,
     pub(super) rest: Cow<'a, Rest>,
     pub(super) sensor: Sensor,
     pub(super) seen: &'a [Option<Seen>],
@@ -82,9 +82,9 @@ pub(super) struct Tried {
     moving: Moving,
 }
 
-impl<'a, V: View> Problem<'a, V> {
+impl<'a> Problem<'a> {
     pub(super) fn new(
-        fit: &'a ImageFit<V>,
+        fit: &'a ImageFit,
         rest: &'a Rest,
         seen: &'a [Option<Seen>],
         indentation: Option<Measured>,

@@ -5,7 +5,7 @@ use palpate_statistics::NORMAL_95;
 
 use super::fit_state::FitState;
 use super::image_problem::{Problem, Residuals};
-use super::view::{NUMBERS, SIZE, Seen, View, difference};
+use super::view::{NUMBERS, SIZE, Seen, difference};
 use super::{ImageFit, Rest};
 use crate::least_squares::{LeastSquares, minimise};
 use crate::outcome::{OfReadings, no_contact, outcome, until_best};
@@ -39,7 +39,7 @@ const MAX_LOG_STD: f64 = 10.0;
 const ROUGHLY: f64 = 1e-1;
 const EXACTLY: f64 = 1e-6;
 
-impl<V: View + Clone> ImageFit<V> {
+impl ImageFit {
     /// Estimates the press from the readings of one frame and from the sensor at rest. The reading of a marker that is
     /// not visible is `None`. For exact readings, the error of the most likely curvature is below 1/1000 of its
     /// standard error, if the standard error is smaller than the curvature.
@@ -89,7 +89,7 @@ impl<V: View + Clone> ImageFit<V> {
     }
 }
 
-fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate, PressError> {
+fn search(mut problem: Problem<'_>) -> Result<PressEstimate, PressError> {
     problem.weigh_at_rest()?;
     let mut best = robust(&mut problem)?;
     let wrong = drop_wrong(&mut problem, &best)?;
@@ -151,10 +151,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
 }
 
 /// The best fit near the fit parameters `near`. The sensor parameters are fitted to both frames (at rest and pressed).
-pub(super) fn settle<V: View + Clone>(
-    problem: &mut Problem<'_, V>,
-    near: State,
-) -> Result<FitState, PressError> {
+pub(super) fn settle(problem: &mut Problem<'_>, near: State) -> Result<FitState, PressError> {
     let near = problem.weigh(&near)?;
     let near = update_sensor(problem, near)?;
     minimise(problem, near.keeping_slopes(), EXACTLY, None)
@@ -162,10 +159,7 @@ pub(super) fn settle<V: View + Clone>(
 
 /// Repeats two steps until the fit converges: fit the press, then update the sensor parameters with both frames (at
 /// rest and pressed).
-fn update_sensor<V: View + Clone>(
-    problem: &mut Problem<'_, V>,
-    near: FitState,
-) -> Result<FitState, PressError> {
+fn update_sensor(problem: &mut Problem<'_>, near: FitState) -> Result<FitState, PressError> {
     let mut best = near;
     for _ in 0..SENSOR_UPDATES {
         best = minimise(problem, best.keeping_slopes(), 0.1 * SETTLED, None)?;
@@ -186,7 +180,7 @@ fn update_sensor<V: View + Clone>(
     Ok(best)
 }
 
-fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, PressError> {
+fn robust(problem: &mut Problem<'_>) -> Result<FitState, PressError> {
     let starts = problem.starts()?;
     let mut best: Option<FitState> = None;
     let mut failure = problem.no_contact(0.0);
@@ -243,10 +237,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     Ok(best)
 }
 
-fn drop_wrong<V: View>(
-    problem: &mut Problem<'_, V>,
-    best: &FitState,
-) -> Result<Vec<usize>, PressError> {
+fn drop_wrong(problem: &mut Problem<'_>, best: &FitState) -> Result<Vec<usize>, PressError> {
     let squares = problem.squares(&best.residuals)?;
     let most = (MAX_OUTLIER_SHARE * squares.len() as f64).max(1.0) as usize;
     let pairs = problem.counting.iter().zip(&squares);
@@ -262,7 +253,7 @@ fn drop_wrong<V: View>(
     Ok(wrong)
 }
 
-impl<V: View> Problem<'_, V> {
+impl Problem<'_> {
     fn goodness(&self, fitted: &FitState) -> GoodnessOfFit {
         GoodnessOfFit::new(fitted.sums.chi_squared, self.freedom())
     }
@@ -290,7 +281,7 @@ const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
 /// Contacts are tried in the middle of the displaced markers, and also at this number of markers that moved most.
 const BESIDE: usize = 2;
 
-impl<V: View> Problem<'_, V> {
+impl Problem<'_> {
     /// Start values of the fit, sorted from the most to the least likely.
     pub(super) fn starts(&self) -> Result<Vec<State>, PressError> {
         let skin = self.fit.markers.skin();

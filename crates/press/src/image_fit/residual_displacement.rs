@@ -3,13 +3,13 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::image_problem::Problem;
-use super::view::{NUMBERS, Seen, View};
+use super::view::{NUMBERS, Seen};
 use super::{ImageFit, Rest};
 use crate::least_squares::solve;
 use crate::unknowns::State;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
-impl<V: View> ImageFit<V> {
+impl ImageFit {
     /// For each marker, its actual displacement minus the displacement that the estimated press causes. The difference
     /// is estimated from the image of this marker alone by least squares. The difference is assumed to be the same for
     /// both discs of the marker. The result is `None` for a marker that is not visible in both frames, and for a marker

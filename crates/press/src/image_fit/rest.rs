@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4, OMatrix, U2, Vector2, Ve
 use super::ImageFit;
 use super::departure_prior::FreePrior;
 use super::view::{
-    MAX_MISALIGNMENT, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, View, difference,
+    MAX_MISALIGNMENT, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, difference,
 };
 use crate::{MarkerDisplacement, PressError};
 
@@ -62,7 +62,7 @@ pub(super) struct Local {
     pub(super) spread: Matrix2<f64>,
 }
 
-impl<V: View> ImageFit<V> {
+impl ImageFit {
     /// Fits the sensor to its markers at rest. `seen` contains one reading per marker; `None` for markers that are not
     /// visible.
     ///
@@ -100,7 +100,7 @@ impl<V: View> ImageFit<V> {
         seen.iter().enumerate().map(weight).collect()
     }
 
-    fn resting(&self, frame: Arc<RestFrame>) -> Result<Resting<'_, V>, PressError> {
+    fn resting(&self, frame: Arc<RestFrame>) -> Result<Resting<'_>, PressError> {
         Ok(Resting {
             fit: self,
             free: self.free(),
@@ -147,8 +147,8 @@ impl RestFrame {
     }
 }
 
-pub(super) struct Resting<'a, V> {
-    pub(super) fit: &'a ImageFit<V>,
+pub(super) struct Resting<'a> {
+    pub(super) fit: &'a ImageFit,
     pub(super) free: Vec<usize>,
     pub(super) known: Option<Arc<FreePrior>>,
     pub(super) frame: Arc<RestFrame>,
@@ -224,7 +224,7 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
     products
 }
 
-impl<V: View> Resting<'_, V> {
+impl Resting<'_> {
     pub(super) fn result(
         &self,
         state: State,

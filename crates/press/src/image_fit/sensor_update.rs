@@ -11,10 +11,10 @@ use nalgebra::{DVector, Vector2};
 
 use super::fit_state::FitState;
 use super::image_problem::{Problem, Residuals};
-use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor, View};
+use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor};
 use crate::PressError;
 
-impl<V: View> Problem<'_, V> {
+impl Problem<'_> {
     /// Uncertain sensor parameters that were fitted at rest, minus the parameters in the field `sensor`, in standard
     /// deviations of their priors.
     pub(super) fn to_rest(&self) -> DVector<f64> {

@@ -3,6 +3,8 @@
 //! Four numbers describe the image of a marker: the two coordinates of its centroid, its hue, and the logarithm of its
 //! size.
 
+use std::fmt::Debug;
+
 use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3, Vector3, Vector4};
 
 use super::ImageFit;
@@ -146,7 +148,7 @@ impl PictureSlopes {
 
 /// A camera model that computes the images of markers with displaced discs. A result with a wrong number of markers is
 /// treated like `None`.
-pub trait View {
+pub trait View: Debug + Send + Sync {
     /// The image of each marker, as in [`Seen`], after the displacements of its magenta and its yellow disc; `None` for
     /// markers that are not visible. The whole result is `None` if the sensor's parameters or a displacement are
     /// impossible.
@@ -228,7 +230,7 @@ pub trait View {
     }
 }
 
-impl<V: View> ImageFit<V> {
+impl ImageFit {
     pub(super) fn pictures(
         &self,
         sensor: &SensorState<'_>,

@@ -1,5 +1,7 @@
 //! A simple camera for tests. It computes the image of a marker by a formula, and the sensor can have any size.
 
+use std::sync::Arc;
+
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Skin, View};
 
 /// Radius of the skin, in multiples of `Ideal::unit`.
@@ -53,12 +55,12 @@ impl Ideal {
         })
     }
 
-    pub(crate) fn fit(&self, layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Self> {
+    pub(crate) fn fit(&self, layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit {
         let [magenta, yellow, rest @ ..] = common_stds;
         let [magenta, yellow] = [magenta, yellow].map(|std| std * self.unit);
         let deeper = 0.02;
         ImageFit {
-            view: self.clone(),
+            view: Arc::new(self.clone()),
             markers: self.markers(),
             bodies: self.bodies(layer, [0.0; 2]),
             deeper: Some((deeper * self.unit, self.bodies(layer, [deeper; 2]))),

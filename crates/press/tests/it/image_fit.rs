@@ -1,5 +1,7 @@
 //! Tests fits of marker images. The camera is the simple model [`Ideal`].
 
+use std::sync::Arc;
+
 use nalgebra::Matrix4;
 use palpate_press::{
     Body, ImageFit, MarkerDisplacement, Markers, Measured, PressError, PressEstimate, Seen,
@@ -28,7 +30,7 @@ fn bodies(layer: Option<f64>, deeper: f64) -> [Body; 2] {
     ideal().bodies(layer, [deeper; 2])
 }
 
-fn fit(layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Ideal> {
+fn fit(layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit {
     ideal().fit(layer, common_stds)
 }
 
@@ -315,7 +317,7 @@ fn a_non_finite_reading_is_refused_with_its_marker() {
 }
 
 /// A camera model in which the marker `hidden` is not visible, or that returns the images of only `count` markers.
-#[derive(Clone)]
+#[derive(Debug)]
 struct Partial {
     whole: Ideal,
     hidden: Option<usize>,
@@ -337,25 +339,16 @@ impl View for Partial {
     }
 }
 
-fn through<V>(fit: ImageFit<Ideal>, view: impl FnOnce(Ideal) -> V) -> ImageFit<V> {
+fn partial(hidden: Option<usize>, count: usize) -> ImageFit {
+    let whole = ideal();
     ImageFit {
-        view: view(fit.view),
-        markers: fit.markers,
-        bodies: fit.bodies,
-        deeper: fit.deeper,
-        common_stds: fit.common_stds,
-        departure_prior: fit.departure_prior,
-        misalignment_std: fit.misalignment_std,
-        shift_std: fit.shift_std,
+        view: Arc::new(Partial {
+            whole,
+            hidden,
+            count,
+        }),
+        ..fit(None, ROUGHLY)
     }
-}
-
-fn partial(hidden: Option<usize>, count: usize) -> ImageFit<Partial> {
-    through(fit(None, ROUGHLY), |whole| Partial {
-        whole,
-        hidden,
-        count,
-    })
 }
 
 #[test]

@@ -11,7 +11,7 @@ const CAMERA: [usize; 3] = [2, 3, 4];
 
 /// A camera model whose nominal sensor parameters are changed by `common`, so deviations are measured from the changed
 /// values.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct About {
     ideal: Ideal,
     common: [f64; 5],
@@ -41,7 +41,7 @@ impl View for About {
 
 /// A fit whose camera is calibrated from the frame `seen`: the camera parameters have the calibration's values and
 /// covariance as prior.
-fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
+fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit {
     let mut known = fit(None, ROUGHLY);
     let rest = known.at_rest(seen).unwrap();
     let shares = rest.covariance().unwrap();
@@ -58,7 +58,9 @@ fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
         numbers: CAMERA.to_vec(),
         covariance,
     });
-    through(known, |ideal| About { ideal, common })
+    let ideal = ideal();
+    known.view = Arc::new(About { ideal, common });
+    known
 }
 
 /// If the camera is calibrated from the frame at rest that the fit also uses, the result does not change, because the

@@ -16,17 +16,13 @@ const STATED: Measured = Measured {
 /// The frames of one simulated press, with the fit that is applied to them. The sensor parameters differ from trial to
 /// trial.
 struct Press {
-    fit: ImageFit<Ideal>,
+    fit: ImageFit,
     rest: Rest,
     seen: Vec<Option<Seen>>,
 }
 
 impl Press {
-    fn of(
-        number: u64,
-        fit: ImageFit<Ideal>,
-        change: impl Fn(&mut [[MarkerDisplacement; 2]]),
-    ) -> Self {
+    fn of(number: u64, fit: ImageFit, change: impl Fn(&mut [[MarkerDisplacement; 2]])) -> Self {
         let truth = Truth::drawn(number, ROUGHLY);
         let mut noise = Stream::new(4, number, Channel::Centroid);
         let rest = fit.at_rest(&truth.at_rest(Some(&mut noise))).unwrap();
@@ -83,7 +79,7 @@ fn p_values_are_uniform_and_misfits_are_rare_if_the_model_is_right() {
 
 fn codes(
     trials: u64,
-    fit: impl Fn() -> ImageFit<Ideal>,
+    fit: impl Fn() -> ImageFit,
     given: Option<Measured>,
     change: impl Fn(&mut [[MarkerDisplacement; 2]]),
 ) -> Vec<Vec<&'static str>> {

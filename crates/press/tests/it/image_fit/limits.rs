@@ -36,7 +36,7 @@ const PRESS: Press = Press {
 };
 
 impl Press {
-    fn fit(&self) -> ImageFit<Ideal> {
+    fn fit(&self) -> ImageFit {
         ImageFit {
             misalignment_std: 0.0,
             ..Ideal::new(self.unit).fit(None, self.known)
@@ -215,7 +215,7 @@ fn settings_out_of_range_have_named_errors() {
         let known = Some(Measured { value, std });
         assert_eq!(name(PRESS.estimate(&PRESS.pressed(), known)), expected);
     }
-    let at_rest = |fit: ImageFit<Ideal>| name(fit.at_rest(&PRESS.at_rest()));
+    let at_rest = |fit: ImageFit| name(fit.at_rest(&PRESS.at_rest()));
     for bad in [f64::NAN, -1.0, 1e-101, 1e101] {
         let common_stds = vec![bad; 5];
         assert_eq!(
@@ -226,8 +226,8 @@ fn settings_out_of_range_have_named_errors() {
             "bad-setting"
         );
         for change in [
-            |fit: &mut ImageFit<Ideal>, bad| fit.shift_std = bad,
-            |fit: &mut ImageFit<Ideal>, bad| fit.misalignment_std = bad,
+            |fit: &mut ImageFit, bad| fit.shift_std = bad,
+            |fit: &mut ImageFit, bad| fit.misalignment_std = bad,
         ] {
             let mut fit = PRESS.fit();
             change(&mut fit, bad);
