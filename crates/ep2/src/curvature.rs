@@ -4,8 +4,7 @@ use nalgebra::SMatrix;
 use palpate_geometry::CurvatureForm;
 
 use crate::Ep2Error;
-use crate::lanes::Lanes;
-use crate::spline::Jet;
+use crate::spline::{Jet, Lanes};
 
 /// Number of derivatives that determine the curvature of a graph: the slopes p, q along u, v, and the second
 /// derivatives r, s, t along u², uv, v² (Monge's letters).
@@ -36,7 +35,7 @@ pub struct Curvature {
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// Gaussian and mean curvature at several ([`LANES`](crate::lanes::LANES)) places. The mean curvature is positive
+/// Gaussian and mean curvature at several ([`LANES`](crate::spline::LANES)) places. The mean curvature is positive
 /// where the surface is convex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvatures {
@@ -71,8 +70,8 @@ impl Curvatures {
             covariance.map(|covariance| uncertainty(jet, [gaussian, mean], covariance, per_scale));
         let (gaussian, mean) = (gaussian * per_scale * per_scale, mean * per_scale);
         let stds = uncertainty.map_or(Lanes::ZERO, |[one, other, _]| one + other);
-        let size = (gaussian + mean + stds).to_array();
-        if size.into_iter().all(f64::is_finite) {
+        let size = (gaussian + mean + stds).abs();
+        if size.simd_lt(Lanes::splat(f64::INFINITY)).all() {
             Ok(Self {
                 gaussian,
                 mean,
@@ -146,23 +145,18 @@ fn uncertainty(
     let along_gaussian = along(&gaussian_gradient);
     let first_order = dot(&gaussian_gradient, &along_gaussian);
     let mixed = dot(&mean_gradient, &along_gaussian);
-    let mean_variance =
-        dot(&mean_gradient, &along(&mean_gradient)).map(|variance| variance.max(0.0));
+    let mean_variance = dot(&mean_gradient, &along(&mean_gradient)).max(Lanes::ZERO);
     let c = covariance;
     let second_order =
         c[2][2] * c[4][4] + c[2][4] * c[2][4] + c[3][3] * c[3][3] * 2.0 - c[2][3] * c[3][4] * 4.0;
-    let gaussian_variance =
-        (first_order + second_order * per_square * per_square).map(|variance| variance.max(0.0));
+    let gaussian_variance = (first_order + second_order * per_square * per_square).max(Lanes::ZERO);
     let (gaussian_std, mean_std) = (gaussian_variance.sqrt(), mean_variance.sqrt());
     let both = gaussian_std * mean_std;
-    let correlation = mixed.zip(both, |mixed, both| match both > 0.0 {
-        true => (mixed / both).clamp(-1.0, 1.0),
-        false => 0.0,
-    });
+    let correlation = (mixed / both).max(-Lanes::ONE).min(Lanes::ONE);
     [
         gaussian_std * (per_scale * per_scale),
         mean_std * per_scale,
-        correlation,
+        both.simd_gt(Lanes::ZERO).select(correlation, Lanes::ZERO),
     ]
 }
 

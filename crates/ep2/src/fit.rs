@@ -5,10 +5,9 @@ use std::ops::Range;
 use nalgebra::{Point3, SMatrix, Vector3};
 
 use crate::curvature::{Curvatures, form_and_basis, principal_stds};
-use crate::lanes::{LANES, Lanes};
 use crate::penalised::Basis;
 use crate::posterior::{Posterior, PosteriorLine, Series};
-use crate::spline::{Jet, Local, TensorSpline};
+use crate::spline::{Jet, LANES, Lanes, Local, TensorSpline};
 use crate::square_quadric::{Square, SquareQuadric};
 use crate::{Curvature, Ep2Error, MisfitTest, NoiseEstimate, Patch, PatchFrame, Status};
 

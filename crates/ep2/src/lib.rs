@@ -51,7 +51,6 @@ mod frame;
 mod gross_outliers;
 mod independent_fit;
 mod knots;
-mod lanes;
 mod matrix;
 mod misfit;
 mod noise;

@@ -4,9 +4,8 @@ use nalgebra::DMatrix;
 
 use crate::chebyshev::{count, derivative, place, products, values};
 use crate::curvature::{DERIVATIVES, JetCovariance};
-use crate::lanes::Lanes;
 use crate::matrix::SparseMap;
-use crate::spline::Jet;
+use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
 /// Number of pairs of derivatives p, q, r, s, t of the surface, including the pair of each derivative with itself.

@@ -3,7 +3,10 @@
 use std::ops::{AddAssign, Mul};
 
 use crate::knots::{Knots, MAX_DEGREE};
-use crate::lanes::{LANES, Lanes};
+
+/// Values of one quantity at several places, which are processed together (SIMD).
+pub(crate) type Lanes = wide::f64x2;
+pub(crate) const LANES: usize = 2;
 
 /// Height w, slopes and second derivatives of a graph at one place (or, with `Lanes`, at several places).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -4,7 +4,7 @@ use std::f64::consts::LN_2;
 
 use super::spectrum::Spectrum;
 use crate::Ep2Error;
-use crate::lanes::{LANES, Lanes};
+use crate::spline::{LANES, Lanes};
 use crate::square_quadric::UNKNOWNS;
 
 /// Number of smoothing weights at which the criterion is evaluated, equally spaced in their logarithm. It must be a
@@ -120,20 +120,18 @@ impl Sums<Lanes> {
             sums.unknowns += fitted;
             sums.unknowns_prime -= fitted * smoothed;
             if mode >= UNKNOWNS {
-                let if_rough = |value: Lanes, otherwise: f64| {
-                    value.zip(penalty, |value, penalty| match penalty > 0.0 {
-                        true => value,
-                        false => otherwise,
-                    })
-                };
-                product *= if_rough(smoothed, 1.0);
-                sums.log_determinants_prime += if_rough(fitted, 0.0);
+                let is_rough = penalty.simd_gt(Lanes::ZERO);
+                product *= is_rough.select(smoothed, Lanes::ONE);
+                sums.log_determinants_prime += is_rough.select(fitted, Lanes::ZERO);
             }
             if mode % 4 == 3 {
-                let is_small = |product: f64| product < SMALL && product > 0.0;
-                while product.to_array().into_iter().any(is_small) {
-                    halvings += product.map(|one| if is_small(one) { SMALL_HALVINGS } else { 0.0 });
-                    product = product.map(|one| if is_small(one) { one / SMALL } else { one });
+                let is_small = |product: Lanes| {
+                    product.simd_lt(Lanes::splat(SMALL)) & product.simd_gt(Lanes::ZERO)
+                };
+                while is_small(product).any() {
+                    let is_small = is_small(product);
+                    product = is_small.select(product * (1.0 / SMALL), product);
+                    halvings += is_small.select(Lanes::splat(SMALL_HALVINGS), Lanes::ZERO);
                 }
             }
         }
@@ -141,9 +139,9 @@ impl Sums<Lanes> {
         sums.residual_prime *= Lanes::splat(2.0);
         // If the surface fits all readings exactly, rounding errors could make the sum of squared residuals zero or
         // negative. Therefore the sum is at least `rest`.
-        let rest = f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE;
-        sums.residual = sums.residual.map(|sum| sum.max(rest));
-        sums.penalised = sums.penalised.map(|sum| sum.max(rest));
+        let rest = Lanes::splat(f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE);
+        sums.residual = sums.residual.max(rest);
+        sums.penalised = sums.penalised.max(rest);
         std::array::from_fn(|place| {
             let lane = |lanes: Lanes| lanes.to_array()[place];
             Sums {
