@@ -11,6 +11,7 @@ mod shape_map;
 mod shape_report;
 mod slope_agreement;
 mod start;
+mod wave_test;
 
 use nalgebra::{Point3, Vector3};
 use palpate_statistics::evenly_spaced;

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, SymmetricEigen};
 
 use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
-use super::{Candidate, Shape, start};
+use super::{Candidate, Shape, start, wave_test};
 
 /// At this p-value of the most probable shape, "none of these shapes" is as probable as this shape.
 const NONE_P_VALUE: f64 = 0.01;
@@ -27,7 +27,8 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
 /// The index of the most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
 /// The shapes are compared by the Bayesian information criterion. The probability of "none of these" is 0.01 / p times
-/// the probability of the best shape. Here p is the p-value of the best shape's test for lack of fit.
+/// the probability of the best shape. Here p is the smaller of two p-values of the best
+/// shape: of the test for lack of fit, and of the test for a wave.
 pub(super) fn choose(
     candidates: &[Candidate],
     stated: StatedNoise,
@@ -61,7 +62,9 @@ pub(super) fn choose(
         .iter()
         .map(|one| libm::exp(0.5 * (least - one)))
         .collect();
-    let none = NONE_P_VALUE / candidates[chosen].lack.p_value.max(f64::MIN_POSITIVE);
+    let Candidate { solution, lack } = &candidates[chosen];
+    let of_wave = wave_test::p_value(&solution.pose, used, lack.correlations[0]);
+    let none = NONE_P_VALUE / lack.p_value.min(of_wave).max(f64::MIN_POSITIVE);
     let total = weights.iter().sum::<f64>() + none;
     let shares = weights.iter().map(|weight| weight / total);
     let mut probabilities = [0.0; 4];
