@@ -10,6 +10,15 @@ use super::robust_fit::Solution;
 const MAX_CELLS: usize = 32;
 const MIN_CONTACTS: usize = 5;
 const MIN_CELLS: usize = 12;
+/// Largest number of contacts from which the levels of a coordinate are found.
+const LEVEL_CONTACTS: usize = 2000;
+/// Coordinates that differ by less than this share of the contacts' spread are of the same level.
+const LEVEL_TOLERANCE: f64 = 1e-6;
+/// Largest accepted difference between a coordinate and its level, as a share of the step between levels.
+const MAX_LEVEL_ERROR: f64 = 0.05;
+/// A coordinate counts as rounded only if the ratio of the distances from the shape to the rounding errors is at most
+/// this value and at least its inverse.
+const MAX_ROUNDING_RATIO: f64 = 2.0;
 
 /// A division of contacts into cells. `cell_of` contains the cell index of each contact.
 pub(super) struct Cells {
@@ -63,22 +72,61 @@ impl Cells {
         )
     }
 
-    /// Covariance of the fitted parameters, and its degrees of freedom. All residuals of a cell count as one residual.
-    pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
+    /// Divides contacts into the levels of a coordinate that was rounded, such as the heights of a scan whose voxels are
+    /// larger than its noise. `None` if the coordinate along which the surface faces has no such levels, or if the
+    /// distances from the shape are not as large as the rounding errors.
+    pub(super) fn of_levels(solution: &Solution, cloud: &Cloud) -> Option<Self> {
+        let thinned = cloud.thinned(LEVEL_CONTACTS);
+        let normals = thinned
+            .places
+            .iter()
+            .map(|place| solution.pose.normal_at(place).abs());
+        let facing = normals.sum::<Vector3<f64>>() / thinned.places.len() as f64;
+        let axis = facing.imax();
+        let mut levels: Vec<f64> = thinned.places.iter().map(|place| place[axis]).collect();
+        levels.sort_unstable_by(f64::total_cmp);
+        levels.dedup_by(|one, other| (*one - *other).abs() < LEVEL_TOLERANCE);
+        let steps = levels.windows(2).map(|pair| pair[1] - pair[0]);
+        let step = steps.reduce(f64::min)?;
+        let number = |place: &Vector3<f64>| (place[axis] - levels[0]) / step;
+        let is_level = |place: &Vector3<f64>| {
+            let number = number(place);
+            (number - libm::round(number)).abs() < MAX_LEVEL_ERROR
+        };
+        let of_rounding = step * facing[axis] / 12.0_f64.sqrt();
+        let share = solution.variances[0].sqrt() / of_rounding;
+        let are_levels = levels.len() * MIN_CONTACTS <= thinned.places.len()
+            && (1.0 / MAX_ROUNDING_RATIO..=MAX_ROUNDING_RATIO).contains(&share)
+            && cloud.places.iter().all(is_level);
+        let lowest = cloud.places.iter().map(&number).fold(0.0, f64::min);
+        let cell = |place| libm::round(number(place) - lowest) as usize;
+        are_levels.then(|| {
+            let cell_of: Vec<usize> = cloud.places.iter().map(cell).collect();
+            let count = cell_of.iter().max().map_or(0, |last| last + 1);
+            Self { cell_of, count }
+        })
+    }
+
+    /// Number of cells minus the number of fitted parameters, but at least 1.
+    pub(super) fn freedom(&self, pose: &Pose) -> usize {
+        self.count.saturating_sub(pose.unknowns()).max(1)
+    }
+
+    pub(super) const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Covariance of the fitted parameters. All residuals of a cell count as one residual.
+    pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> Gram {
         let weights = solution.weights();
         let mut sums = vec![Row::zeros(); self.count];
         for (index, &cell) in self.cell_of.iter().enumerate() {
             sums[cell] += Equations::gradient(&solution.pose, cloud, index, weights);
         }
-        let freedom = self.count.saturating_sub(solution.pose.unknowns()).max(1);
-        let scale = self.count as f64 / freedom as f64;
         let spread = sums
             .iter()
             .fold(Gram::zeros(), |all, sum| all + sum * sum.transpose());
-        (
-            solution.inverse * spread * solution.inverse * scale,
-            freedom,
-        )
+        solution.inverse * spread * solution.inverse
     }
 }
 

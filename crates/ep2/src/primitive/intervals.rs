@@ -38,15 +38,25 @@ pub(super) fn curvature_interval(
         + grams[1] * (lack.correlations[1] / solution.variances[1]);
     let mut covariance = solution.inverse * spread * solution.inverse;
     let mut half_width = student_half_width(PROBABILITY, freedom.clamp(1.0, 1e6) as usize);
+    let mut widen = |other: Gram, wide: f64| {
+        let variance = |covariance: &Gram| covariance[(CURVATURE, CURVATURE)];
+        if wide * wide * variance(&other) > half_width * half_width * variance(&covariance) {
+            (covariance, half_width) = (other, wide);
+        }
+    };
     if lack.p_value < MISFIT_P_VALUE
         && let Some(cells) = Cells::new(&solution.pose, cloud)
     {
-        let (of_cells, freedom) = cells.covariance(solution, cloud);
+        let freedom = cells.freedom(&solution.pose);
+        let scale = cells.count() as f64 / freedom as f64;
         let wide = student_half_width(PROBABILITY, freedom);
-        let variance = |covariance: &Gram| covariance[(CURVATURE, CURVATURE)];
-        if wide * wide * variance(&of_cells) > half_width * half_width * variance(&covariance) {
-            (covariance, half_width) = (of_cells, wide);
-        }
+        widen(cells.covariance(solution, cloud) * scale, wide);
+    }
+    // Rounding errors on a level have every value between plus and minus half a step, so their sum is small except at
+    // the edge of the patch. They are no random sample, so their number does not limit the degrees of freedom.
+    if let Some(levels) = Cells::of_levels(solution, cloud) {
+        let wide = student_half_width(PROBABILITY, cloud.places.len());
+        widen(levels.covariance(solution, cloud), wide);
     }
     let std = covariance[(CURVATURE, CURVATURE)].max(0.0).sqrt();
     let curvature = solution.pose.curvature;

@@ -181,6 +181,27 @@ fn short_waves_are_no_correlated_noise() {
     }
 }
 
+/// Scans of a ball whose heights are rounded to steps that are much larger than the noise.
+#[test]
+fn intervals_of_rounded_heights_hold_the_radius() {
+    let held = (0..40).filter(|case| {
+        let random = &mut Random::new(46_000 + case);
+        let [step, side] = [random.between(0.4, 1.0), random.between(10.0, 16.0)];
+        let phase = random.uniform();
+        let places = (-25..=25).flat_map(|x| (-25..=25).map(move |y| [x, y].map(f64::from)));
+        let scan = places.enumerate().map(|(row, place)| {
+            let [x, y] = place.map(|one| one / 25.0 * side);
+            let height = (20.0_f64.powi(2) - x * x - y * y).max(0.0).sqrt();
+            let rounded = (height / step + phase).round() * step;
+            (x.hypot(y) < side).then(|| Contact::new(row, Point3::new(x, y, rounded), None))
+        });
+        let scan: Vec<Contact> = scan.flatten().collect();
+        holds(&sphere(&scan), 20.0)
+    });
+    let held = held.count();
+    assert!(held >= 36, "{held}");
+}
+
 fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
     noisy(random, &exact, each, 0.05, Some(0.01))
