@@ -319,7 +319,7 @@ impl ShapeSettings {
         let fingers: Vec<usize> = fingers
             .filter_map(|(one, used)| used.then_some(*one))
             .collect();
-        let candidates: Vec<Candidate> = fits
+        let mut candidates: Vec<Candidate> = fits
             .drain(..)
             .map(|fit| {
                 let solution = match fit.is_used == is_used {
@@ -338,7 +338,10 @@ impl ShapeSettings {
             Some(_) => (0, None),
             None => choose(&candidates, stated, &used),
         };
-        let candidate = &candidates[chosen];
+        let candidate = &mut candidates[chosen];
+        if used.normals.is_empty() {
+            candidate.solution.pose = candidate.solution.within_noise();
+        }
         let readings = EffectiveReadings {
             contacts: contacts.len() - outliers.len(),
             distinct: used.places.len(),

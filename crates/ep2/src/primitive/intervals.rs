@@ -15,7 +15,7 @@ const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
 const MISFIT_P_VALUE: f64 = 0.01;
 /// The curvature counts as determined only if the ratio of the noise to the spread of the contacts is at most this
 /// value. With larger noise, errors of positions along the surface make the fitted radius too small.
-const MAX_RELATIVE_NOISE: f64 = 0.1;
+pub(super) const MAX_RELATIVE_NOISE: f64 = 0.1;
 
 /// Interval of the curvature of a fitted shape, with the spread of the contacts as unit of length.
 #[derive(Clone, Copy, Debug)]

@@ -4,6 +4,7 @@
 use nalgebra::{SymmetricEigen, Vector3};
 use palpate_statistics::student_half_width;
 
+use super::intervals::MAX_RELATIVE_NOISE;
 use super::pose::{CURVATURE, Cloud, Equations, Gram, Pose, Row, UNKNOWNS};
 use super::start::{middle, starts};
 use crate::Shape;
@@ -288,6 +289,23 @@ impl Solution {
         let [sensor, slope] = Weights::new(&self.pose, self.variances).normals;
         let bending = slope * self.pose.curvature * self.pose.curvature;
         bending / (sensor + bending)
+    }
+
+    /// The fitted shape without the bias of noisy positions. Errors of a position along a curved surface move it outward
+    /// on average, by σ_p²k on a sphere and by half of this on a cylinder. Here σ_p is the standard deviation of each
+    /// coordinate, and k the curvature. The surface is moved back by this length.
+    pub(super) fn within_noise(&self) -> Pose {
+        let pose = self.pose;
+        let [_, slope] = Weights::new(&pose, self.variances).normals;
+        let outward = slope * pose.curvature;
+        let stretch = 1.0 - outward * pose.curvature;
+        // If the noise is not small compared with the radius, it is not known how far the surface must be moved.
+        if stretch < 1.0 - MAX_RELATIVE_NOISE * MAX_RELATIVE_NOISE {
+            return pose;
+        }
+        let point = pose.point - pose.axis(2) * outward;
+        let (normal, axis) = (pose.axis(2), pose.axis(0));
+        Pose::new(pose.shape, point, normal, axis, pose.curvature / stretch)
     }
 
     pub(super) fn weights(&self) -> [f64; 2] {

@@ -202,6 +202,21 @@ fn intervals_of_rounded_heights_hold_the_radius() {
     assert!(held >= 36, "{held}");
 }
 
+/// Errors of positions along a ball move them outward on average, which many contacts show.
+#[test]
+fn noise_along_a_ball_does_not_enlarge_it() {
+    let held = (0..10).filter(|case| {
+        let random = &mut Random::new(47_000 + case);
+        let contacts = (0..20_000).map(|row| {
+            let place = random.vector().normalize() * 20.0 + random.vector() * 0.4;
+            Contact::new(row, Point3::from(place), None)
+        });
+        holds(&sphere(&contacts.collect::<Vec<_>>()), 20.0)
+    });
+    let held = held.count();
+    assert!(held >= 8, "{held}");
+}
+
 fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
     noisy(random, &exact, each, 0.05, Some(0.01))
