@@ -389,6 +389,28 @@ impl<const N: usize> SeriesFit<N> {
         (tolerance >= ROUGH && fit.chi_squared.is_finite()).then_some(fit)
     }
 
+    /// The fit with a prior for the coefficients after the first `terms` terms, to first order. The prior of the tensor
+    /// T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the largest principal curvature
+    /// `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3 k³.
+    pub(crate) fn with_prior(&self, terms: usize, curvature: f64, variance: f64) -> Option<Self> {
+        let mut fit = self.clone();
+        let mut gradient = SVector::<f64, N>::zeros();
+        for term in terms..self.shape.terms {
+            let std = (term + 2) as f64 * curvature.powi(term as i32 + 1);
+            let mut weight = variance / (std * std).max(f64::EPSILON);
+            // With binomial coefficients as weights, the prior is the same in all axes.
+            for j in 0..=term + 2 {
+                let at = crate::rolled_path::coefficients(term) + j;
+                fit.information[(at, at)] += weight;
+                gradient[at] = -weight * self.shape.tensors[at];
+                weight *= (term + 2 - j) as f64 / (j + 1) as f64;
+            }
+        }
+        fit.covariance = inverse_of(&fit.information)?;
+        fit.shape = moved(&self.shape, &(fit.covariance * gradient))?.0;
+        Some(fit)
+    }
+
     /// Chi-squared of all rolls minus chi-squared without this roll, and the degrees of freedom of this difference.
     /// `None` if the other rolls do not determine the coefficients.
     /// If the noise is estimated, the result includes only the part that is due to the shared rotation errors.

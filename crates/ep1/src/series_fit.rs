@@ -405,7 +405,7 @@ impl Problem<'_> {
         let mut shape = first.shape;
         let mut all = vec![self.candidate(data, &first, 1)];
         self.more_terms::<7>(data, noise, &mut shape, &mut all);
-        self.more_terms::<12>(data, noise, &mut shape, &mut all);
+        let third = self.more_terms::<12>(data, noise, &mut shape, &mut all);
         // On a symmetric object, odd derivatives of the curvature are zero. A second term of the polynomial then does
         // not improve the fit, but a third term may. So fits with two and three terms are always tried. A fourth term
         // is tried only if one of these fits is better than the fit with one term.
@@ -439,6 +439,17 @@ impl Problem<'_> {
             let criterion = (last.criterion - best).min(6.0);
             all.push(Candidate { criterion, ..last });
         }
+        // Noisy readings may not contradict a fit with one or two terms even if the curvature changes by more, and then
+        // the estimate is biased. So the fit with three terms and a prior for the higher terms replaces its curvature.
+        for Candidate { estimate, .. } in all.iter_mut().filter(|one| one.estimate.terms < 3) {
+            let principal = estimate.curvature.principal();
+            let largest = self.radius * principal.k_max.abs().max(principal.k_min.abs());
+            let Some(fit) = &third else { break };
+            if let Some(fit) = fit.with_prior(estimate.terms, largest, self.variance(fit)) {
+                let found = self.of_fit(&fit, 3);
+                (estimate.curvature, estimate.covariance) = (found.curvature, found.covariance);
+            }
+        }
         all.sort_by(|one, other| one.criterion.total_cmp(&other.criterion));
         let weights = all
             .iter()
@@ -467,23 +478,35 @@ impl Problem<'_> {
         noise: &FitNoise,
         shape: &mut LocalShape,
         all: &mut Vec<Candidate>,
-    ) {
+    ) -> Option<SeriesFit<N>> {
         shape.terms += 1;
-        if let Some(fit) = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE) {
-            *shape = fit.shape;
-            let mut one = self.candidate(data, &fit, shape.terms);
-            // Widen the standard errors for the omitted terms. They probably change the curvature at the start as the
-            // last two terms did, but less: by the share that the last terms have in the curvature form.
-            if let Some(before) = all
-                .iter()
-                .rfind(|one| one.estimate.terms + 2 == shape.terms)
-            {
-                let ends = fit.rolls.iter().map(|roll| shape.last_share(&roll.end));
-                let apart = one.estimate.entries() - before.estimate.entries();
-                one.estimate.widen(apart * ends.fold(0.0, f64::max));
-            }
-            all.push(one);
+        let fit = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE)?;
+        *shape = fit.shape;
+        let mut one = self.candidate(data, &fit, shape.terms);
+        // Widen the standard errors for the omitted terms. They probably change the curvature at the start as the
+        // last two terms did, but less: by the share that the last terms have in the curvature form.
+        if let Some(before) = all
+            .iter()
+            .rfind(|one| one.estimate.terms + 2 == shape.terms)
+        {
+            let ends = fit.rolls.iter().map(|roll| shape.last_share(&roll.end));
+            let apart = one.estimate.entries() - before.estimate.entries();
+            one.estimate.widen(apart * ends.fold(0.0, f64::max));
         }
+        all.push(one);
+        Some(fit)
+    }
+
+    /// Factor between the inverse of the information of a fit and its covariance.
+    fn variance<const N: usize>(&self, fit: &SeriesFit<N>) -> f64 {
+        // If the terms do not describe the curvature along the rolls, the residuals on exact pads are larger than the
+        // steps between samples explain.
+        let stated = match self.places {
+            Places::Pads(_) if self.noise.is_exact() => fit.chi_squared / fit.freedom.max(1) as f64,
+            _ => 1.0,
+        };
+        fit.estimated
+            .map_or(stated.max(1.0), |noise| noise.variance)
     }
 
     /// The information criterion of Akaike for a fit.
@@ -494,20 +517,15 @@ impl Problem<'_> {
     }
 
     fn of_fit<const N: usize>(&self, fit: &SeriesFit<N>, terms: usize) -> SeriesEstimate {
-        let mut covariance = fit.covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        let covariance = fit.covariance.fixed_view::<3, 3>(0, 0) * self.variance(fit);
         let mut uncertainty = match self.noise.is_exact() {
             true => Uncertainty::NormalMobility,
             false => Uncertainty::NormalForm,
         };
         if let Some(noise) = fit.estimated {
-            covariance *= noise.variance;
             uncertainty = Uncertainty::Student(noise.freedom as usize);
         } else if self.noise.is_exact() && matches!(self.places, Places::Pads(_)) {
-            // If the terms do not describe the curvature along the rolls, the residuals are larger than the steps between
-            // samples explain.
-            let freedom = fit.freedom.max(1);
-            covariance *= (fit.chi_squared / freedom as f64).max(1.0);
-            uncertainty = Uncertainty::Student(freedom);
+            uncertainty = Uncertainty::Student(fit.freedom.max(1));
         }
         let goodness = self.is_noise_stated();
         let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));

@@ -326,6 +326,26 @@ fn trajectories_find_the_curvature_at_the_start_of_long_rolls() {
 }
 
 #[test]
+fn intervals_include_the_change_of_curvature_that_noise_hides() {
+    let (places, mut draws) = (Places::Contacts { std: 1e-3 }, Draws(14));
+    let paraboloid = Shape::Paraboloid(Graph::paraboloid(0.2).unwrap());
+    let (exact, _) = integrated(&paraboloid, (0.0, 0.0), 0.5);
+    let one = |_: &u32| {
+        let mut rolls = exact.clone();
+        for sample in rolls.iter_mut().flat_map(|roll| &mut roll.samples) {
+            sample.place += Vector2::from_fn(|_, _| draws.normal()) * 1e-3;
+        }
+        let found = estimate_series(SeriesMethod::Trajectory, 1.0, &places, &EXACT, &rolls);
+        let interval = found.unwrap().interval95(Quantity::Mean);
+        let [low, high] = interval.map(Option::unwrap);
+        assert!(high - low < 0.02, "{low} {high}");
+        low < 0.4 && 0.4 < high
+    };
+    let held = (0..100).filter(one).count();
+    assert!(held >= 86, "{held}");
+}
+
+#[test]
 fn trajectories_of_reversed_rolls_are_refused() {
     let cell = PadCell::square(1.0);
     let mut rolls = without_starts(&rolls(50.0, &cell, 0.3, &mut Draws(6)));
