@@ -9,9 +9,8 @@ mod robust_fit;
 mod shape_choice;
 mod shape_map;
 mod shape_report;
-mod slope_agreement;
 mod start;
-mod wave_test;
+mod wave_tests;
 
 use nalgebra::{Point3, Vector3};
 use palpate_statistics::evenly_spaced;

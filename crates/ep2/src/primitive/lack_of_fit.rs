@@ -9,7 +9,7 @@ use palpate_statistics::{evenly_spaced, ratio_tail};
 use super::cells::Cells;
 use super::pose::{Cloud, Pose, UNKNOWNS};
 use super::robust_fit::Solution;
-use super::slope_agreement;
+use super::wave_tests;
 use crate::effective_readings::correlation_time;
 
 /// Largest degree of the polynomial that describes the smooth deviation.
@@ -175,7 +175,7 @@ pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize])
     }
     let again = tested(solution, cloud, fingers, first.correlations);
     let slopes = match found[0] > 1.0 && found[1] > of_bending {
-        true => slope_agreement::p_value(&solution.pose, cloud, fingers),
+        true => wave_tests::of_slopes(&solution.pose, cloud, fingers),
         false => 1.0,
     };
     LackOfFit {

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, SymmetricEigen};
 
 use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
-use super::{Candidate, Shape, start, wave_test};
+use super::{Candidate, Shape, start, wave_tests};
 
 /// At this p-value of the most probable shape, "none of these shapes" is as probable as this shape.
 const NONE_P_VALUE: f64 = 0.01;
@@ -63,7 +63,7 @@ pub(super) fn choose(
         .map(|one| libm::exp(0.5 * (least - one)))
         .collect();
     let Candidate { solution, lack } = &candidates[chosen];
-    let of_wave = wave_test::p_value(&solution.pose, used, lack.correlations[0]);
+    let of_wave = wave_tests::of_distances(&solution.pose, used, lack.correlations[0]);
     let none = NONE_P_VALUE / lack.p_value.min(of_wave).max(f64::MIN_POSITIVE);
     let total = weights.iter().sum::<f64>() + none;
     let shares = weights.iter().map(|weight| weight / total);
