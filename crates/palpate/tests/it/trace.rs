@@ -210,8 +210,8 @@ fn a_traced_series_has_the_estimate_of_its_trial() {
         {
             let value = value(&estimate, quantity);
             // The table has no rotations about the normal, so the estimate assumes rolls without spin.
-            assert_close(value, cells.number(row, "mean"), 1e-3);
-            assert_close(value, 1.0 / 50.0, 0.02);
+            assert_close(value, cells.number(row, "mean"), 2e-3);
+            assert_close(value, 1.0 / 50.0, 0.05);
         }
     }
 }
