@@ -205,3 +205,7 @@ fn jpeg(bytes: &[u8]) -> Compression {
     }
     found
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;
