@@ -269,10 +269,10 @@ def memory_growth(work):
         with open("/proc/self/statm") as statm:
             return int(statm.read().split()[1]) * 4096 / 1e6
 
-    for _ in range(15):
+    for _ in range(30):
         work()
     before = resident()
-    for _ in range(50):
+    for _ in range(200):
         work()
     return resident() - before
 
@@ -307,7 +307,7 @@ def test_a_memory_leak_is_detected(once):
     assert memory_growth(leak) > MAX_GROWTH
 
 
-# Largest growth of memory in 50 runs, MB. The allocator may hide a leak of about 10 kB per run.
+# Largest growth of memory in 200 runs, MB. The allocator may hide a leak of about 10 kB per run.
 MAX_GROWTH = 1
 
 MEMORY = """
