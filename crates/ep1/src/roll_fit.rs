@@ -398,7 +398,7 @@ impl<const N: usize> SeriesFit<N> {
         for term in terms..self.shape.terms {
             let std = (term + 2) as f64 * curvature.powi(term as i32 + 1);
             let mut weight = variance / (std * std).max(f64::EPSILON);
-            // With binomial coefficients as weights, the prior is the same in all axes.
+            // With binomial coefficients as weights, the prior does not depend on the directions of the axes.
             for j in 0..=term + 2 {
                 let at = crate::rolled_path::coefficients(term) + j;
                 fit.information[(at, at)] += weight;

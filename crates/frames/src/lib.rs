@@ -35,7 +35,7 @@ pub struct Decoded {
     pub compression: Option<Compression>,
 }
 
-/// Reason why the bytes of a file are no frame.
+/// Reason why a file cannot be decoded.
 #[derive(Debug, Error)]
 pub enum FrameError {
     /// The file has no bytes.

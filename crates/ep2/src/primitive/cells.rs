@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use palpate_statistics::ratio_tail;
 
 use super::pose::{Cloud, Equations, Gram, Pose, Row};
-use super::robust_fit::Solution;
+use super::robust_fit::{MIN_STD, Solution};
 
 const MAX_CELLS: usize = 32;
 const MIN_CONTACTS: usize = 5;
@@ -61,7 +61,7 @@ impl Cells {
         }
         let between: f64 = sums.iter().map(|(sum, count)| sum * sum / count).sum();
         let total: f64 = values.iter().map(|value| value * value).sum();
-        let within = (total - between).max(0.0);
+        let within = (total - between).max(MIN_STD * MIN_STD * values.len() as f64);
         let freedom = (values.len() - self.count) as f64 / correlation;
         let of_cells = self.count.saturating_sub(unknowns);
         ratio_tail(
@@ -100,7 +100,8 @@ impl Cells {
             && cloud.places.iter().all(is_level);
         let lowest = cloud.places.iter().map(&number).fold(0.0, f64::min);
         let cell = |place| libm::round(number(place) - lowest) as usize;
-        are_levels.then(|| {
+        let cells = cloud.places.iter().map(&number).fold(0.0, f64::max) - lowest;
+        (are_levels && cells < cloud.places.len() as f64).then(|| {
             let cell_of: Vec<usize> = cloud.places.iter().map(cell).collect();
             let count = cell_of.iter().max().map_or(0, |last| last + 1);
             Self { cell_of, count }

@@ -8,7 +8,7 @@ use palpate_statistics::{evenly_spaced, ratio_tail};
 
 use super::cells::Cells;
 use super::pose::{Cloud, Pose, UNKNOWNS};
-use super::robust_fit::Solution;
+use super::robust_fit::{MIN_STD, Solution};
 use super::wave_tests;
 use crate::effective_readings::correlation_time;
 
@@ -259,7 +259,11 @@ fn tested(
     let extra = ranks(UNKNOWNS..columns);
     let rank = ranks(0..columns);
     let freedom = equations * used / cloud.places.len() as f64 - rank as f64;
-    let left = (total - explained - of_unknowns).max(0.0);
+    let mut left = (total - explained - of_unknowns).max(0.0);
+    // The residuals of exact contacts are rounding errors, which are far below the smallest variance.
+    if solution.variances[0] <= MIN_STD * MIN_STD {
+        left = left.max(freedom);
+    }
     let by_series = match extra > 0 && freedom >= 1.0 {
         true => ratio_tail(explained, extra, left, freedom as usize),
         false => 1.0,

@@ -17,7 +17,7 @@ const VARIANCE_ITERATIONS: usize = 8;
 const MIN_DECREASE: f64 = 1e-4;
 /// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller values are treated as
 /// rounding errors.
-const MIN_STD: f64 = 1e-9;
+pub(super) const MIN_STD: f64 = 1e-9;
 /// Largest allowed ratio between the estimated variances of normals and positions, in either direction. Positions are
 /// in the unit of the contacts' spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;

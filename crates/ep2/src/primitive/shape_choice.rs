@@ -27,8 +27,8 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
 /// The index of the most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
 /// The shapes are compared by the Bayesian information criterion. The probability of "none of these" is 0.01 / p times
-/// the probability of the best shape. Here p is the smaller of two p-values of the best
-/// shape: of the test for lack of fit, and of the test for a wave.
+/// the probability of the best shape. Here p is the smaller of two p-values of the best shape: of the
+/// test for lack of fit, and of the test for a wave.
 pub(super) fn choose(
     candidates: &[Candidate],
     stated: StatedNoise,

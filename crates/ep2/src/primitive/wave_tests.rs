@@ -5,15 +5,18 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use palpate_statistics::ratio_tail;
 
 use super::pose::{Cloud, Pose};
+use super::robust_fit::MIN_STD;
 use crate::patch::FingerMap;
 
 /// Largest number of contacts from which the wave is fitted.
 const MAX_CONTACTS: usize = 300;
-/// Largest number of periods of the wave along each side of the rectangle that contains the contacts.
-const MAX_PERIODS: f64 = 6.0;
-/// Differences between the numbers of periods of neighbouring waves. The waves of the first step cover all numbers of
-/// periods. Those of each later step are neighbours of the best wave.
-const STEPS: [f64; 3] = [0.5, 0.25, 0.125];
+/// Differences between the numbers of periods of neighbouring waves along each side of the rectangle that contains the
+/// contacts, and the largest number of differences. The waves of the first step have up to 6 periods. Those of each
+/// later step are neighbours of the best wave.
+const STEPS: [(f64, i32); 3] = [(0.5, 12), (0.25, 1), (0.125, 1)];
+/// A wave counts only if it explains at least this share of the sum of squared distances. The errors of rounded
+/// coordinates follow weaker waves if the contacts are on a regular grid.
+const MIN_SHARE: f64 = 0.5;
 /// Number of fitted parameters of a wave: two amplitudes and two numbers of periods.
 const PARAMETERS: usize = 4;
 /// Smallest number of pairs of blocks from which the agreement is computed.
@@ -60,16 +63,11 @@ pub(super) fn of_distances(pose: &Pose, cloud: &Cloud, correlation: f64) -> f64 
         let solved = gram
             .try_inverse()
             .map(|inverse| right.dot(&(inverse * right)));
-        solved.map_or(0.0, |explained| explained.clamp(0.0, total))
+        solved.map_or(0.0, |explained| explained.min(total))
     };
     let mut best = (0.0, Vector2::zeros());
     let mut waves = 0;
-    for step in STEPS {
-        let most = if waves == 0 {
-            libm::round(MAX_PERIODS / step) as i32
-        } else {
-            1
-        };
+    for (step, most) in STEPS {
         let middle = best.1;
         for along in -most..=most {
             for across in (if waves == 0 { 0 } else { -most })..=most {
@@ -82,14 +80,19 @@ pub(super) fn of_distances(pose: &Pose, cloud: &Cloud, correlation: f64) -> f64 
         }
         waves = waves.max((2 * most + 1) * (most + 1));
     }
-    let tail = ratio_tail(best.0, PARAMETERS, total - best.0, freedom as usize);
+    if best.0 < MIN_SHARE * total {
+        return 1.0;
+    }
+    // On exact contacts, the distances are rounding errors, which may follow a wave.
+    let left = (total - best.0).max(MIN_STD * MIN_STD * distances.len() as f64);
+    let tail = ratio_tail(best.0, PARAMETERS, left, freedom as usize);
     (f64::from(waves) * tail).min(1.0)
 }
 
 /// Compares the distances and the normals of contacts along strokes. The noise of positions and the noise of normals are
 /// independent of each other. If the distances change along a stroke as the normals tilt, both come from a surface of
-/// another shape. The result is the probability that independent noise agrees at least as well.
-/// `fingers` contains the number of the finger of each contact.
+/// another shape. The result is a p-value: the probability that the distances and the normals of independent noise agree
+/// at least as well. `fingers` contains the number of the finger of each contact.
 pub(super) fn of_slopes(pose: &Pose, cloud: &Cloud, fingers: &[usize]) -> f64 {
     // For each contact of a stroke: its distance from the shape, and its height above the shape according to the
     // normals. This height is the integral of the normals' tilt along the stroke.

@@ -167,6 +167,23 @@ fn the_right_shape_is_chosen() {
     assert!(f64::from(wrong) < 0.05 * 120.0, "{confusion:?}");
 }
 
+/// The distances of exact contacts from the right shape are rounding errors, which are no misfit.
+#[test]
+fn exact_planes_and_cylinders_are_chosen() {
+    let heights: [(fn(f64, f64) -> f64, Shape); 2] = [
+        (|x, y| 0.3 * x + 0.1 * y, Shape::Plane),
+        (|_, y| (900.0 - y * y).sqrt(), Shape::Cylinder),
+    ];
+    for (height, shape) in heights {
+        let contacts = (0..150).map(|row| {
+            let [x, y] = [f64::from(row % 30) / 1.5, f64::from(row / 30) * 4.0 - 8.0];
+            Contact::new(row as usize / 30, Point3::new(x, y, height(x, y)), None)
+        });
+        let fit = fit(None, &contacts.collect::<Vec<_>>()).unwrap();
+        assert!(fit.shape == shape && !fit.is_none_of_these(), "{fit:?}");
+    }
+}
+
 /// Waves that are shorter than the patch. Along each stroke, they look like correlated noise.
 #[test]
 fn short_waves_are_no_correlated_noise() {
