@@ -170,11 +170,11 @@ fn the_right_shape_is_chosen() {
 /// The distances of exact contacts from the right shape are rounding errors, which are no misfit.
 #[test]
 fn exact_planes_and_cylinders_are_chosen() {
-    let heights: [(fn(f64, f64) -> f64, Shape); 2] = [
-        (|x, y| 0.3 * x + 0.1 * y, Shape::Plane),
-        (|_, y| (900.0 - y * y).sqrt(), Shape::Cylinder),
-    ];
-    for (height, shape) in heights {
+    for shape in [Shape::Plane, Shape::Cylinder] {
+        let height = |x: f64, y: f64| match shape {
+            Shape::Plane => 0.3 * x + 0.1 * y,
+            _ => (900.0 - y * y).sqrt(),
+        };
         let contacts = (0..150).map(|row| {
             let [x, y] = [f64::from(row % 30) / 1.5, f64::from(row / 30) * 4.0 - 8.0];
             Contact::new(row as usize / 30, Point3::new(x, y, height(x, y)), None)
