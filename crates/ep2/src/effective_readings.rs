@@ -97,7 +97,7 @@ impl DistinctContacts {
     /// its steps are clearly shorter than the steps of a moving finger. Lost readings (such as 9999) among the contacts
     /// do not affect the result.
     pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
-        let distinct = merged(contacts, 0.0, true);
+        let distinct = Runs::new(contacts, 0.0, true).merged(contacts);
         let distinct = match rests(&distinct.contacts) {
             Some(rests) => distinct.again(rests),
             None => distinct,
@@ -121,29 +121,33 @@ impl DistinctContacts {
         if steps.iter().all(|&step| step > limit) {
             return self;
         }
-        let rests = merged(&self.contacts, limit, false);
-        let [short, all] = breaks(&self.contacts, &rests, 3.0 * limit);
+        let runs = Runs::new(&self.contacts, limit, false);
+        let [short, all] = breaks(&self.contacts, &runs, 3.0 * limit);
         if short as f64 > MAX_SHORT_BREAKS * all as f64 {
             return self;
         }
-        let share = chance_share(&self.contacts, &rests, limit);
+        let share = chance_share(&self.contacts, &runs, limit);
         let expected = share * steps.len() as f64;
-        let mut lengths = vec![0; rests.contacts.len()];
-        rests.run_of_row.iter().for_each(|&run| lengths[run] += 1);
+        let mut lengths = vec![0; runs.firsts.len()];
+        runs.of_row.iter().for_each(|&run| lengths[run] += 1);
         let found = lengths.iter().filter(|&&length| length > 1).count();
         if found as f64 > expected + MIN_CHANCE_DEVIATIONS * expected.sqrt() {
-            return self.again(rests);
+            let merged = runs.merged(&self.contacts);
+            return self.again(merged);
         }
         let is_rest = |run: usize| {
             lengths[run] > 1 && expected * share.powi(lengths[run] - 2) < MAX_CHANCE_RUNS
         };
-        let runs = self.contacts.iter().zip(&rests.run_of_row);
-        let moved = runs.map(|(contact, &run)| match is_rest(run) {
-            true => rests.contacts[run],
+        if !(0..lengths.len()).any(is_rest) {
+            return self;
+        }
+        let of_row = self.contacts.iter().zip(&runs.of_row);
+        let moved = of_row.map(|(contact, &run)| match is_rest(run) {
+            true => runs.mean(run, &self.contacts),
             false => *contact,
         });
         let moved: Vec<Contact> = moved.collect();
-        self.again(merged(&moved, 0.0, true))
+        self.again(Runs::new(&moved, 0.0, true).merged(&moved))
     }
 
     fn again(mut self, again: Self) -> Self {
@@ -161,70 +165,95 @@ pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
     DistinctContacts::without_rests(contacts).without_short_steps()
 }
 
-/// Merges consecutive contacts of each finger into runs. Each contact of a run is at most the distance `limit` away
-/// from the run's first contact. If `with_copies`, exact copies are merged too.
-fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
-    /// Sums over the contacts of a run, which are merged into one contact. Positions are relative to the first contact
-    /// of the run.
-    struct Rest {
-        sum: Vector3<f64>,
-        normal: Vector3<f64>,
-        count: f64,
+/// Consecutive contacts at nearly the same place, and exact copies of contacts, form a run.
+struct Runs {
+    /// Index of the first contact of each run.
+    firsts: Vec<usize>,
+    /// For each contact, the index of its run.
+    of_row: Vec<usize>,
+    /// Sums over the contacts of the runs of several contacts, which are few.
+    rests: HashMap<usize, Rest>,
+}
+
+/// Sums over the contacts of a run. Positions are relative to the first contact of the run.
+struct Rest {
+    sum: Vector3<f64>,
+    normal: Vector3<f64>,
+    count: f64,
+}
+
+impl Runs {
+    /// Divides the contacts of each finger into runs. Each contact of a run is at most the distance `limit` away from
+    /// the run's first contact. If `with_copies`, exact copies belong to the run of the first copy.
+    fn new(contacts: &[Contact], limit: f64, with_copies: bool) -> Self {
+        let capacity = if with_copies { contacts.len() } else { 0 };
+        let mut copies = HashMap::with_capacity(capacity);
+        let mut firsts: Vec<usize> = Vec::with_capacity(contacts.len());
+        let mut rests: HashMap<usize, Rest> = HashMap::new();
+        let mut open: FingerMap<Option<usize>> = FingerMap::default();
+        let mut of_row = Vec::with_capacity(contacts.len());
+        for (row, contact) in contacts.iter().enumerate() {
+            let position = contact.position;
+            let key = || {
+                let mut hasher = DefaultHasher::new();
+                bits_of(contact).hash(&mut hasher);
+                hasher.finish()
+            };
+            let first = |run: usize| &contacts[firsts[run]];
+            let copied = with_copies.then(|| *copies.entry(key()).or_insert(firsts.len()));
+            let is_copy =
+                |run: usize| run < firsts.len() && bits_of(first(run)) == bits_of(contact);
+            let copied = copied.filter(|&run| is_copy(run));
+            let rested = open
+                .entry(contact.finger)
+                .filter(|&run| (position - first(run).position).norm() <= limit);
+            let run = match (copied, rested) {
+                // If this contact is an exact copy of an earlier contact, it is merged with that contact, but does not
+                // change the mean of the merged contacts.
+                (Some(run), _) => run,
+                (None, Some(run)) => {
+                    let rest = rests.entry(run).or_insert_with(|| Rest {
+                        sum: Vector3::zeros(),
+                        normal: unit(first(run)),
+                        count: 1.0,
+                    });
+                    rest.sum += position - first(run).position;
+                    rest.normal += unit(contact);
+                    rest.count += 1.0;
+                    run
+                }
+                (None, None) => {
+                    firsts.push(row);
+                    *open.entry(contact.finger) = Some(firsts.len() - 1);
+                    firsts.len() - 1
+                }
+            };
+            of_row.push(run);
+        }
+        Self {
+            firsts,
+            of_row,
+            rests,
+        }
     }
-    let capacity = if with_copies { contacts.len() } else { 0 };
-    let mut copies = HashMap::with_capacity(capacity);
-    // Contacts at nearly the same place are merged into a run. `runs` contains the first contact of each run. `rests`
-    // contains the sums over the contacts of a run, but only for runs of several contacts, which are few. Therefore
-    // `rests` is a map.
-    let mut runs: Vec<Contact> = Vec::with_capacity(contacts.len());
-    let mut rests: HashMap<usize, Rest> = HashMap::new();
-    let mut open: FingerMap<Option<usize>> = FingerMap::default();
-    let mut run_of_row = Vec::with_capacity(contacts.len());
-    for contact in contacts {
-        let position = contact.position;
-        let key = || {
-            let mut hasher = DefaultHasher::new();
-            bits_of(contact).hash(&mut hasher);
-            hasher.finish()
-        };
-        let copied = with_copies.then(|| *copies.entry(key()).or_insert(runs.len()));
-        let is_copy = |first: &Contact| bits_of(first) == bits_of(contact);
-        let copied = copied.filter(|&run| runs.get(run).is_some_and(is_copy));
-        let rested = open
-            .entry(contact.finger)
-            .filter(|&run| (position - runs[run].position).norm() <= limit);
-        let run = match (copied, rested) {
-            // If this contact is an exact copy of an earlier contact, it is merged with that contact, but does not
-            // change the mean of the merged contacts.
-            (Some(run), _) => run,
-            (None, Some(run)) => {
-                let rest = rests.entry(run).or_insert_with(|| Rest {
-                    sum: Vector3::zeros(),
-                    normal: unit(&runs[run]),
-                    count: 1.0,
-                });
-                rest.sum += position - runs[run].position;
-                rest.normal += unit(contact);
-                rest.count += 1.0;
-                run
-            }
-            (None, None) => {
-                runs.push(*contact);
-                *open.entry(contact.finger) = Some(runs.len() - 1);
-                runs.len() - 1
-            }
-        };
-        run_of_row.push(run);
+
+    /// Mean of the contacts of a run.
+    fn mean(&self, run: usize, contacts: &[Contact]) -> Contact {
+        let mut mean = contacts[self.firsts[run]];
+        if let Some(rest) = self.rests.get(&run) {
+            mean.position += rest.sum / rest.count;
+            let normal = rest.normal.try_normalize(1e-6);
+            mean.normal = mean.normal.map(|first| normal.unwrap_or(first));
+        }
+        mean
     }
-    for (run, rest) in rests {
-        let mean = &mut runs[run];
-        mean.position += rest.sum / rest.count;
-        let normal = rest.normal.try_normalize(1e-6);
-        mean.normal = mean.normal.map(|first| normal.unwrap_or(first));
-    }
-    DistinctContacts {
-        contacts: runs,
-        run_of_row,
+
+    fn merged(self, contacts: &[Contact]) -> DistinctContacts {
+        let runs = 0..self.firsts.len();
+        DistinctContacts {
+            contacts: runs.map(|run| self.mean(run, contacts)).collect(),
+            run_of_row: self.of_row,
+        }
     }
 }
 
@@ -253,15 +282,15 @@ fn steps(contacts: &[Contact]) -> Vec<f64> {
     steps
 }
 
-/// Counts the steps of the fingers from one run of merged contacts to the next. Returns the number of steps that are
+/// Counts the steps of the fingers from one run to the next. Returns the number of steps that are
 /// not longer than `longest`, and the number of all steps.
-fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usize; 2] {
+fn breaks(contacts: &[Contact], runs: &Runs, longest: f64) -> [usize; 2] {
     let mut last: FingerMap<Option<usize>> = FingerMap::default();
     let [mut short, mut all] = [0, 0];
     for (index, contact) in contacts.iter().enumerate() {
         let before = last.entry(contact.finger).replace(index);
-        let runs = &merged.run_of_row;
-        if let Some(before) = before.filter(|&before| runs[before] != runs[index]) {
+        let of_row = &runs.of_row;
+        if let Some(before) = before.filter(|&before| of_row[before] != of_row[index]) {
             let step = (contact.position - contacts[before].position).norm();
             short += usize::from(step <= longest);
             all += 1;
@@ -271,15 +300,15 @@ fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usi
 }
 
 /// Share of pairs whose distance is at most `limit`, among contacts of a finger that are several steps apart in the log
-/// and belong to different runs of `rests`. In a random order, it is the share of such pairs among consecutive contacts.
-fn chance_share(contacts: &[Contact], rests: &DistinctContacts, limit: f64) -> f64 {
+/// and belong to different runs. In a random order, it is the share of such pairs among consecutive contacts.
+fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (row, contact) in contacts.iter().enumerate() {
         fingers.entry(contact.finger).push(row);
     }
     let is_near = |&(one, other): &(&usize, &usize)| {
         let distance = (contacts[*one].position - contacts[*other].position).norm();
-        rests.run_of_row[*one] != rests.run_of_row[*other] && distance <= limit
+        runs.of_row[*one] != runs.of_row[*other] && distance <= limit
     };
     let (mut near, mut all) = (0, 0);
     for lag in 2..=MAX_CHANCE_LAG {
@@ -311,14 +340,14 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
         }
         let limit = (short * long).sqrt();
         let typical = sorted[place / 2];
-        let rests = merged(contacts, limit, false);
+        let runs = Runs::new(contacts, limit, false);
         let extents = contacts
             .iter()
-            .zip(&rests.run_of_row)
-            .map(|(contact, &run)| (contact.position - rests.contacts[run].position).norm());
+            .zip(&runs.of_row)
+            .map(|(contact, &run)| (contact.position - runs.mean(run, contacts).position).norm());
         let is_still = extents.fold(0.0, f64::max) <= MAX_REST_EXTENT * typical;
-        if is_still && breaks(contacts, &rests, limit)[0] == 0 {
-            return Some(rests);
+        if is_still && breaks(contacts, &runs, limit)[0] == 0 {
+            return Some(runs.merged(contacts));
         }
     }
     None
@@ -369,7 +398,7 @@ fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
             moved[row].normal = contacts[row].normal.map(|own| normal.unwrap_or(own));
         }
     }
-    (!moved.is_empty()).then(|| merged(&moved, 0.0, true))
+    (!moved.is_empty()).then(|| Runs::new(&moved, 0.0, true).merged(&moved))
 }
 
 /// Number of consecutive residuals that count as one independent residual: 1 + 2 Σ ρ, which is at least 1. The sum of

@@ -260,22 +260,35 @@ impl ShapeSettings {
             is_good,
             ">= 0 and at most 1e150",
         )?;
-        let outward = direction(&self.outward)?.normalize();
+        direction(&self.outward)?;
         self.enough(contacts)?;
+        let sound = SoundContacts::new(contacts)?;
+        let all = &sound.distinct.contacts;
+        self.enough(all)?;
+        if self.shape.is_some() || all.len() <= MAX_COMPARED {
+            return self.fit_sound(contacts.len(), sound);
+        }
+        let selection: Vec<Contact> = evenly_spaced(all.len(), MAX_COMPARED)
+            .map(|contact| all[contact])
+            .collect();
+        let chosen = self.fit(&selection)?;
+        let stated = Self {
+            shape: Some(chosen.shape),
+            ..*self
+        };
+        Ok(stated
+            .fit_sound(contacts.len(), sound)?
+            .with_probabilities(chosen.probabilities))
+    }
+
+    /// Fits the stated shape or, if none is stated, the most probable shape to `sound`, which are the contacts without
+    /// gross outliers. `count` is the number of contacts with them.
+    fn fit_sound(&self, count: usize, sound: SoundContacts) -> Result<ShapeFit, ShapeError> {
         let SoundContacts {
             mut outliers,
             rows,
             distinct,
-        } = SoundContacts::new(contacts)?;
-        self.enough(&distinct.contacts)?;
-        let large = distinct.contacts.len() > MAX_COMPARED;
-        if self.shape.is_none() && large {
-            let all = distinct.contacts;
-            let selection: Vec<Contact> = evenly_spaced(all.len(), MAX_COMPARED)
-                .map(|contact| all[contact])
-                .collect();
-            return self.fit_chosen(contacts, &selection);
-        }
+        } = sound;
         let scaled = Scaled::new(&distinct.contacts)?;
         let stated = self.stated(scaled.scale)?;
         let cloud = &scaled.cloud;
@@ -295,7 +308,7 @@ impl ShapeSettings {
             let runs = distinct.run_of_row.iter().zip(&rows);
             let left = runs.filter(|(run, _)| !inliers[**run]).map(|(_, row)| *row);
             return Err(ShapeError::TooManyOutliers {
-                contacts: contacts.len(),
+                contacts: count,
                 outliers: left.collect(),
             });
         }
@@ -312,7 +325,7 @@ impl ShapeSettings {
             reason: OutlierReason::Misfit,
         }));
         outliers.sort_by_key(|outlier| outlier.contact);
-        let outliers = within_share(outliers, contacts.len())?;
+        let outliers = within_share(outliers, count)?;
         let used = cloud.selected(&is_used);
         let fingers = scaled.fingers.iter().zip(&is_used);
         let fingers: Vec<usize> = fingers
@@ -342,11 +355,12 @@ impl ShapeSettings {
             candidate.solution.pose = candidate.solution.within_noise();
         }
         let readings = EffectiveReadings {
-            contacts: contacts.len() - outliers.len(),
+            contacts: count - outliers.len(),
             distinct: used.places.len(),
             position_correlation: candidate.lack.correlations[0],
             normal_correlation: candidate.lack.correlations[1],
         };
+        let outward = direction(&self.outward)?.normalize();
         let fit = self.reported(candidate, &scaled, &used, outward);
         let fit = ShapeFit {
             readings,
@@ -354,23 +368,6 @@ impl ShapeSettings {
             ..fit.ok_or(Ep2Error::OutOfRange)?
         };
         Ok(fit.with_probabilities(probabilities))
-    }
-
-    /// Chooses the most probable shape for the contacts in `selection`, and fits this shape to all `contacts`. If there
-    /// are many contacts, `selection` is only a part of them.
-    fn fit_chosen(
-        &self,
-        contacts: &[Contact],
-        selection: &[Contact],
-    ) -> Result<ShapeFit, ShapeError> {
-        let chosen = self.fit(selection)?;
-        let stated = Self {
-            shape: Some(chosen.shape),
-            ..*self
-        };
-        Ok(stated
-            .fit(contacts)?
-            .with_probabilities(chosen.probabilities))
     }
 
     fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {

@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 use palpate_ep2::{
     Contact, Curvature, EffectiveReadings, Ep2Error, IndependentFit, MapPoint, Method, MisfitTest,
-    Outlier, Patch, Regions, RoundTip, Shape, ShapeFit, SoundContacts, Status, StrokeCurvature,
-    regions, stroke_curvature,
+    Outlier, Patch, Regions, RoundTip, Shape, ShapeError, ShapeFit, SoundContacts, Status,
+    StrokeCurvature, regions, stroke_curvature,
 };
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -92,7 +92,6 @@ impl<'r> GlideFitResult<'r> {
         let (all, outward) = (&recorded.contacts, Vector3::from(given.outward));
         let shape_refused = |error| shape_refused(&recorded, &error);
         let refused = |error| refused(&recorded, &error);
-        let method = GlideMethod::of(&given.estimator, given.inter_finger_distance);
         let is_side_assumed = !recorded.has_normals() && given.outward == DEFAULT_OUTWARD;
         let stroke_of = |contacts: &[Contact]| {
             let stroke = stroke_curvature(contacts, &outward)?;
@@ -101,25 +100,19 @@ impl<'r> GlideFitResult<'r> {
                 false => stroke,
             })
         };
-        let mut sound = SoundContacts::new(all).map_err(shape_refused)?;
-        if let GlideMethod::Graph(_) = method {
-            sound = sound
-                .without_misfits(all, &outward)
-                .map_err(shape_refused)?;
-        }
-        let SoundContacts {
-            outliers,
-            rows,
-            distinct,
-        } = sound;
-        let sound: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
-        let options = with_length_noise(&recorded, &sound, given)?;
+        let options = with_length_noise(&recorded, given)?;
         let stated = options.thresholds();
         let stated = stated.map_err(|error| recorded.source.fail(error.to_string()))?;
         let tip = options.tip();
         let method = GlideMethod::of(&options.estimator, options.inter_finger_distance);
         let (used, surface, stroke, centre, sides) = match method {
             GlideMethod::Graph(method) => {
+                let SoundContacts {
+                    outliers,
+                    rows,
+                    distinct,
+                } = near_surface(all, &outward).map_err(shape_refused)?;
+                let sound: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
                 let contacts = |tip: RoundTip| tip.contacts(&sound, &outward, &method);
                 let of_tips = tip.map(contacts).transpose().map_err(refused)?;
                 let distinct = Some(distinct).filter(|_| of_tips.is_none());
@@ -488,18 +481,29 @@ impl<'r> GlideFitResult<'r> {
     }
 }
 
+/// The contacts without gross outliers and without contacts that contradict a smooth surface.
+fn near_surface(contacts: &[Contact], outward: &Vector3<f64>) -> Result<SoundContacts, ShapeError> {
+    SoundContacts::new(contacts)?.without_misfits(contacts, outward)
+}
+
 /// The options, with the position noise as a length. If the noise is stated as a fraction, it is multiplied by the
 /// stated or measured distance between fingers.
 fn with_length_noise(
     recorded: &GlideRecording,
-    contacts: &[Contact],
     options: &GlideOptions,
 ) -> Result<GlideOptions, RecordedError> {
     let mut options = options.clone();
     if options.estimator.position_fraction_of_ifd().is_none() {
         return Ok(options);
     }
-    let patch = Patch::new(contacts, &Vector3::from(options.outward));
+    let (all, outward) = (&recorded.contacts, Vector3::from(options.outward));
+    let sound = match GlideMethod::of(&options.estimator, options.inter_finger_distance) {
+        GlideMethod::Graph(_) => near_surface(all, &outward),
+        GlideMethod::Shape(_) => SoundContacts::new(all),
+    };
+    let sound = sound.map_err(|error| shape_refused(recorded, &error))?;
+    let contacts: Vec<Contact> = sound.rows.iter().map(|&row| all[row]).collect();
+    let patch = Patch::new(&contacts, &outward);
     let patch = patch.map_err(|error| refused(recorded, &error))?;
     let found = patch.finger_distance;
     let found = found.map(|distance| distance * patch.frame.scale());

@@ -7,6 +7,7 @@ use palpate::{Trace, TraceError, load, resolved};
 use palpate_report::{
     Figure, Files, Study, claims_table, figures, page, press_figures, score, scorecard_lines,
 };
+use rayon::prelude::*;
 
 use crate::cli::{PlotArgs, ReportArgs, TraceArgs};
 use crate::failure::Failure;
@@ -63,14 +64,16 @@ fn id_of(study: &Study) -> Result<StudyId, Failure> {
 
 /// File names and contents of figures: an SVG file and a PNG file for each figure.
 pub(crate) fn drawings(figures: &[Figure]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let mut files = Vec::new();
-    for figure in figures {
+    let both = |figure: &Figure| {
         let png = figure.png().map_err(Failure::work)?;
         let svg = figure.svg.clone().into_bytes();
-        files.push((format!("{}.svg", figure.name), svg));
-        files.push((format!("{}.png", figure.name), png));
-    }
-    Ok(files)
+        Ok([
+            (format!("{}.svg", figure.name), svg),
+            (format!("{}.png", figure.name), png),
+        ])
+    };
+    let files: Result<Vec<_>, Failure> = figures.par_iter().map(both).collect();
+    Ok(files?.into_iter().flatten().collect())
 }
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
