@@ -186,24 +186,19 @@ impl Runs {
     /// Divides the contacts of each finger into runs. Each contact of a run is at most the distance `limit` away from
     /// the run's first contact. If `with_copies`, exact copies belong to the run of the first copy.
     fn new(contacts: &[Contact], limit: f64, with_copies: bool) -> Self {
-        let capacity = if with_copies { contacts.len() } else { 0 };
-        let mut copies = HashMap::with_capacity(capacity);
+        let copies = if with_copies {
+            copies(contacts)
+        } else {
+            HashMap::new()
+        };
         let mut firsts: Vec<usize> = Vec::with_capacity(contacts.len());
         let mut rests: HashMap<usize, Rest> = HashMap::new();
         let mut open: FingerMap<Option<usize>> = FingerMap::default();
-        let mut of_row = Vec::with_capacity(contacts.len());
+        let mut of_row: Vec<usize> = Vec::with_capacity(contacts.len());
         for (row, contact) in contacts.iter().enumerate() {
             let position = contact.position;
-            let key = || {
-                let mut hasher = DefaultHasher::new();
-                bits_of(contact).hash(&mut hasher);
-                hasher.finish()
-            };
             let first = |run: usize| &contacts[firsts[run]];
-            let copied = with_copies.then(|| *copies.entry(key()).or_insert(firsts.len()));
-            let is_copy =
-                |run: usize| run < firsts.len() && bits_of(first(run)) == bits_of(contact);
-            let copied = copied.filter(|&run| is_copy(run));
+            let copied = copies.get(&row).map(|&first| of_row[first]);
             let rested = open
                 .entry(contact.finger)
                 .filter(|&run| (position - first(run).position).norm() <= limit);
@@ -255,6 +250,24 @@ impl Runs {
             run_of_row: self.of_row,
         }
     }
+}
+
+/// For each exact copy of an earlier contact, the index of the first such contact.
+fn copies(contacts: &[Contact]) -> HashMap<usize, usize> {
+    let hash = |contact: &Contact| {
+        let mut hasher = DefaultHasher::new();
+        bits_of(contact).hash(&mut hasher);
+        hasher.finish()
+    };
+    // Sorting is faster than a map of all contacts, because most contacts have no copy.
+    let hashes = contacts.iter().map(hash).zip(0..);
+    let mut hashes: Vec<(u64, usize)> = hashes.collect();
+    hashes.sort_unstable();
+    let equal = hashes.chunk_by(|one, other| one.0 == other.0);
+    let pairs = equal.flat_map(|rows| rows[1..].iter().map(|row| (row.1, rows[0].1)));
+    let is_copy =
+        |&(row, first): &(usize, usize)| bits_of(&contacts[row]) == bits_of(&contacts[first]);
+    pairs.filter(is_copy).collect()
 }
 
 /// The contact's normal with length 1; zeros for a contact without a normal.

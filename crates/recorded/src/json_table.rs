@@ -1,10 +1,15 @@
 //! Tables in JSON: one object per line, a list of objects or of rows, an object with one list per column, or an object
 //! that contains a list of objects.
 
-use std::collections::HashMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+use std::fmt;
 
 use csv::StringRecord;
 use palpate_study::readings::spelt;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_json::value::RawValue;
 use serde_json::{Map, Value as Json};
 
 use super::error::RecordedError;
@@ -22,10 +27,14 @@ pub(super) const MAX_FINGERS: usize = 5;
 const MAX_COMPONENTS: usize = 4;
 
 enum Rows<'a> {
-    /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows.
-    Sequence(Text<'a>),
+    /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows. If `names` is not
+    /// `None`, each item is a list of the values of the columns with these names.
+    Sequence {
+        text: Text<'a>,
+        names: Option<Vec<String>>,
+    },
     Records(Vec<Json>),
-    Columns(Vec<Vec<Json>>),
+    Columns(Vec<Vec<&'a RawValue>>),
 }
 
 pub(super) struct JsonTable<'a> {
@@ -44,23 +53,32 @@ impl<'a> JsonTable<'a> {
         label: Option<&str>,
     ) -> Result<(Self, Vec<String>), RecordedError> {
         let mut table = Self {
-            rows: Rows::Sequence(text),
+            rows: Rows::Sequence { text, names: None },
             names: Vec::new(),
             header_line,
         };
-        if let Ok(object) = serde_json::from_str(text.all) {
-            if let Some(rows) = match records(file, &object)? {
+        if let Some(rows) = split(file, text)? {
+            table.rows = rows;
+        } else if let Some((names, columns)) = columns(file, text)? {
+            table.rows = Rows::Columns(columns);
+            table.names.clone_from(&names);
+            return Ok((table, names));
+        } else if let Ok(object) = serde_json::from_str(text.all) {
+            let rows = match records(&object) {
                 Some(rows) => Some(rows),
                 None => nested(file, &object)?,
-            } {
-                table.rows = Rows::Records(rows);
-            } else if let Some((names, columns)) = columns(file, object)? {
-                table.rows = Rows::Columns(columns);
-                table.names.clone_from(&names);
-                return Ok((table, names));
-            }
+            };
+            table.rows = rows.map_or(table.rows, Rows::Records);
         }
-        let first = table.objects(file).next().transpose()?;
+        let first = match &table.rows {
+            Rows::Sequence { text, names } => {
+                let first = texts(file, *text).next().transpose()?;
+                let value = |(row, line)| Ok((value(file, names.as_deref(), line, row)?, line));
+                first.map(value).transpose()?
+            }
+            Rows::Records(rows) => rows.first().map(|row| (row.clone(), 1)),
+            Rows::Columns(_) => None,
+        };
         let (first, line) = first.unwrap_or((Json::Null, header_line));
         if let Some(label) = label.filter(|_| has_series(&first)) {
             return Err(file.error(format!(
@@ -86,64 +104,175 @@ impl<'a> JsonTable<'a> {
         }
     }
 
-    /// The JSON object of each row, with a number for messages: the line of the object or, if the whole list is written
-    /// in one line, the number of the object, counted from 1.
-    fn objects<'f>(&'f self, file: &'f RecordedFile) -> Box<dyn Iterator<Item = Object> + 'f> {
-        match &self.rows {
-            Rows::Sequence(text) => {
-                let is_one_line = text.rows_after(0).nth(1).is_none();
-                let objects = Elements::of(file, *text).zip(1..);
-                Box::new(objects.map(move |(object, place)| {
-                    let (object, line) = object?;
-                    Ok((object, if is_one_line { place } else { line }))
-                }))
-            }
-            Rows::Records(rows) => Box::new(rows.iter().cloned().zip(1..).map(Ok)),
-            Rows::Columns(_) => Box::new(std::iter::empty()),
-        }
-    }
-
     pub(super) fn rows(
         &self,
         file: &RecordedFile,
         mut take: impl FnMut(Record<'_>) -> RowResult,
     ) -> RowResult {
-        if let Rows::Columns(columns) = &self.rows {
-            for row in 0..columns.first().map_or(0, Vec::len) {
-                let fields = columns.iter().map(|column| scalar(&column[row]));
-                take(Record {
-                    line: row + 1,
-                    is_after_gap: false,
-                    fields: &fields.collect(),
-                })?;
-            }
-            return Ok(());
-        }
-        let is_list = matches!(self.rows, Rows::Sequence(text) if is_list(text));
-        let mut before = self.header_line;
-        for object in self.objects(file) {
-            let (object, line) = object?;
-            let values: HashMap<String, String> = pairs(file, line, &object)?.into_iter().collect();
-            let mut fields = StringRecord::new();
-            for name in &self.names {
-                let value = values.get(name);
-                let keys = values.keys().filter(|_| value.is_none());
-                let keys = keys.filter(|key| is_within(key, name) || is_within(name, key));
-                if let Some(key) = keys.min() {
-                    let message = format!("has `{key}`, but the first row has `{name}`");
-                    return Err(file.fail(line, message));
-                }
-                fields.push_field(value.map_or("", String::as_str));
-            }
+        let mut fields = StringRecord::new();
+        let mut take = |line: usize, is_after_gap: bool, fields: &StringRecord| {
             take(Record {
                 line,
-                is_after_gap: !is_list && line > before + 1,
-                fields: &fields,
-            })?;
-            before = line;
+                is_after_gap,
+                fields,
+            })
+        };
+        match &self.rows {
+            Rows::Sequence { text, names } => {
+                let names = names.as_deref();
+                let (is_list, places) = (is_list(*text), self.places(names));
+                let mut before = self.header_line;
+                for row in texts(file, *text) {
+                    let (row, line) = row?;
+                    fields.clear();
+                    match self.plain_values(row, &places) {
+                        Some(values) => values.iter().for_each(|value| fields.push_field(value)),
+                        None => {
+                            let row = value(file, names, line, row)?;
+                            self.nested_values(file, line, &row, &mut fields)?;
+                        }
+                    }
+                    take(line, !is_list && line > before + 1, &fields)?;
+                    before = line;
+                }
+            }
+            Rows::Records(rows) => {
+                for (row, number) in rows.iter().zip(1..) {
+                    fields.clear();
+                    self.nested_values(file, number, row, &mut fields)?;
+                    take(number, false, &fields)?;
+                }
+            }
+            Rows::Columns(columns) => {
+                for row in 0..columns.first().map_or(0, Vec::len) {
+                    fields.clear();
+                    for column in columns {
+                        fields.push_field(&plain(column[row]).unwrap_or_default());
+                    }
+                    take(row + 1, false, &fields)?;
+                }
+            }
         }
         Ok(())
     }
+
+    /// For each column, the place of its value in a row that is a list. `None` if rows have no such value. `names` are
+    /// the names of the values; without names, a column is named by the place.
+    fn places(&self, names: Option<&[String]>) -> Option<Vec<usize>> {
+        let place = |name: &String| match names {
+            Some(names) => names.iter().position(|one| one == name),
+            None => name.parse().ok(),
+        };
+        self.names.iter().map(place).collect()
+    }
+
+    /// Values of a row that contains exactly the columns of the table, without lists and objects; otherwise `None`.
+    /// `places` contains the places of the columns in a row that is a list.
+    fn plain_values<'v>(
+        &self,
+        row: &'v str,
+        places: &Option<Vec<usize>>,
+    ) -> Option<Vec<Cow<'v, str>>> {
+        let count = self.names.len();
+        if row.starts_with('[') {
+            let values: Vec<&RawValue> = serde_json::from_str(row).ok()?;
+            let places = places.as_ref().filter(|_| values.len() == count)?.iter();
+            return places.map(|&place| plain(values.get(place)?)).collect();
+        }
+        let values: BTreeMap<&str, &RawValue> = serde_json::from_str(row).ok()?;
+        let names = Some(&self.names).filter(|_| values.len() == count)?.iter();
+        names.map(|name| plain(values.get(&**name)?)).collect()
+    }
+
+    /// Adds the values of a row, whose lists and objects are divided into columns, to `fields`.
+    fn nested_values(
+        &self,
+        file: &RecordedFile,
+        line: usize,
+        row: &Json,
+        fields: &mut StringRecord,
+    ) -> RowResult {
+        let values: HashMap<String, String> = pairs(file, line, row)?.into_iter().collect();
+        for name in &self.names {
+            let value = values.get(name);
+            let keys = values.keys().filter(|_| value.is_none());
+            let keys = keys.filter(|key| is_within(key, name) || is_within(name, key));
+            if let Some(key) = keys.min() {
+                let message = format!("has `{key}`, but the first row has `{name}`");
+                return Err(file.fail(line, message));
+            }
+            fields.push_field(value.map_or("", String::as_str));
+        }
+        Ok(())
+    }
+}
+
+/// Rows and columns of a table that pandas wrote with the orientation `split`; `None` if it is no such table. Returns an
+/// error if a column occurs twice.
+fn split<'a>(file: &RecordedFile, text: Text<'a>) -> Result<Option<Rows<'a>>, RecordedError> {
+    #[derive(Deserialize)]
+    struct Split<'a> {
+        columns: Vec<Json>,
+        #[serde(borrow)]
+        data: &'a RawValue,
+    }
+    // A list of two rows would also be accepted as this structure.
+    let object = text.all.trim_start().starts_with('{');
+    let parsed = object.then(|| serde_json::from_str::<Split<'_>>(text.all).ok());
+    let Some(Split { columns, data }) = parsed.flatten() else {
+        return Ok(None);
+    };
+    let names: Vec<String> = columns.iter().map(scalar).collect();
+    if let Some(name) = (1..names.len()).find(|&at| names[..at].contains(&names[at])) {
+        let message = format!("column `{}` occurs twice; rename one of them", names[name]);
+        return Err(file.fail(1, message));
+    }
+    let rows = data.get();
+    let start = text.all.find(rows).unwrap_or_default();
+    let lines = text.all[..start].matches(text.end).count();
+    let text = Text {
+        all: rows,
+        end: text.end,
+        line: text.line + lines,
+    };
+    let names = Some(names);
+    Ok(is_list(text).then_some(Rows::Sequence { text, names }))
+}
+
+/// The text of each row, with a number for messages: the line of the row or, if the whole list is written in one line,
+/// the number of the row, counted from 1.
+fn texts<'a>(
+    file: &'a RecordedFile,
+    text: Text<'a>,
+) -> impl Iterator<Item = Result<(&'a str, usize), RecordedError>> {
+    let is_one_line = text.rows_after(0).nth(1).is_none();
+    Elements::of(file, text).zip(1..).map(move |(row, place)| {
+        let (row, line) = row?;
+        Ok((row, if is_one_line { place } else { line }))
+    })
+}
+
+/// The value of a row. If `names` are the names of its values, it is an object. Returns an error if the row has another
+/// number of values than there are names.
+fn value(
+    file: &RecordedFile,
+    names: Option<&[String]>,
+    line: usize,
+    row: &str,
+) -> Result<Json, RecordedError> {
+    let row = serde_json::from_str(row).map_err(|error| no_json(file, line, row, &error))?;
+    let Some(names) = names else {
+        return Ok(row);
+    };
+    let values = match row {
+        Json::Array(values) => values,
+        _ => Vec::new(),
+    };
+    if values.len() != names.len() {
+        let (found, expected) = (values.len(), names.len());
+        return Err(file.fail(line, format!("{found} values for {expected} columns")));
+    }
+    Ok(Json::Object(names.iter().cloned().zip(values).collect()))
 }
 
 /// Whether the column `key` is a component of the value `name`, such as `position.0` of `position`.
@@ -229,58 +358,76 @@ fn single_values(object: &Map<String, Json>, path: &str, values: &mut Vec<(Strin
 /// Names and values of the columns, if the object has one list per column; otherwise `None`. Single values of the
 /// object are added to each row.
 #[expect(clippy::type_complexity, reason = "names and values of the columns")]
-fn columns(
+fn columns<'a>(
     file: &RecordedFile,
-    object: Map<String, Json>,
-) -> Result<Option<(Vec<String>, Vec<Vec<Json>>)>, RecordedError> {
-    let is_scalar = |item: &Json| !item.is_array() && !item.is_object();
-    let is_column = |value: &Json| match value {
-        Json::Array(items) => items.iter().all(is_scalar),
-        // pandas writes a column as an object, with the number of the row as the key of each value.
-        Json::Object(items) => items
-            .iter()
-            .all(|(row, item)| row.parse::<u64>().is_ok() && is_scalar(item)),
-        _ => false,
-    };
-    // A long list is a column. A short list may instead be a vector in a table with a single row, unless its name
-    // denotes one axis.
-    let is_long = |value: &Json| value.as_array().map_or(0, Vec::len) > MAX_COMPONENTS;
-    let is_list = |value: &Json| value.is_array() || value.is_object();
-    let (lists, shared): (Vec<_>, Vec<_>) =
-        object.into_iter().partition(|(_, value)| is_list(value));
-    let count = lists.len();
-    let is_table = (lists.iter()).any(|(name, value)| is_of_axis(name) || is_long(value));
-    if !is_table || !(2..=MAX_KEYS).contains(&count) || !lists.iter().all(|(_, one)| is_column(one))
-    {
-        return Ok(None);
-    }
-    let (mut names, mut columns) = (Vec::new(), Vec::<Vec<Json>>::new());
-    for (name, value) in lists {
-        let column: Vec<Json> = match value {
-            Json::Array(items) => items,
-            Json::Object(items) => {
-                let mut items: Vec<(String, Json)> = items.into_iter().collect();
-                items.sort_by_key(|(row, _)| row.parse::<u64>().unwrap_or_default());
-                items.into_iter().map(|(_, item)| item).collect()
+    text: Text<'a>,
+) -> Result<Option<(Vec<String>, Vec<Vec<&'a RawValue>>)>, RecordedError> {
+    let object = serde_json::from_str::<BTreeMap<String, &RawValue>>(text.all);
+    let (mut names, mut columns, mut shared) = (Vec::new(), Vec::new(), Vec::new());
+    let mut is_table = false;
+    for (name, value) in object.unwrap_or_default() {
+        let column = match value.get() {
+            list if list.starts_with('[') => serde_json::from_str::<Vec<&RawValue>>(list),
+            rows if rows.starts_with('{') => {
+                serde_json::from_str(rows).map(|NumberedRows(rows)| rows)
             }
-            _ => Vec::new(),
+            _ => {
+                shared.push((name, value));
+                continue;
+            }
         };
-        if let Some(first) = columns.first().filter(|first| first.len() != column.len()) {
-            let (own, other) = (column.len(), first.len());
-            return Err(file.error(format!(
-                "has columns of different lengths: `{}` has {other} values, `{name}` has {own}",
-                names[0]
-            )));
-        }
+        let is_column = |column: &Vec<&RawValue>| column.iter().all(|value| plain(value).is_some());
+        let Some(column) = column.ok().filter(is_column) else {
+            return Ok(None);
+        };
+        // A long list is a column. A short list may instead be a vector in a table with a single row, unless its name
+        // denotes one axis.
+        let is_long = value.get().starts_with('[') && column.len() > MAX_COMPONENTS;
+        is_table |= is_of_axis(&name) || is_long;
         names.push(name);
         columns.push(column);
     }
+    if !is_table || !(2..=MAX_KEYS).contains(&columns.len()) {
+        return Ok(None);
+    }
     let rows = columns[0].len();
+    let mut others = names.iter().zip(&columns);
+    if let Some((name, column)) = others.find(|(_, column)| column.len() != rows) {
+        return Err(file.error(format!(
+            "has columns of different lengths: `{}` has {rows} values, `{name}` has {}",
+            names[0],
+            column.len()
+        )));
+    }
     for (name, value) in shared {
         names.push(name);
         columns.push(vec![value; rows]);
     }
     Ok(Some((names, columns)))
+}
+
+/// Values of a column in the order of their rows. pandas writes a column as an object, with the number of the row as the
+/// key of each value.
+struct NumberedRows<'a>(Vec<&'a RawValue>);
+
+impl<'de: 'a, 'a> Deserialize<'de> for NumberedRows<'a> {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        struct Rows;
+        impl<'de> Visitor<'de> for Rows {
+            type Value = Vec<(u64, &'de RawValue)>;
+
+            fn expecting(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
+                text.write_str("an object with numbered values")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                std::iter::from_fn(|| map.next_entry().transpose()).collect()
+            }
+        }
+        let mut rows = source.deserialize_map(Rows)?;
+        rows.sort_by_key(|(row, _)| *row);
+        Ok(Self(rows.into_iter().map(|(_, value)| value).collect()))
+    }
 }
 
 /// Whether a name denotes one axis, such as `x_mm`.
@@ -290,48 +437,23 @@ fn is_of_axis(name: &str) -> bool {
     words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))
 }
 
-/// Rows of a table that pandas wrote with the orientation `split`, `table` or `index`; `None` if it is no such table.
-/// Returns an error if a column occurs twice, or if a row has another number of values than there are columns.
-fn records(
-    file: &RecordedFile,
-    object: &Map<String, Json>,
-) -> Result<Option<Vec<Json>>, RecordedError> {
-    let Some(Json::Array(rows)) = object.get("data") else {
-        let row = |(number, row): (&String, &Json)| {
-            // If this is a column instead of a row, its keys are the numbers of the rows.
-            let keys = row.as_object()?.keys();
-            let has_names = keys.into_iter().any(|key| key.parse::<u64>().is_err());
-            let number = number.parse::<u64>().ok().filter(|_| has_names)?;
-            Some((number, row.clone()))
-        };
-        let rows = object.iter().map(row).collect::<Option<Vec<_>>>();
-        let mut rows = rows.unwrap_or_default();
-        rows.sort_by_key(|(number, _)| *number);
-        let rows: Vec<Json> = rows.into_iter().map(|(_, row)| row).collect();
-        return Ok(Some(rows).filter(|rows| !rows.is_empty()));
-    };
-    let Some(names) = object.get("columns").and_then(Json::as_array) else {
-        return Ok(object.contains_key("schema").then(|| rows.clone()));
-    };
-    let names: Vec<String> = names.iter().map(scalar).collect();
-    if let Some(name) = (1..names.len()).find(|&at| names[..at].contains(&names[at])) {
-        let message = format!("column `{}` occurs twice; rename one of them", names[name]);
-        return Err(file.fail(1, message));
+/// Rows of a table that pandas wrote with the orientation `table` or `index`; `None` if it is no such table.
+fn records(object: &Map<String, Json>) -> Option<Vec<Json>> {
+    if let Some(Json::Array(rows)) = object.get("data") {
+        return object.contains_key("schema").then(|| rows.clone());
     }
-    let row = |(number, row): (usize, &Json)| {
-        let values = row.as_array().map_or(&[][..], Vec::as_slice);
-        if values.len() != names.len() {
-            let (found, expected) = (values.len(), names.len());
-            return Err(file.fail(number, format!("{found} values for {expected} columns")));
-        }
-        let pairs = names.iter().cloned().zip(values.iter().cloned());
-        Ok(Json::Object(pairs.collect()))
+    let row = |(number, row): (&String, &Json)| {
+        // If this is a column instead of a row, its keys are the numbers of the rows.
+        let keys = row.as_object()?.keys();
+        let has_names = keys.into_iter().any(|key| key.parse::<u64>().is_err());
+        let number = number.parse::<u64>().ok().filter(|_| has_names)?;
+        Some((number, row.clone()))
     };
-    (1..).zip(rows).map(row).collect::<Result<_, _>>().map(Some)
+    let rows = object.iter().map(row).collect::<Option<Vec<_>>>();
+    let mut rows = rows.filter(|rows| !rows.is_empty())?;
+    rows.sort_by_key(|(number, _)| *number);
+    Some(rows.into_iter().map(|(_, row)| row).collect())
 }
-
-/// The JSON object of a row, and the line where it begins.
-type Object = Result<(Json, usize), RecordedError>;
 
 fn is_list(text: Text<'_>) -> bool {
     text.all.trim_start().starts_with('[')
@@ -371,10 +493,10 @@ impl<'a> Elements<'a> {
     }
 }
 
-impl Iterator for Elements<'_> {
-    type Item = Object;
+impl<'a> Iterator for Elements<'a> {
+    type Item = Result<(&'a str, usize), RecordedError>;
 
-    fn next(&mut self) -> Option<Object> {
+    fn next(&mut self) -> Option<Self::Item> {
         if self.rest.is_empty() {
             return None;
         }
@@ -387,9 +509,9 @@ impl Iterator for Elements<'_> {
             self.rest.find(self.end)
         };
         let text = &self.rest[..end.unwrap_or(self.rest.len())];
-        let mut elements = serde_json::Deserializer::from_str(text).into_iter::<Json>();
+        let mut elements = serde_json::Deserializer::from_str(text).into_iter::<&RawValue>();
         let element = match elements.next()? {
-            Ok(element) => element,
+            Ok(element) => element.get(),
             Err(error) => {
                 self.rest = "";
                 return Some(Err(no_json(self.file, line, text, &error)));
@@ -470,6 +592,17 @@ fn flatten(name: &str, value: &Json, pairs: &mut Vec<(String, String)>) {
             }
         }
         value => pairs.push((name.to_owned(), scalar(value))),
+    }
+}
+
+/// A single JSON value as text; empty for `null`. `None` for a list or an object. Numbers are not converted, so they are
+/// as precise as in the file.
+fn plain(value: &RawValue) -> Option<Cow<'_, str>> {
+    match value.get() {
+        "null" => Some("".into()),
+        text if text.starts_with(['[', '{']) => None,
+        text if text.starts_with('"') => serde_json::from_str::<String>(text).ok().map(Cow::from),
+        text => Some(text.into()),
     }
 }
 
