@@ -7,7 +7,7 @@ use palpate::recorded::Value;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyTuple, PyType};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PySet, PyTuple, PyType};
 use serde::Serialize;
 
 use crate::json::to_python;
@@ -161,7 +161,10 @@ impl Record {
         Self::restored(fields, arrays)
     }
 
-    fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    pub(crate) fn __getattr__<'py>(
+        slf: &Bound<'py, Self>,
+        name: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let (py, own) = (slf.py(), slf.get());
         // `class` is a keyword of Python, so the attribute is `class_`.
         let key = name.strip_suffix('_').unwrap_or(name);
@@ -186,7 +189,7 @@ impl Record {
         names.call_method1("extend", (own.made_arrays(py),))?;
         let others: Vec<_> = own.made.iter().flat_map(|made| made.others()).collect();
         names.call_method1("extend", (others,))?;
-        Ok(names)
+        Ok(PySet::new(py, names.try_iter()?.flatten())?.into_any())
     }
 
     fn __float__(slf: &Bound<'_, Self>) -> PyResult<f64> {
@@ -293,8 +296,10 @@ fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     Ok(PyList::new(py, items)?.into_any())
 }
 
+/// Defines a Python class of results. Python finds the fields after the documentation directly. It finds all other fields
+/// by `__getattr__`, which is slower, because Python first raises an exception.
 macro_rules! record {
-    ($name:ident, $doc:literal) => {
+    ($name:ident, $doc:literal $(, $getter:ident)*) => {
         #[doc = $doc]
         #[pyo3::pyclass(extends = $crate::record::Record, frozen, module = "palpate")]
         pub(crate) struct $name;
@@ -321,6 +326,15 @@ macro_rules! record {
                 let record = $crate::record::Record::restored(fields, arrays);
                 pyo3::PyClassInitializer::from(record).add_subclass(Self)
             }
+
+            $(
+                #[getter]
+                fn $getter<'py>(
+                    slf: &pyo3::Bound<'py, Self>,
+                ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
+                    $crate::record::Record::__getattr__(slf.as_super(), stringify!($getter))
+                }
+            )*
         }
     };
 }

@@ -17,7 +17,12 @@ use crate::study::Study;
 
 record!(
     RollEstimate,
-    "Curvature of an object at a point, from small rolls.\n\nFields: those that `palpate estimate roll` prints, for example `normal_curvature_u`, `normal_curvature_v`,\n`gaussian_curvature`, `mean_curvature` (each with `value`, `std` or None, `interval95` and `unit`),\n`principal_curvature_min`, `principal_curvature_max`, `principal_direction_max_deg` (from +u towards +v),\n`single_direction` (None, or the curvature along rolls of a single direction, then the others are open),\n`residual_rms`, `std_from`, `class_`, `class_probabilities`, `thresholds`, `unresolved_probes`, `left_out` (rolls with row or probe and a reason),\n`p_value`, for time series `terms` and `bounds`, and `warnings`\n(each with `code`, `text` and `numbers`); and `covariance`, (3, 3), of the normal\ncurvatures along u and v and the twist k_uv, 1/length², NaN if the noise is unknown."
+    "Curvature of an object at a point, from small rolls.\n\nFields: those that `palpate estimate roll` prints, for example `normal_curvature_u`, `normal_curvature_v`,\n`gaussian_curvature`, `mean_curvature` (each with `value`, `std` or None, `interval95` and `unit`),\n`principal_curvature_min`, `principal_curvature_max`, `principal_direction_max_deg` (from +u towards +v),\n`single_direction` (None, or the curvature along rolls of a single direction, then the others are open),\n`residual_rms`, `std_from`, `class_`, `class_probabilities`, `thresholds`, `unresolved_probes`, `left_out` (rolls with row or probe and a reason),\n`p_value`, for time series `terms` and `bounds`, and `warnings`\n(each with `code`, `text` and `numbers`); and `covariance`, (3, 3), of the normal\ncurvatures along u and v and the twist k_uv, 1/length², NaN if the noise is unknown.",
+    p_value,
+    normal_curvature_u,
+    normal_curvature_v,
+    gaussian_curvature,
+    mean_curvature
 );
 
 impl Made for recorded::RollEstimate {
