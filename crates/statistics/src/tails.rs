@@ -22,20 +22,34 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     }
     let is_odd = freedom % 2 == 1;
     let first = if is_odd { libm::erfc(half.sqrt()) } else { 0.0 };
-    let log = libm::log(half);
-    // Compute the terms of the sum from logarithms, because the powers and exponentials may overflow although their
-    // products do not.
-    let term = |count: usize| {
-        let power = count as f64 + if is_odd { 0.5 } else { 0.0 };
-        libm::exp(power * log - half - libm::lgamma(power + 1.0))
+    let power = |place: usize| place as f64 + if is_odd { 0.5 } else { 0.0 };
+    let count = freedom / 2;
+    let Some(last) = count.checked_sub(1) else {
+        return first;
     };
-    let rest: f64 = (0..freedom / 2).map(term).sum();
+    // Compute the largest term from logarithms, because its powers and exponentials may overflow although their product
+    // does not. The other terms follow from the ratios of successive terms.
+    let largest = last.min(half as usize);
+    let peak = power(largest) * libm::log(half) - half - libm::lgamma(power(largest) + 1.0);
+    let sum = |ratios: &mut dyn Iterator<Item = f64>| -> f64 {
+        let terms = ratios.scan(1.0, |term, ratio| {
+            *term *= ratio;
+            Some(*term)
+        });
+        terms.take_while(|term| *term > NEGLIGIBLE).sum()
+    };
+    let below = sum(&mut (1..=largest).rev().map(|place| power(place) / half));
+    let above = sum(&mut (largest + 1..count).map(|place| half / power(place)));
+    let rest = libm::exp(peak) * (1.0 + below + above);
     (first + rest).min(1.0)
 }
 
 /// Largest number of degrees of freedom for which the exact series of the chi-squared tail is summed. For more degrees
 /// of freedom, an expansion is used.
 const MOST_TERMS: usize = 1_000_000;
+
+/// Terms of the series that are smaller than the largest term by this factor are omitted.
+const NEGLIGIBLE: f64 = 1e-18;
 
 /// Tail probability of chi-squared for many degrees of freedom: the regularised upper incomplete gamma function Q(a,
 /// half) for large `a`, computed by Temme's uniform expansion (DLMF 8.12.4).
