@@ -4,8 +4,7 @@ use thiserror::Error;
 
 use crate::Number;
 
-/// Error: the value of a setting is out of its range. `Words` is the type of the text `expected`, which states the
-/// allowed values.
+/// Error: the value of a setting is out of its range. `Words` is the type of the field `expected`.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{setting} is {value}; it must be {expected}", value = Number(*value))]
 pub struct BadSetting<Words = &'static str> {
@@ -18,10 +17,10 @@ pub struct BadSetting<Words = &'static str> {
 }
 
 impl<Words> BadSetting<Words> {
-    /// Returns the value of a setting if it is within its range.
+    /// Returns `value` if `holds` is true, that is, if the value of the setting is within its range.
     ///
     /// # Errors
-    /// [`BadSetting`] if `holds` is false, that is, if the value is out of its range.
+    /// [`BadSetting`] if `holds` is false.
     pub fn unless(
         holds: bool,
         setting: &'static str,

@@ -26,7 +26,7 @@ pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
     };
     let turns = sixths / 6.0;
     let turns = if turns < 0.0 { turns + 1.0 } else { turns };
-    // If the hue before the addition of 1 was a tiny negative number, the sum is exactly 1, which is the hue 0.
+    // Rounding can make the hue exactly 1 turn. This is the same hue as 0.
     if turns < 1.0 { turns } else { 0.0 }
 }
 

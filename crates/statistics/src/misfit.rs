@@ -31,14 +31,12 @@ pub enum Misfit {
     },
     /// The displacements of a press do not vary with the distance from the contact as the fitted model predicts.
     OtherBody {
-        /// P-value for a dependence of the displacements on the distance from the contact that the fitted model does
-        /// not explain.
+        /// P-value of the test whether the residuals of the displacements depend on the distance from the contact.
         p_value: f64,
     },
     /// The displacements of a press depend on the direction from the contact more than the fitted model predicts.
     NotRound {
-        /// P-value for a dependence of the displacements on the direction from the contact that the fitted model does
-        /// not explain.
+        /// P-value of the test whether the residuals of the displacements depend on the direction from the contact.
         p_value: f64,
     },
 }
@@ -57,7 +55,7 @@ pub enum StatedQuantity {
 }
 
 impl StatedQuantity {
-    /// Code of the warning for a stated value of this quantity that contradicts the estimate from the readings.
+    /// Code of the warning that the stated value of this quantity contradicts its estimate from the readings.
     pub const fn code(self) -> &'static str {
         match self {
             Self::Noise => "stated-noise",
@@ -77,8 +75,8 @@ impl Misfit {
     }
 
     /// Returns [`Misfit::Outlier`] for the reading with the smallest p-value, or `None` if this p-value is not
-    /// significant. Before the test for significance, the smallest p-value is multiplied by the number of p-values
-    /// (Bonferroni). `p_values` are pairs of the number of a reading and the p-value of this reading.
+    /// significant. Because many readings are tested, the smallest p-value is first multiplied by the number of
+    /// readings (Bonferroni). Each item of `p_values` is the number of a reading and its p-value.
     ///
     /// ```
     /// use palpate_statistics::Misfit;
@@ -152,8 +150,8 @@ impl GoodnessOfFit {
     }
 
     /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. A poor fit may mean that the stated noise is too small.
-    /// Then every pattern in the residuals seems significant in comparison with the stated noise. Therefore, if the fit
-    /// is poor, compare patterns with the scatter of the residuals.
+    /// With too small a noise, every pattern in the residuals seems significant. Therefore, if the fit is poor, compare
+    /// patterns with the scatter of the residuals instead of the stated noise.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

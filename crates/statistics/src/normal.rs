@@ -1,7 +1,7 @@
 //! The normal distribution.
 
-/// Largest score, in standard deviations of the normal distribution, that [`score_of_tail`] returns. A statement with
-/// such a score is practically certain.
+/// Largest score that [`score_of_tail`] returns, in standard deviations of the normal distribution. The probability
+/// that a normal variable exceeds this score is below 1e-300, practically 0.
 pub const CERTAIN: f64 = 40.0;
 
 /// Half-widths of the 50, 80 and 95 % intervals of the normal distribution, in standard deviations.
@@ -20,9 +20,9 @@ pub fn normal_tail(score: f64) -> f64 {
     0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The number (score) that a standard normal variable exceeds with the probability `probability`. The absolute error of
-/// the score is at most 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, the
-/// score is −[`CERTAIN`].
+/// The score (a number of standard deviations) that a standard normal variable exceeds with the probability
+/// `probability`. The absolute error of the score is at most 1e-12. The score is between −[`CERTAIN`] and [`CERTAIN`].
+/// For a probability that rounds to 1, and for NaN, it is −[`CERTAIN`].
 ///
 /// ```
 /// assert!((palpate_statistics::score_of_tail(0.025) - 1.959964).abs() < 1e-6);

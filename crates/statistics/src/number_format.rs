@@ -3,8 +3,8 @@
 use std::fmt;
 
 /// A number, formatted for messages. It has the smallest number of digits that identify the number exactly. The text
-/// has an exponent if the number's magnitude is at least 1e16 or below 1e-4. Zero has no sign. With a precision, as in
-/// `{:.4}`, only large numbers have an exponent.
+/// has an exponent if the number's magnitude is at least 1e16 or below 1e-4. Zero has no sign. If the format states a
+/// precision, as in `{:.4}`, small numbers have no exponent.
 ///
 /// ```
 /// use palpate_statistics::Number;

@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::{chi_squared_tail, ratio_tail};
 
-/// A pattern is tested only if changes of the model's parameters leave more than this share of the pattern unexplained.
-/// A smaller unexplained part may be due to the model's nonlinearity. Use a larger limit for patterns that contain
-/// noise.
+/// Smallest share of a pattern's squared norm that the parameters of the model must leave unexplained, so that the
+/// pattern is tested. A smaller unexplained part may only be due to the model's nonlinearity. Use a larger limit for
+/// patterns that contain noise.
 pub const LEFT: f64 = 0.02;
 
 /// Decrease of a fit's chi-squared, to first order, if the amplitudes of patterns in the residuals are fitted in
@@ -16,17 +16,19 @@ pub const LEFT: f64 = 0.02;
 pub struct Explained {
     /// Decrease of the fit's chi-squared.
     pub fall: f64,
-    /// Number of independent patterns that changes of the model's parameters cannot explain.
+    /// Degrees of freedom of the test: the number of independent patterns that changes of the model's parameters cannot
+    /// explain.
     pub freedom: usize,
 }
 
 impl Explained {
-    /// The decrease of a fit's chi-squared if the amplitudes of patterns are fitted too. Patterns and residuals are
-    /// divided by the standard deviations of the readings. The remainder of a pattern is the part that the parameters
-    /// of the model cannot explain. The arguments are: `squares`, the squared norms of the patterns; `left`, the inner
-    /// products of all pairs of remainders; `by_residuals`, the inner products of the remainders with the residuals;
-    /// and `least`, usually [`LEFT`]. A combination of patterns is skipped if its remainder is at most the share
-    /// `least` of the whole combination. If a number is not finite, all patterns are skipped.
+    /// Computes the decrease of a fit's chi-squared if the amplitudes of patterns are fitted too. Patterns and
+    /// residuals must be divided by the standard deviations of the readings. The remainder of a pattern is the part
+    /// that the parameters of the model cannot explain. `squares` are the squared norms of the patterns, `left` the
+    /// inner products of all pairs of remainders, and `by_residuals` the inner products of the remainders with the
+    /// residuals. A combination of patterns is skipped if the squared norm of its remainder is at most the share
+    /// `least` (usually [`LEFT`]) of that of the whole combination. If a number is not finite, all patterns are
+    /// skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -77,9 +79,9 @@ impl Explained {
     }
 }
 
-/// The number of the hypothesis with the smallest p-value, and this p-value multiplied by the number of hypotheses
-/// (Bonferroni). `chances` are pairs of a hypothesis's number and its p-value. An example of a hypothesis: the roll
-/// with this number is an outlier. Without hypotheses, the result is (0, 1).
+/// Finds the hypothesis with the smallest p-value, for example the roll that is most likely an outlier. Each item of
+/// `chances` is the number of a hypothesis and its p-value. Returns the number of the found hypothesis, and its p-value
+/// multiplied by the number of hypotheses (Bonferroni; at most 1). Without hypotheses, the result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());

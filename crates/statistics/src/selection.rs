@@ -1,8 +1,9 @@
-//! Selection of a few of many readings.
+//! Selects a few readings from a long list of readings.
 
-/// Indices of at most `most` of `count` readings, in ascending order: one from each block of equal length. The position
-/// within the block differs from block to block. Otherwise, if the readings of several fingers alternate, the selection
-/// could contain the readings of only one finger.
+/// Selects at most `most` of `count` readings, and returns their indices in ascending order. The readings are divided
+/// into blocks of equal length, and one reading of each block is selected. Its position within the block differs from
+/// block to block. With a fixed position, the selection could contain only one finger if the readings of several
+/// fingers alternate.
 ///
 /// ```
 /// use palpate_statistics::evenly_spaced;
@@ -14,7 +15,8 @@
 /// assert!(counts.iter().all(|count| (8..=12).contains(count)), "{counts:?}");
 /// ```
 pub fn evenly_spaced(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    // The fractional parts of the multiples of the golden ratio are evenly distributed.
+    // The golden ratio, as a fraction of 2^64. The fractional parts of its multiples are evenly distributed, so they
+    // give the positions within the blocks.
     const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
     let step = count.div_ceil(most.max(1)).max(1);
     (0..count.div_ceil(step)).map(move |block| {

@@ -45,14 +45,15 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
 }
 
 /// Largest number of degrees of freedom for which the exact series of the chi-squared tail is summed. For more degrees
-/// of freedom, an expansion is used.
+/// of freedom, an asymptotic expansion is used.
 const MOST_TERMS: usize = 1_000_000;
 
 /// Terms of the series that are smaller than the largest term by this factor are omitted.
 const NEGLIGIBLE: f64 = 1e-18;
 
-/// Tail probability of chi-squared for many degrees of freedom: the regularised upper incomplete gamma function Q(a,
-/// half) for large `a`, computed by Temme's uniform expansion (DLMF 8.12.4).
+/// Tail probability of chi-squared for many degrees of freedom. `half` is half of chi-squared, and `a` is half of the
+/// degrees of freedom. The result is the regularised upper incomplete gamma function Q(a, half), computed by Temme's
+/// uniform expansion for large `a` (DLMF 8.12.4).
 fn many_squares_tail(half: f64, a: f64) -> f64 {
     let beyond = (half - a) / a;
     let square = 2.0 * (beyond - libm::log1p(beyond)).max(0.0);
@@ -66,10 +67,11 @@ fn many_squares_tail(half: f64, a: f64) -> f64 {
     (crate::normal_tail(eta * a.sqrt()) + density * rest).clamp(0.0, 1.0)
 }
 
-/// Tail probability of the F distribution. It is the probability that the ratio of two chi-squared variables, each
-/// divided by its degrees of freedom, is larger than the ratio `above / below`. The result is 1 if a number of degrees
-/// of freedom is 0. The error is at most 1e-10 for up to 10,000 degrees of freedom. For more degrees of freedom, the
-/// error is at most 1e-14 times the number of degrees of freedom. More than 1e9 degrees of freedom are treated as 1e9.
+/// Tail probability of the F distribution. `above` and `below` are sums of squares with `of_above` and `of_below`
+/// degrees of freedom. The result is the probability that the ratio of two chi-squared variables with these degrees of
+/// freedom is larger than `above / below`. It is 1 if a number of degrees of freedom is 0. The error is at most 1e-10
+/// for up to 10,000 degrees of freedom. For more degrees of freedom, the error is at most 1e-14 times the number of
+/// degrees of freedom. More than 1e9 degrees of freedom are treated as 1e9.
 ///
 /// ```
 /// // 5 % of ratios with 2 and 12 degrees of freedom are above 3.8853.
@@ -89,11 +91,11 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     if !ratio.is_finite() {
         return 0.0;
     }
-    // `share` is the chi-squared variable `above` divided by the sum of both chi-squared variables. It has a beta
+    // `share` is the sum of squares `above`, divided by the total `above + below`. Such a share has a beta
     // distribution.
     let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
     let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
-    // The probability can be computed by two equivalent continued fractions. Use the one that converges fast.
+    // Two equivalent continued fractions give the probability. Use the fraction that converges faster.
     if rest < (a + 1.0) / (a + b + 2.0) {
         incomplete_beta([rest, share], a, b)
     } else {
@@ -102,15 +104,15 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     .clamp(0.0, 1.0)
 }
 
-/// Limit for the number of degrees of freedom; larger numbers are replaced by this number. With more degrees of
-/// freedom, the powers xᵃ (1 − x)ᵇ of the beta distribution would lose too many digits.
+/// Largest number of degrees of freedom that is used in a computation; larger numbers are replaced by this number. With
+/// more degrees of freedom, the product xᵃ (1 − x)ᵇ of the beta distribution would lose too many digits.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
-/// Half-width of the interval that contains the true value with the probability `probability`, in standard errors
-/// (Student's t distribution). The standard error must be estimated from residuals with `freedom` degrees of freedom.
-/// The relative error of the half-width is at most 1e-9, or 1e-8 for more than 1e6 degrees of freedom. The half-width
-/// is 0 for a probability of 0 or less. It is infinite for a probability of 1 or more or NaN, and without degrees of
-/// freedom.
+/// Half-width, in standard errors, of the interval that contains the true value with the probability `probability`. The
+/// standard error must be estimated from residuals with `freedom` degrees of freedom, so the half-width is a quantile
+/// of Student's t distribution. The relative error of the half-width is at most 1e-9, or 1e-8 for more than 1e6 degrees
+/// of freedom. The half-width is 0 for a probability of 0 or less. It is infinite if the probability is NaN or at least
+/// 1, or if `freedom` is 0.
 ///
 /// ```
 /// let half_width = palpate_statistics::student_half_width(0.95, 5);
@@ -149,13 +151,14 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
     high
 }
 
-/// For intervals with at most this probability, the density of Student's t distribution is treated as constant over the
-/// interval. The relative error of the half-width is then at most 1e-11.
+/// If the probability of an interval is below this value, the density of Student's t distribution is treated as
+/// constant over the interval. The relative error of the half-width is then at most 1e-11.
 const STRAIGHT: f64 = 1e-6;
 
-/// The continued fraction of the beta function has converged if the next factor differs from 1 by less than this value.
+/// Tolerance for the continued fraction of the beta function. Each step multiplies the result by a factor. The
+/// evaluation ends when this factor differs from 1 by less than the tolerance.
 const CONVERGED: f64 = 1e-13;
-/// Largest number of factors that are computed of the continued fraction of the beta function.
+/// Largest number of steps in which the continued fraction of the beta function is evaluated.
 const MOST_FACTORS: usize = 20_000;
 
 /// Regularised incomplete beta function I_x(a, b), computed by Lentz's algorithm (DLMF 8.17.22). The first argument is
@@ -192,8 +195,8 @@ fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     front * value
 }
 
-/// For arguments above this number, the logarithm of the gamma function is computed with Stirling's series, which
-/// avoids the cancellation of large logarithms.
+/// Argument of the gamma function from which its logarithm is computed with Stirling's series. The series avoids the
+/// cancellation of large logarithms.
 const LARGE: f64 = 20.0;
 
 fn log_beta(a: f64, b: f64) -> f64 {
@@ -201,7 +204,7 @@ fn log_beta(a: f64, b: f64) -> f64 {
     if large < LARGE {
         return libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b);
     }
-    // The difference `of_large − growth` is ln Γ(large) − ln Γ(large + small), with an error of 1e-15.
+    // `of_large - growth` equals ln Γ(large) − ln Γ(large + small), with an error of 1e-15.
     let sum = large + small;
     let growth = (large - 0.5) * libm::log1p(small / large) + small * libm::log(sum) - small;
     let of_large = rest_of_stirling(large) - rest_of_stirling(sum);

@@ -10,9 +10,9 @@ use std::cell::Cell;
 pub struct Tally {
     /// Number of random 64-bit words that were drawn from the random number generators.
     pub draws: u64,
-    /// Number of motions of a probe for which the contact was computed, by any model.
+    /// Number of probe motions (rolls) for which a model computed the contact.
     pub rolls: u64,
-    /// Number of evaluations of the right-hand side of contact equations by an integrator.
+    /// Number of times an integrator evaluated the right-hand side of the contact equations.
     pub derivatives: u64,
     /// Number of searches for the contact of a round fingertip (a fingertip with a radius above 0).
     pub searches: u64,
@@ -61,7 +61,7 @@ macro_rules! counters {
 counters! {
     /// Counts 64-bit words of random bits that were drawn.
     drew => draws;
-    /// Counts motions of a probe for which the contact was computed.
+    /// Counts probe motions (rolls) for which a model computed the contact.
     rolled => rolls;
     /// Counts evaluations of the contact equations by an integrator.
     derived => derivatives;

@@ -89,7 +89,7 @@ fn ratios_with_two_degrees_below_and_above_are_in_closed_form() {
     for ratio in [1e-8, 0.3, 2.0, 70.0, 1e9] {
         let below = ratio_tail(ratio, 2, 2.0, 2);
         assert!((below * (1.0 + ratio / 2.0) - 1.0).abs() < 1e-12, "{below}");
-        // If F has 2 and n degrees of freedom, the probability that it exceeds f is (1 + 2 f/n)^(−n/2).
+        // Closed form: if F has 2 and n degrees of freedom, the probability of F > f is (1 + 2 f/n)^(−n/2).
         let of_many = ratio_tail(2.0 * ratio, 2, 7.0, 7);
         let exact = libm::exp(-3.5 * libm::log1p(2.0 * ratio / 7.0));
         assert!((of_many / exact - 1.0).abs() < 1e-10, "{of_many} {exact}");
@@ -133,8 +133,8 @@ fn far_tails_and_many_degrees_keep_their_digits() {
         let found = chi_squared_tail(sum, freedom);
         is_near(found, due, 1e-12 * due, "chi-squared");
     }
-    // Up to a million degrees of freedom, the tail is a sum. Test numbers just below and just above this limit, and the
-    // largest `usize`.
+    // Up to a million degrees of freedom, the tail is computed as a sum. Test numbers of degrees of freedom just below
+    // and just above this limit, and the largest `usize`.
     for (freedom, due) in [
         (999_999, 0.499_811_936_709_362_8),
         (1_000_001, 0.499_811_936_897_426_03),

@@ -5,12 +5,12 @@
 //!
 //! 1. `tree`: the text is parsed to a tree of values. Errors state a path in this tree; `error` finds the position of
 //!    this path in the text.
-//! 2. `sweep`, `grid`: all combinations of the values of the `[[sweep]]` axes are formed. For each cell, its values are
-//!    inserted into the tree.
-//! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]), which alone defines
-//!    keys, types, kinds and limits. If all swept values are plain (numbers, words or truth values), only the tree of
-//!    the first cell is validated. The other swept values are then validated one by one. In a study with many cells,
-//!    only a sample of the cells is checked (`sample`).
+//! 2. `sweep`, `grid`: the cells are formed, that is, all combinations of the values of the `[[sweep]]` axes. The
+//!    values of each cell are inserted into the tree.
+//! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]). Only the schema
+//!    defines keys, types, kinds and limits. If all swept values are plain (numbers, words or Booleans), only the tree
+//!    of the first cell is validated as a whole. The other swept values are then validated one by one. In a study with
+//!    many cells, only a sample of the cells is checked (`sample`).
 //! 4. serde converts the tree to a [`StudyConfig`], and the few rules that involve several fields are checked.
 //!
 //! Every failure is a [`ConfigError`] with file, line, column, field and an excerpt.

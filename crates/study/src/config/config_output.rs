@@ -8,8 +8,9 @@ use toml::Value;
 
 /// The config as TOML text, including all defaults. Parsing the text returns the same config.
 ///
-/// The default of `directions_deg` is omitted if the config states `rolls` instead. If a sweep varies the `kind` of a
-/// table, the table's keys with default values are omitted, because other kinds may not have these keys.
+/// The text omits the default of `directions_deg` if the config states `rolls` instead. If a sweep varies the `kind` of
+/// a table, the text omits the keys of this table that have default values, because other kinds may not have these
+/// keys.
 ///
 /// ```
 /// use palpate_study::config::{parse, to_toml};
@@ -28,8 +29,8 @@ use toml::Value;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn to_toml(config: &StudyConfig) -> String {
-    // Convert the config to a TOML table before the text is written. Otherwise, the compiler would generate the code
-    // that writes a config several times, once for each nesting depth of the text.
+    // Convert the config to a TOML table before the text is written. Without this step, the program would contain
+    // several copies of the code that writes a config, one for each nesting depth of the text.
     let table = toml::Table::try_from(config)
         .expect("strings, numbers, arrays and tables all have a TOML form");
     let paths = config.sweep.iter().flat_map(SweepConfig::targets);

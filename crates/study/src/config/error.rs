@@ -90,8 +90,8 @@ impl ConfigError {
 pub(super) struct Fault {
     pub(super) path: String,
     pub(super) message: String,
-    /// Path of the value that the message shows in an excerpt of the config. It is the field itself; if a sweep sets
-    /// the field, it is the swept value.
+    /// Path of the value that the excerpt in the message shows. This is the path of the field itself or, if a sweep
+    /// sets the field, of the swept value.
     pub(super) location: String,
     /// Whether the excerpt in the message marks the key of the field instead of its value.
     pub(super) is_key: bool,
@@ -118,8 +118,8 @@ impl Fault {
         }
     }
 
-    /// Puts a key or an index in front of the fault's path and location, because the fault was found in a part of a
-    /// larger table.
+    /// Puts `key`, a key or an index, in front of the fault's path and location. The fault was found in a part of a
+    /// larger table, and its path began at this part.
     pub(super) fn under(self, key: impl std::fmt::Display) -> Self {
         let join = |path: &str| match path {
             "" => key.to_string(),
@@ -132,7 +132,8 @@ impl Fault {
         }
     }
 
-    /// Restricts the fault's location to a part of its field. `part` is the path of this part within the field.
+    /// Narrows the fault's location to a part of its field, so that the excerpt shows this part. `part` is the path of
+    /// the part within the field.
     pub(super) fn at(self, part: impl std::fmt::Display) -> Self {
         let location = match self.location.as_str() {
             "" => part.to_string(),
@@ -146,8 +147,8 @@ impl Fault {
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
-    /// Whether the config text is the content of a file. If palpate generated the text, line numbers would be
-    /// meaningless.
+    /// Whether the config text is the content of a file. If palpate generated the text, this is false, and errors state
+    /// no line numbers.
     is_written: bool,
 }
 
@@ -195,15 +196,15 @@ impl Source {
         }
     }
 
-    /// Byte range of the value at a path, or of its key. If the path does not exist completely, this is the range of
-    /// the innermost value on the path that exists. `None` if no part of the path exists.
+    /// Byte range of the value at a path, or of its key. If only the beginning of the path exists, this is the range of
+    /// the value at the end of this beginning. `None` if not even the first key exists.
     pub(super) fn locate(&self, path: &str, is_key: bool) -> Option<Span> {
         let root = DeValue::Table(DeTable::parse(&self.text).ok()?.into_inner());
         let (mut node, mut rest) = (&root, path);
         let (mut span, mut key_span) = (None, None);
         while !rest.is_empty() {
-            // Keys may contain dots, so a path cannot be split at its dots. Compare each whole key with the beginning
-            // of the path.
+            // Do not split the path at its dots, because keys may contain dots. Compare each whole key with the
+            // beginning of the path instead.
             let after = |key: &str| {
                 let after = rest.strip_prefix(key)?;
                 (after.is_empty() || after.starts_with('.')).then_some(after)
@@ -275,7 +276,7 @@ impl Source {
     }
 }
 
-/// A problem in a field of a config. The position of the field in the config's text is not known here.
+/// A problem in a field of a config, without the position of the field in the config's text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldError {
     /// Path of the field that has the problem, such as `scene.object.radius`.
@@ -298,10 +299,10 @@ impl FieldError {
 }
 
 impl Study {
-    /// Error in a field of a cell that is found only when the config is used, for example a pitch that is larger than
-    /// the probe. The error states the position of the field or, if a sweep sets the field, the position of the swept
-    /// value. If the field is missing in the text, the error states the position of the table that would contain the
-    /// field.
+    /// Error in a field of a cell, found after the config was validated, for example a pitch that is larger than the
+    /// probe. The error states the position of the field in the text. If a sweep sets the field, it states the position
+    /// of the swept value. If the field is missing in the text, it states the position of the table that would contain
+    /// the field.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
         self.error_within(cell, path, None, message.into())
     }

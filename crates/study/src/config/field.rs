@@ -117,7 +117,7 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
     let known = known(&keys);
     let in_key = |unit: &&str| header.ends_with(&format!("_{unit}"));
     let end = match known {
-        // The column's header is not a key of a config by itself. It may be a key followed by a unit of length.
+        // The whole header is not a key of a config. It may be a key, followed by a unit of length.
         None => {
             let mut ends = header.match_indices('_').map(|(at, _)| at);
             ends.find(|at| is_column(&header[..*at]))?
@@ -134,8 +134,8 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
 /// Units that may be at the end of a config's key.
 const IN_KEYS: [&str; 6] = ["rad_per_s", "rad", "deg", "s", "hz", "px"];
 
-/// Whether the schema defines the name of the field with these `keys`. `false` if the config's author chose the name (a
-/// parameter of a formula); `None` if no such field exists.
+/// Whether the schema defines the field with these `keys`. `Some(false)` if the author of the config chose the field's
+/// name, as for a parameter of a formula. `None` if a config cannot have such a field.
 fn known(keys: &[&str]) -> Option<bool> {
     if !fields_at(&SCHEMA, keys).is_empty() {
         return Some(true);

@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 use toml::Value;
 
 impl Study {
-    /// Path of the field that a name refers to. The name is the whole path or its last keys. The last keys suffice if
-    /// no other path ends with them.
+    /// Path of the field to which `name` refers. The name is the whole path, or the last keys of the path if no other
+    /// path ends with these keys.
     ///
     /// ```
     /// use palpate_study::config::parse;
@@ -44,8 +44,8 @@ impl Study {
         }
         let refuse = |message| Err(ConfigError::of_field(self.file(), name, message));
         let ending = format!(".{name}");
-        // First search only the fields of those kinds of tables that this config states. If none of these fields has
-        // the name, search the fields of all kinds.
+        // First search the fields of the kinds of tables that this config states. If none of these fields has the name,
+        // search the fields of all kinds.
         for in_any_kind in [false, true] {
             let mut paths = paths(&tree, in_any_kind);
             paths.retain(|path| path.ends_with(&ending));
@@ -68,8 +68,9 @@ impl Study {
     }
 }
 
-/// Paths of all fields that a scene can have, if its tables have the kinds that the config tree `tree` states, or any
-/// kinds if `in_any_kind` is true. If a table is missing in `tree`, the fields of all kinds of this table are listed.
+/// Paths of all fields that a scene can have. If `in_any_kind` is true, the list contains the fields of all kinds of
+/// each table. Otherwise, it contains the fields of the kind that the config tree `tree` states for the table; a table
+/// that is missing in `tree` is listed with the fields of all its kinds.
 fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     fn visit(schema: &Json, node: Option<&Value>, path: &str, any: bool, found: &mut Vec<String>) {
         let kind = node.and_then(|node| node.get("kind")?.as_str());
@@ -136,8 +137,8 @@ fn unknown_key(tree: &Value, table: &str, key: &str) -> String {
     }
 }
 
-/// Message for a path that does not lead to a field. It states which key of the path is the first that does not exist,
-/// and which keys exist instead of this key. `None` if the path leads to a field.
+/// Message for a path that does not lead to a field. It states the first key of the path that does not exist, and the
+/// keys that exist at this place. `None` if the path leads to a field.
 pub(super) fn unknown_path(tree: &Value, path: &str) -> Option<String> {
     let exists = |path: &str| {
         let keys: Vec<&str> = path.split('.').collect();

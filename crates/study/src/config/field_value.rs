@@ -1,5 +1,5 @@
 //! Converts the values of `--set` and `--vary`: a number with a unit is converted to the unit of its field, and a TOML
-//! table gets a label, which stands for the table in the results.
+//! table gets a label, which the results show instead of the table.
 
 use super::error::ConfigError;
 use super::load::Study;
@@ -26,13 +26,14 @@ pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     found.filter(|(number, _)| number.is_finite())
 }
 
-/// Unit of a field: a power of a basic unit, such as the power −2 of mm. `around` contains the texts before and after
-/// the basic unit, for example `/` and `^2` in `/mm^2`.
+/// Unit of a field, as a power of a basic unit: `/mm^2` is the basic unit mm with the power −2. `around` contains the
+/// texts before and after the basic unit, here `/` and `^2`.
 struct FieldUnit {
     measure: Measure,
     around: [&'static str; 2],
     power: i32,
-    /// Factor from the base unit of the physical quantity (for example rad for an angle) to the unit of the field.
+    /// Factor that converts a number from the base unit of the physical quantity (for example rad for an angle) to the
+    /// unit of the field.
     factor: f64,
 }
 
@@ -138,7 +139,7 @@ impl Study {
     }
 
     /// Returns the path of the field to which `name` refers, and `values` in the unit of this field. A value that is a
-    /// TOML table without a label gets a label, which stands for the table in the results.
+    /// TOML table without a label gets a label, which the results show instead of the table.
     ///
     /// # Errors
     /// The same errors as [`Study::resolve`].
@@ -230,8 +231,8 @@ impl Study {
     }
 }
 
-/// Gives a label to a value that is a TOML table, because the results show the label in its place. The label is the
-/// kind of the table or, if another of the `values` has the same kind, the text of the table.
+/// Adds a label to a value that is a TOML table, because the results show the label instead of the table. The label is
+/// the kind of the table. If another of the `values` has the same kind, the label is the text of the table.
 fn labelled(table: &toml::Table, values: &[Toml]) -> Toml {
     let mut table = table.clone();
     if !table.contains_key("label") {

@@ -91,8 +91,8 @@ pub struct GlideMotionConfig {
     /// y coordinates of the planes of the fingers, relative to the middle of the patch.
     #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
     pub finger_positions: Vec<f64>,
-    /// Distance between neighbouring fingers. The position noise may be stated as a fraction of this distance. It is
-    /// also the unit of length in the settings of the estimator `two-pass`.
+    /// Distance between neighbouring fingers. The position noise may be stated as a fraction of this distance. The
+    /// lengths in the settings of the estimator `two-pass` are in units of this distance.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: f64,
     /// Distance between the first and the last contact of each finger, along x.
@@ -107,7 +107,7 @@ pub struct GlideMotionConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideModelConfig {
-    /// The closed form of the contact point if one exists, otherwise Newton's method.
+    /// The closed form of the contact point if one exists for the two shapes, otherwise Newton's method.
     Auto {
         /// Largest error of a contact's position, relative to the tip's radius.
         #[serde(default = "tolerance")]
@@ -154,7 +154,7 @@ pub enum GlideSensorConfig {
     },
     /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own centre
     /// instead of the contact point. The direction from the tip's centre to this pad is used as the normal. Therefore,
-    /// the reported contact points and normals have at most as many different values as there are pads.
+    /// the contact points and normals that the sensor reports are rounded to the positions of the pads.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -192,9 +192,9 @@ pub enum Reports {
     /// The contact point, which may be anywhere on the tip.
     #[default]
     Contact,
-    /// The lowest point of the tip. From this point, the estimator computes the contact point with the tip's radius and
-    /// a normal. The normal is sensed or, if the sensor reports no normals, it comes from a first fit to the tips'
-    /// centres.
+    /// The lowest point of the tip. The estimator computes the contact point from this point, the tip's radius and the
+    /// normal at the contact. If the sensor reports no normals, the normal comes from a first fit to the centres of the
+    /// tips.
     LowestPoint,
 }
 
@@ -261,8 +261,8 @@ pub enum NormalNoise {
     },
 }
 
-/// Points at which estimates are compared with the true values, on a square grid around the middle of the patch. For
-/// the shape class of a point, curvatures below the thresholds count as zero.
+/// Points at which estimates are compared with the true values. They form a square grid around the middle of the patch.
+/// For the shape class of a point, Gaussian and mean curvatures below the thresholds count as zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateConfig {
@@ -273,11 +273,11 @@ pub struct EvaluateConfig {
     /// Half the side length of the square grid.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub half_width: f64,
-    /// Absolute Gaussian curvature below which a point counts as having zero Gaussian curvature; at least the square of
-    /// `mean_threshold`.
+    /// If the magnitude of the Gaussian curvature is below this value, it counts as zero. The value must be at least
+    /// the square of `mean_threshold`.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length^2"))]
     pub gaussian_threshold: f64,
-    /// Absolute mean curvature below which a point counts as having zero mean curvature.
+    /// If the magnitude of the mean curvature is below this value, it counts as zero.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length"))]
     pub mean_threshold: f64,
 }

@@ -12,8 +12,8 @@ pub enum GlideEstimatorConfig {
     /// One bicubic spline, fitted to the heights of the contacts and, if there are normals, to the slopes. A penalty on
     /// its third derivatives makes it smooth.
     Penalised {
-        /// Number of knot intervals of the spline along each side of the patch. By default, the number of contacts
-        /// determines it.
+        /// Number of knot intervals of the spline along each side of the patch. By default, palpate computes it from
+        /// the number of contacts.
         #[schemars(extend("minimum" = 1, "maximum" = 24))]
         intervals: Option<u32>,
         /// Method that chooses the weight of the smoothness penalty.
@@ -122,7 +122,7 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// The settings for the stated noise; `None` for an estimator that does not use the noise.
+    /// The settings in which the user states the noise; `None` for an estimator that does not use the noise.
     const fn noise(&mut self) -> Option<&mut StatedNoise> {
         match self {
             Self::Penalised { noise, .. }
@@ -135,8 +135,8 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// The estimator with its position noise as a length. Noise that is stated as a fraction of the inter-finger
-    /// distance is converted.
+    /// The estimator with its position noise as a length. If the noise is stated as a fraction of the inter-finger
+    /// distance, it is multiplied by this distance.
     #[must_use]
     pub fn with_length_noise(mut self, inter_finger_distance: f64) -> Self {
         if let Some(noise) = self.noise()
@@ -147,16 +147,17 @@ impl GlideEstimatorConfig {
         self
     }
 
-    /// Separates the stated noise from the estimator. Returns the estimator without its stated noise, and the stated
-    /// standard deviations of positions (a length) and of normals (degrees); `None` for one that is not stated.
+    /// Separates the stated noise from the estimator. Returns the estimator without its stated noise, and two standard
+    /// deviations: of positions (a length) and of normals (in degrees). A standard deviation that is not stated is
+    /// `None`.
     #[must_use]
     pub fn without_noise(mut self) -> (Self, [Option<f64>; 2]) {
         let stated = self.noise().map(std::mem::take).unwrap_or_default();
         (self, [stated.position_std, stated.normal_std_deg])
     }
 
-    /// Position noise of the contacts as a fraction of the inter-finger distance; `None` unless the user states it as a
-    /// fraction.
+    /// Position noise of the contacts as a fraction of the inter-finger distance; `None` if the user does not state it
+    /// in this form.
     pub fn position_fraction_of_ifd(&self) -> Option<f64> {
         self.clone().noise()?.position_fraction_of_ifd
     }

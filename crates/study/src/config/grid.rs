@@ -75,8 +75,7 @@ impl Grid {
         self.axes.iter().map(row).collect()
     }
 
-    /// Number of the study's cell that combines these rows of the sweep axes. `rows` contains the index of one row for
-    /// each axis.
+    /// Number of the cell that combines these rows of the sweep axes. `rows` contains one row index per axis.
     pub(super) fn cell_of(&self, rows: &[usize]) -> usize {
         let axes = self.axes.iter().zip(rows);
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)
@@ -104,8 +103,8 @@ impl Grid {
         })
     }
 
-    /// The config tree of a cell of the study. If a swept path does not exist, the tree is incomplete, and the returned
-    /// fault states why; otherwise, the fault is `None`.
+    /// The config tree of a cell of the study, and a fault. If a swept path does not exist, the tree is incomplete, and
+    /// the fault states the reason. Otherwise, the fault is `None`.
     pub(super) fn tree(&self, cell: usize) -> (Value, Option<Fault>) {
         let mut tree = self.base.clone();
         // Set the kinds first, because the kind of a table decides which other fields the table has.
@@ -163,9 +162,9 @@ impl Grid {
 }
 
 /// Adds the tables and lists on `path` that are missing in the config, because a sweep sets a field in them. An added
-/// table or list has its default value or, without a default, is empty. If an added table has kinds, and only one kind
-/// has the swept field, the table gets this kind. The error names the value in the config that prevents adding the
-/// table.
+/// table or list has its default value; without a default, it is empty. If only one kind of an added table has the
+/// swept field, the table gets this kind. A table cannot be added if the config has another value in its place. The
+/// error then names this value.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];

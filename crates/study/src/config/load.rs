@@ -33,10 +33,11 @@ pub struct Study {
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// Whether every swept value is a number, a word or a truth value. If so, each value was validated when the study
-    /// was read, and single cells are not validated again.
+    /// Whether every swept value is a number, a word or a Boolean. If so, each value was validated when the study was
+    /// read, and the cells are not validated again.
     has_plain_values: bool,
-    /// Whether palpate wrote the config. In such a config, the scene contains the first value of every swept field.
+    /// Whether palpate wrote the config. The scene of a config that palpate wrote contains the first value of every
+    /// swept field.
     is_resolved: bool,
 }
 
@@ -232,7 +233,7 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Validates the values of all sweep axes, row by row. If a value is invalid, the error refers to the study's cell that
+/// Validates the values of all sweep axes, row by row. If a row has an invalid value, the error states the cell that
 /// combines this row with the first rows of all other axes.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
@@ -298,13 +299,13 @@ fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, V
 
 fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
     let (tree, fault) = grid.tree(cell);
-    // First report an error of the config itself, and only then a sweep path that does not exist. A misspelt key in the
-    // config may be the reason for both.
+    // If the config itself has an error, report it instead of a sweep path that does not exist. A misspelt key in the
+    // config can cause both errors.
     let config = check(&tree).and_then(|config| fault.map_or(Ok(config), Err));
     config.map_err(|fault| {
         let fault = grid.in_text(cell, fault);
-        // State the cell in the error only if its swept values cause the error. This is the case if the config without
-        // the sweeps is valid or has another error.
+        // State the cell in the error only if the swept values of this cell cause the error. They cause it if the
+        // config without the sweeps is valid or has another error.
         let alone = check(&grid.base);
         let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
         let error = source.error(fault);
@@ -325,8 +326,8 @@ fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     Ok(config)
 }
 
-/// Config of a cell of the study. If all swept values are plain (`has_plain_values`), each of them has already been
-/// validated, and only the rules that involve several fields are checked.
+/// Config of a cell of the study. If all swept values are plain (`has_plain_values`), this function checks only the
+/// rules that involve several fields, because each value has already been validated.
 fn cell_config(
     source: &Source,
     grid: &Grid,
@@ -341,8 +342,8 @@ fn cell_config(
     plain.map_or_else(|| checked(source, grid, number), Ok)
 }
 
-/// Deserialises a validated tree. The path of an error is tracked only in a second attempt, because tracking costs
-/// time.
+/// Deserialises a validated tree. If this fails, a second attempt finds the path of the error. The first attempt does
+/// not track the path, because tracking costs time.
 fn deserialise<T: DeserializeOwned>(tree: &Value) -> Result<T, Fault> {
     T::deserialize(tree.clone()).or_else(|_| {
         serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
@@ -412,7 +413,7 @@ impl Study {
         swept.map_or(self.config.trials, |trials| trials as u64)
     }
 
-    /// Type of a swept field's values: the type that fits its values in all cells. `place` is the index of the field in
+    /// Type that fits the values of a swept field in all cells. `place` is the index of the field in
     /// [paths](Self::paths).
     ///
     /// ```
@@ -459,9 +460,10 @@ impl Study {
         &self.sample
     }
 
-    /// Numbers of some cells that pass `filters`. A filter consists of the path of a swept field and the texts of its
-    /// allowed values. For each axis, every allowed row is combined with the first allowed row of each other axis. If
-    /// no row of an axis passes the filters, the filters are ignored for this axis.
+    /// Selects some of the cells that pass `filters`, and returns their numbers. A filter consists of the path of a
+    /// swept field and the texts of its allowed values. The cells lie on a star: only one axis at a time leaves its
+    /// first allowed row and runs through its other allowed rows. If no row of an axis passes the filters, the filters
+    /// are ignored for this axis.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();
@@ -486,8 +488,8 @@ impl Study {
         sample::star(&self.grid, &rows)
     }
 
-    /// Number of trials of all cells of the study together, as the config states it; at most the largest `u64`. Cells
-    /// without random numbers run only one trial each, which is not considered here.
+    /// Sum of the numbers of trials that the config states for all cells; at most the largest `u64`. Cells without
+    /// random numbers run only one trial each, but they count with their stated number.
     pub fn trials(&self) -> u64 {
         let cells = self.cell_count() as u64;
         let Some((axis, place)) = self.grid.axis("trials") else {
