@@ -273,11 +273,11 @@ pub struct EvaluateConfig {
     /// Half the side length of the square grid.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub half_width: f64,
-    /// If the magnitude of the Gaussian curvature is below this value, it counts as zero. The value must be at least
-    /// the square of `mean_threshold`.
+    /// Threshold for the magnitude of the Gaussian curvature: smaller values count as zero. It must be at least the
+    /// square of `mean_threshold`.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length^2"))]
     pub gaussian_threshold: f64,
-    /// If the magnitude of the mean curvature is below this value, it counts as zero.
+    /// Threshold for the magnitude of the mean curvature: smaller values count as zero.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length"))]
     pub mean_threshold: f64,
 }

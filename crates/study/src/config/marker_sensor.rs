@@ -20,14 +20,14 @@ pub enum PressProbeConfig {
         /// mean depth of the discs.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         marker_depth: f64,
-        /// Positions of the markers along the skin: a named layout or a table.
+        /// Positions of the markers along the skin: the name of a layout, or a table that describes a layout.
         #[serde(default)]
         layout: LayoutConfig,
         /// The two coloured discs that form each marker. A camera sees only these discs, so a sensor with a camera
         /// needs them.
         discs: Option<DiscsConfig>,
-        /// Number of steps from the apex to the equator with which the outline of a gore is computed. Gores are the
-        /// flat pieces from which the skin is made.
+        /// Number of steps in which the outline of a gore is computed, from the apex to the equator. Gores are the flat
+        /// pieces from which the skin is made.
         #[serde(default = "whole::<24>")]
         #[schemars(extend("minimum" = 1, "maximum" = 1000))]
         outline_samples: u32,
@@ -53,23 +53,24 @@ pub struct DiscsConfig {
     #[serde(default, skip_serializing_if = "DiscColour::is_magenta")]
     pub inner: DiscColour,
     /// Largest offset between the two discs of a marker along the skin, as a share of the diameter of the yellow disc.
-    /// The offsets are drawn once per seed.
+    /// The offsets are random, and are drawn once for each seed.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,
-    /// Share of the skin's strain that the discs follow: 0 for rigid discs, 1 for discs as soft as the skin. A strained
-    /// disc stays a circle, but its area changes. The misalignment of the discs changes with the strain of the skin. By
-    /// default, strain of the discs is not simulated. This key requires an incompressible skin.
+    /// Ratio of the strain of a disc to the strain of the skin: 0 for rigid discs, 1 for discs as soft as the skin. A
+    /// strained disc stays a circle, but its area changes. The misalignment of the discs changes with the strain of the
+    /// skin. By default, strain of the discs is not simulated. This key requires an incompressible skin.
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub strain: Option<f64>,
-    /// Share of the skin's strain that the yellow discs follow. The default is `strain`. If this key is stated,
+    /// Ratio of the strain of a yellow disc to the strain of the skin. The default is `strain`. If this key is stated,
     /// `strain` applies only to the magenta discs.
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub yellow_strain: Option<f64>,
 }
 
 impl DiscsConfig {
-    /// Shares of the skin's strain that the magenta and the yellow disc follow; `None` if the strain is not modelled.
+    /// Ratios of the strain of the magenta disc and of the yellow disc to the strain of the skin; `None` if the strain
+    /// of the discs is not modelled.
     pub fn strains(&self) -> Option<[f64; 2]> {
         let magenta = self.strain.or(self.yellow_strain.map(|_| 0.0))?;
         Some([magenta, self.yellow_strain.unwrap_or(magenta)])
@@ -95,7 +96,7 @@ impl DiscColour {
     }
 }
 
-/// Positions of the markers along the skin: the name of a layout, or a table that describes one.
+/// Positions of the markers along the skin: the name of a layout, or a table that describes a layout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum LayoutConfig {
@@ -124,8 +125,8 @@ pub enum NamedLayout {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LayoutTable {
-    /// A marker at the apex, and equal rows of markers in each of several gores. Gores are the flat pieces from which
-    /// the skin is made.
+    /// A marker at the apex, and the same rows of markers in every gore. Gores are the flat pieces from which the skin
+    /// is made.
     Gores {
         /// Number of gores around the apex.
         #[schemars(extend("minimum" = 1))]
@@ -227,8 +228,8 @@ impl PressSensorConfig {
     }
 }
 
-/// The camera, and the method that computes displacements from its images. The lens is a fisheye: without the terms k3
-/// and k5, distances in the image are proportional to the polar angle.
+/// The camera, and the method that computes displacements from its images. The camera has a fisheye lens: if k3 and k5
+/// are 0, distances from the image's centre are proportional to the polar angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
@@ -265,16 +266,16 @@ pub struct CameraConfig {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub seam_width: f64,
-    /// Position of the camera relative to the sensor's centre: along x, along y, and towards the apex. By default, the
-    /// camera is at the centre.
+    /// Position of the camera relative to the sensor's centre: the components along x, along y, and towards the apex.
+    /// By default, the camera is at the centre.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(extend("x-unit" = "length"))]
     pub place: [f64; 3],
-    /// Rotation of the camera as a rotation vector: about x, about y, and about the axis towards the apex. By default,
-    /// the camera points at the apex.
+    /// Rotation of the camera as a rotation vector: the components about x, about y, and about the axis towards the
+    /// apex. By default, the camera points at the apex.
     #[serde(default, skip_serializing_if = "is_default")]
     pub turn_deg: [f64; 3],
-    /// Feature of a marker's image from which its normal displacement is computed.
+    /// Feature of a marker's image (hue, size or both) from which the marker's normal displacement is computed.
     #[serde(default)]
     pub normal_from: NormalFrom,
     /// Calibration of the sensor with presses on a plane.
@@ -297,12 +298,12 @@ fn yes() -> bool {
     true
 }
 
-/// Feature of a marker's image from which its normal displacement is computed.
+/// Feature of a marker's image (hue, size or both) from which the marker's normal displacement is computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFrom {
-    /// The hue of the sum of the light of the marker's pixels. It depends on the difference between the displacements
-    /// of the marker's two discs.
+    /// The hue of the marker's summed light, that is, of the sum over its pixels. The hue depends on the difference
+    /// between the displacements of the marker's two discs.
     Hue,
     /// The size of the marker in the image. It depends on the marker's distance from the camera.
     Size,
@@ -322,7 +323,7 @@ pub struct CalibrationConfig {
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
     /// Number of frames without a press that are averaged. The noise of these frames and of the calibration presses is
-    /// drawn once, so their errors are the same in all trials.
+    /// drawn once. Therefore, these frames and presses have the same errors in all trials.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub rest_frames: u32,
     /// Markers whose normal displacement is used in the calibration.
@@ -351,8 +352,8 @@ pub enum ShownMarkers {
     UnderContact,
 }
 
-/// A sensor without an object. The study computes the strain of its skin when the skin is folded from flat pieces, and
-/// the image of one marker.
+/// A sensor without an object. The study computes the image of one marker, and the strain of the sensor's skin that is
+/// caused by folding the skin from flat pieces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BareFingertipConfig {

@@ -12,7 +12,8 @@ use std::collections::BTreeMap;
 
 pub(super) use check::{check, check_alone};
 
-/// A plot. A column is the path of a swept field, or the name of a statistic in `cells.csv`.
+/// A plot of a study's table. The plot's keys name a column of the table by the path of a swept field, or by the name
+/// of a statistic in `cells.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlotConfig {
@@ -39,7 +40,7 @@ pub struct PlotConfig {
     /// Column whose values separate the panels. There is one panel for each value.
     pub panels: Option<String>,
     /// Filter that selects the plotted rows of the table. In a class map or a profile, it selects the plotted cells.
-    /// Each entry has the name of a column in quotes, and the value or list of values that pass the filter.
+    /// Each entry consists of the name of a column in quotes, and the value or list of values that pass the filter.
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub where_: BTreeMap<String, toml::Value>,
@@ -51,7 +52,7 @@ pub struct PlotConfig {
     /// Straight reference lines across the plot, each at a given value of one axis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Mark>,
-    /// Points with numbers from other sources, which are drawn as open markers for comparison.
+    /// Points from other sources, for example published numbers. They are drawn as open markers for comparison.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<Points>,
 }
@@ -81,8 +82,7 @@ pub enum PlotKind {
     /// Lines that plot one column of `cells.csv` over another.
     #[default]
     Lines,
-    /// For each cell of the study, a map of the estimated shape classes. Maps of the true classes are beside these
-    /// maps.
+    /// For each cell of the study, a map of the estimated shape classes beside a map of the true shape classes.
     ClassMap,
     /// For each cell of the study, the estimated shape classes, drawn on the fitted surface in three dimensions.
     ClassSurface,
@@ -100,7 +100,7 @@ impl PlotKind {
         *self == Self::Lines
     }
 
-    /// The output of a study that contains the plotted data, and the name of this output in configs.
+    /// The output of a study that contains the data of this kind of plot, and the name of this output in configs.
     fn output(self) -> (Output, &'static str) {
         match self {
             Self::Lines => (Output::Cells, "cells"),
@@ -170,7 +170,7 @@ pub enum Scale {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mark {
-    /// The axis that has the value of the reference line.
+    /// The axis on which the reference line's `value` is measured.
     pub axis: MarkAxis,
     /// Value at which the reference line is drawn, in the unit of the axis.
     pub value: f64,
@@ -188,7 +188,7 @@ pub enum MarkAxis {
     Y,
 }
 
-/// Numbers from other sources, for example published numbers, that are added to a plot.
+/// Points from other sources, for example published numbers, that are added to a plot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Points {
@@ -199,10 +199,10 @@ pub struct Points {
     pub x: Vec<f64>,
     /// y values of the points, in the unit of the y axis. The number of x values and of y values must be equal.
     pub y: Vec<f64>,
-    /// A value of the column that `series` states. The points have the colour of the line for this value. In a plot of
-    /// the kind `profile`, it is the name of a line.
+    /// The line of the plot whose colour the points have. It is stated as a value of the plot's column `series`; in a
+    /// plot of the kind `profile`, as the name of the line.
     pub series: Option<String>,
-    /// A value of the column that `panels` states. The points are drawn only in the panel for this value; by default,
-    /// they are drawn in every panel.
+    /// The panel in which the points are drawn, stated as a value of the plot's column `panels`. By default, the points
+    /// are drawn in every panel.
     pub panel: Option<String>,
 }

@@ -200,7 +200,7 @@ pub enum PressObjectConfig {
     /// An ellipsoid. The contact is at the end of its third semi-axis. Unless the first two semi-axes are equal, the
     /// model must be a half-space.
     Ellipsoid {
-        /// Semi-axes: along the x axis and the y axis of the skin at the contact, and along the normal.
+        /// Semi-axes of the ellipsoid: along the skin's x axis and y axis at the contact, and along the normal.
         #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-unit" = "length"))]
         semi_axes: [f64; 3],
     },
@@ -223,7 +223,7 @@ impl PressObjectConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressMotionConfig {
-    /// Distance by which the sensor and the object approach each other after their first touch.
+    /// Indentation: the distance by which the sensor and the object approach each other after their first touch.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: f64,
     /// Position of the contact on the skin, as two angles: the polar angle from the apex, from 0 to 180, and the
@@ -241,8 +241,8 @@ pub struct PressMotionConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressModelConfig {
-    /// The cheapest model within the tolerance. If `thickness` is stated, the soft body is a layer, otherwise a
-    /// half-space.
+    /// The cheapest model whose error is within the tolerance. If `thickness` is stated, the soft body is a layer,
+    /// otherwise a half-space.
     Auto {
         /// Thickness of the soft layer on a rigid core, at most the radius of the sensor. Without this key, the sensor
         /// has no core.
@@ -262,7 +262,7 @@ pub enum PressModelConfig {
         #[schemars(extend("exclusiveMinimum" = 0))]
         modulus_kpa: Option<f64>,
     },
-    /// Hertz contact. All markers have the displacements of the skin's surface, even if they are below the surface.
+    /// Hertz contact. All markers move like the surface of the skin, even if they are below the surface.
     Hertz {
         /// Poisson's ratio of the soft body.
         #[serde(default = "half")]
@@ -343,9 +343,9 @@ impl PressModelConfig {
         }
     }
 
-    /// The most accurate model of the same soft body: the bonded layer for a layer, otherwise the half-space. The error
-    /// of each model from which `auto` chooses is the difference from this model. A model that is not `auto` is its own
-    /// reference.
+    /// The reference model, from which the errors of cheaper models are measured. For `auto`, it is the most accurate
+    /// model of the same soft body: the bonded layer if the body is a layer, otherwise the half-space. Any other model
+    /// is its own reference.
     pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {
@@ -387,8 +387,8 @@ pub struct PressNoiseConfig {
     /// Constant error of the indentation that the estimator receives.
     #[schemars(extend("x-unit" = "length"))]
     pub indentation_bias: Option<f64>,
-    /// Error of the gain, drawn for each press. The gain is the factor by which all normal displacements of a press are
-    /// multiplied; without error, it is 1.
+    /// Error of the gain, drawn for each press. The gain is a factor on all normal displacements of a press; without
+    /// error, it is 1.
     pub gain: Option<ReadingNoise<Pure>>,
     /// Markers that have a large error in addition to the other errors. Each trial chooses them anew at random.
     pub wrong_markers: Option<WrongMarkers>,
@@ -405,8 +405,8 @@ pub struct PressNoiseConfig {
     /// Markers that are missing in the pressed frame. Each trial chooses them anew at random.
     pub lost_markers: Option<LostMarkers>,
     /// Differences between a camera sensor and its calibration. Each trial draws new sensor parameters, new frames
-    /// without a press, and new misalignments of the discs. The estimator `image` uses the stated standard deviations
-    /// as its prior.
+    /// without a press, and new misalignments of the discs. The estimator `image` uses the standard deviations in this
+    /// table as its prior.
     pub sensor: Option<SensorNoise>,
 }
 
@@ -436,8 +436,8 @@ pub struct SensorNoise {
     /// discs have another common error.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub disc_diameter: f64,
-    /// Standard deviation of the errors of the transmittances: the shares of red, green and blue light that discs
-    /// transmit. Discs of one colour have the same errors.
+    /// Standard deviation of the errors of the discs' transmittances, that is, of the shares of red, green and blue
+    /// light that they transmit. Discs of one colour have the same errors.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub colour: f64,
 }

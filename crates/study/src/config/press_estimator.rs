@@ -55,8 +55,7 @@ pub enum PressEstimatorConfig {
         /// radius.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
         c: Option<f64>,
-        /// Markers farther from the contact than this distance are not used in the fit. By default, all markers are
-        /// used.
+        /// Largest distance from the contact at which markers are used in the fit. By default, all markers are used.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         window: Option<f64>,
         /// Prior of the indentation. Its settings are keys of the estimator's table.
@@ -115,8 +114,8 @@ pub struct IndentationPrior {
     pub indentation_std: f64,
 }
 
-/// Assumptions of the estimator about the displacements. Only estimators that fit an elastic body to displacements have
-/// these settings; estimators that fit it to images do not have them.
+/// Assumptions of the estimator about the displacements. Only the estimators that fit an elastic body to displacements
+/// have these settings. The estimator `image` does not have them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct DisplacementPriors {
@@ -139,15 +138,15 @@ pub struct PressPriors {
     pub indentation_std: f64,
     /// Offset of the normal displacements, that is, their value when nothing touches the sensor: zero or fitted.
     pub baseline: Baseline,
-    /// Standard deviation of the gain, the factor by which all normal displacements of a press are multiplied. `None`
-    /// for the estimator `gaussian`, because its fitted amplitude includes the gain.
+    /// Standard deviation that the estimator assumes for the gain, a factor on all normal displacements of a press.
+    /// `None` for the estimator `gaussian`, because its fitted amplitude includes the gain.
     pub gain_std: Option<f64>,
     /// Whether the noise of displacements is stated or estimated.
     pub noise: NoiseKnown,
 }
 
 impl PressEstimatorConfig {
-    /// The settings of this estimator that all kinds of press estimators have.
+    /// The values of the settings that all kinds of press estimators share.
     pub fn priors(&self) -> PressPriors {
         let (prior, displacements) = match *self {
             Self::HalfSpace {
@@ -208,9 +207,9 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Stores the values of the scene's model in those settings that are not stated and have these values as defaults.
-    /// `of_thickness` is the thickness of the model's layer (`None` without a layer), and `of_poisson` its Poisson's
-    /// ratio.
+    /// Sets the settings that are not stated, and that have a value of the scene's model as default, to this value.
+    /// `of_thickness` is the thickness of the model's layer (`None` without a layer), and `of_poisson` is the model's
+    /// Poisson's ratio.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
             Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {

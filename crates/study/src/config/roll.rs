@@ -126,8 +126,8 @@ pub enum ProbeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollMotionConfig {
-    /// Rate at which the probe rotates. It is required with `duration_s`, and for rolls with a spin. In other cases,
-    /// only the times in a trace depend on it, and the default is 1 rad/s.
+    /// Rate at which the probe rotates. It is required with `duration_s`, and for rolls with a spin. Otherwise, the
+    /// default is 1 rad/s, and the rate changes only the times in a trace.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_rad_per_s: Option<f64>,
     /// Duration of each roll. State one of `duration_s`, `arc_length` and `angle_deg`.
@@ -141,8 +141,8 @@ pub struct RollMotionConfig {
     /// `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["duration_s", "arc_length"]))]
     pub angle_deg: Option<f64>,
-    /// Rate at which the sensor is read during a roll, 1/s. If it is stated, the readings of a roll are a time series.
-    /// Otherwise, a roll has one reading: the rotation, and the distance that the contact has moved at the end.
+    /// Sampling rate of the sensor during a roll, 1/s. If it is stated, the readings of a roll are a time series.
+    /// Otherwise, a roll has one reading at its end: the rotation, and the distance that the contact has moved.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e6))]
     pub sampling_hz: Option<f64>,
     /// Rate at which the probe rotates about the contact normal.
@@ -186,7 +186,7 @@ pub enum RollAxis {
     /// A frame that moves along the contact's path without turning about the normal (parallel transport).
     #[default]
     Transported,
-    /// The frame of the probe's coordinate chart. This choice requires a model with chart = "montana".
+    /// The frame of the probe's surface coordinates (its chart). This choice requires a model with chart = "montana".
     Chart,
 }
 
@@ -200,16 +200,16 @@ pub enum RollModelConfig {
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates in which the path of the contact is integrated. `auto` uses them if it chooses a model that
-        /// integrates the path.
+        /// Coordinates in which the path of the contact is integrated. They are used only if `auto` chooses a model
+        /// that integrates the path.
         #[serde(default)]
         chart: Chart,
     },
     /// The closed form of the contact's path, if one exists for the two shapes.
     ClosedForm {},
-    /// The relation between the roll angle and the length of the contact's path, for rolls along a meridian through the
-    /// apex of a surface of revolution. If the motion has no noise, also for rolls along the axes of ellipsoids,
-    /// saddles and formulas of degree two.
+    /// Computes the length of the contact's path from the roll angle. This is possible for rolls along a meridian
+    /// through the apex of a surface of revolution. If the motion has no noise, it is also possible for rolls along the
+    /// axes of ellipsoids, saddles and formulas of degree two.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
@@ -261,10 +261,10 @@ impl RollModelConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Chart {
-    /// Points and frames in space. These coordinates have no singularities.
+    /// Points and frames in space instead of surface coordinates. They have no singularities.
     #[default]
     Free,
-    /// Parameters of the two surfaces, as in Montana's equations. These coordinates have singularities.
+    /// Surface coordinates on both bodies, as in Montana's equations. These coordinates have singularities.
     Montana,
 }
 
@@ -333,7 +333,7 @@ pub struct AngularVelocityDraws {
     /// How often the error of the angular velocity is drawn.
     #[serde(default)]
     pub when: When,
-    /// Which rotation has the error: the true motion or the measurement.
+    /// Which rotation has the error: the true rotation of the probe or the measured rotation.
     #[serde(default)]
     pub side: Side,
     /// Number of instants in a roll at which the error is drawn. It is used only if `when` is "per-instant".
@@ -353,7 +353,7 @@ pub enum When {
     PerInstant,
 }
 
-/// Which rotation has the error: the true motion or the measurement.
+/// Which rotation has the error: the true rotation of the probe or the measured rotation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
@@ -382,7 +382,7 @@ pub struct RotationNoise {
     /// Constant error of each component of the measured rotation.
     #[schemars(extend("minimum" = -180, "maximum" = 180))]
     pub bias_deg: Option<f64>,
-    /// Rate at which an error of each component of the measured rotation grows during a roll, such as the drift of a
+    /// Drift: the rate at which the error of each component of the measured rotation grows during a roll, as with a
     /// gyroscope.
     #[schemars(extend("minimum" = -1e6, "maximum" = 1e6))]
     pub drift_deg_per_s: Option<f64>,
@@ -436,8 +436,8 @@ fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollEstimatorConfig {
-    /// Least squares over the rotations of all rolls and the distances that the contact has moved, as in the 1996
-    /// paper.
+    /// A least-squares fit of the curvature to the rotations of all rolls and the distances that the contact has moved,
+    /// as in the 1996 paper.
     #[default]
     LeastSquares,
     /// Finds all curvatures that agree with the times at which the contact moves from pad to pad. It needs time series
@@ -480,7 +480,8 @@ impl RollEstimatorConfig {
         matches!(self, Self::PadEdge { .. } | Self::Trajectory { .. })
     }
 
-    /// Name of the estimator for these readings, and the reason for the choice if `auto` chose it.
+    /// Name of the estimator that is used for these readings. If the setting is `auto`, also the reason for the choice.
+    /// `is_series` states whether the readings are time series.
     pub const fn method(&self, is_series: bool) -> (&'static str, Option<&'static str>) {
         match (self, is_series) {
             (Self::LeastSquares, _) => ("least-squares", None),

@@ -4,18 +4,21 @@ use super::grid::Grid;
 use super::sweep::Axis;
 use std::collections::BTreeSet;
 
-/// If a study has at most this number of cells, all its cells are checked before the run.
+/// Largest number of cells of a study of which all cells are checked before the run. Of larger studies, only a sample
+/// is checked.
 const MOST_WHOLE: usize = 10_000;
-/// If a sweep axis has at most this number of rows, all its rows are in the sample of the study's cells.
+/// Largest number of rows of a sweep axis that are all in the sample of the study's cells. Of longer axes, only some
+/// rows are in it.
 const MOST_ROWS: usize = 1000;
 /// Number of cells in a sample that are spread evenly over all cells of the study.
 const SPREAD: usize = 2000;
 
-/// Numbers of the cells that are checked, in ascending order. They depend only on the axes. A small study is checked
-/// completely. The sample of a large study has
-/// - each row of an axis, once with the first rows of the other axes and once with other rows of these axes. Of a long
-///   axis, only [`MOST_ROWS`] rows are used: rows that are spread evenly, and its extremes ([`Axis::extremes`]).
-/// - for each pair of axes, the combinations of their extremes, with the first rows of the other axes.
+/// Numbers of the cells that are checked, in ascending order. They depend only on the axes. All cells of a small study
+/// are checked. The sample of a large study contains:
+/// - each row of each axis, once with the first rows of the other axes and once with other rows of these axes. A long
+///   axis contributes only about [`MOST_ROWS`] rows: rows that are spread evenly, and its extremes
+///   ([`Axis::extremes`]).
+/// - for each pair of axes, all combinations of their extremes, with the first rows of the other axes.
 /// - the last cell, and cells that are spread evenly.
 pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     let cells = grid.cells();
@@ -56,8 +59,8 @@ pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     sample.into_iter().collect()
 }
 
-/// Numbers of the cells in which at most one axis differs from its first row in `rows`. `rows` contains, for each axis,
-/// the rows that are used.
+/// Numbers of the cells in which at most one axis is not at its first row. `rows` contains the rows that are used for
+/// each axis.
 pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     let first: Vec<usize> = rows.iter().map(|rows| rows[0]).collect();
     let mut cells = Vec::new();
@@ -74,9 +77,9 @@ pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     cells
 }
 
-/// Sample of the given rows of an axis, in ascending order. If there are at most [`MOST_ROWS`] rows, all of them are
-/// returned. Otherwise, the sample contains rows that are spread evenly, the first and the last given row, and those
-/// given rows that are extremes of the axis.
+/// Selects some of the given `rows` of an axis, and returns them in ascending order. If there are at most [`MOST_ROWS`]
+/// rows, all of them are returned. Otherwise, the result contains rows that are spread evenly, the first and the last
+/// of the given rows, and the extremes of the axis if they are among the given rows.
 pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let rows: Vec<usize> = rows.into_iter().collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {
@@ -94,8 +97,8 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
     few.into_iter().collect()
 }
 
-/// Maps the numbers 0, 1, 2 and so on to numbers below `count` that cover the range evenly. Successive results are far
-/// apart. They are the fractional parts of multiples of the golden ratio, scaled to the range.
+/// Maps the numbers 0, 1, 2 and so on to whole numbers below `count`. These cover the range evenly, and successive
+/// results are far apart. They are the fractional parts of multiples of the golden ratio, multiplied by `count`.
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((u128::from(fraction) * count as u128) >> 64) as usize

@@ -13,9 +13,10 @@ use super::validate::{instead_of, kind_of};
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
 /// `x-unit` states the unit of a number: `length`, `1/length` or `1/length^2`, where the length is in the config's
-/// `length_unit`. If a key is a pure number in one table but has a unit in another, its `x-unit` is `1`. `x-instead-of`
-/// lists the alternatives of a key, that is, keys that state the same quantity in another way. A config may state only
-/// one of them. If a key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px`, this ending states the unit.
+/// `length_unit`. If the same key has a unit in another table, but is a pure number in this table, its `x-unit` is `1`.
+/// `x-instead-of` lists the alternatives of a key, that is, keys that state the same quantity in another way. A config
+/// may state only one of them. If a key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px`, this ending states the
+/// unit.
 ///
 /// ```
 /// use palpate_study::config::schema;
@@ -43,8 +44,8 @@ pub(super) fn schema_of<T: JsonSchema>() -> Json {
     schema
 }
 
-/// The variants of a schema: the schemas of all kinds of a table, or of all words that a value may be. If the schema
-/// has no variants, it is itself the only one.
+/// The alternatives (`oneOf`) in a schema: the schemas of all kinds of a table, or of all words that a value may be. If
+/// the schema has no alternatives, the result is the schema itself.
 pub(super) fn variants(schema: &Json) -> &[Json] {
     schema["oneOf"]
         .as_array()
@@ -90,8 +91,8 @@ fn tidy(schema: &mut Json) {
     }
 }
 
-/// Merges nested lists of the variants of a value (`oneOf` within `oneOf`) into a single list. This is possible because
-/// the variants exclude each other.
+/// Merges nested lists of a value's variants (`oneOf` within `oneOf`) into a single list. The merged list accepts the
+/// same values, because the variants exclude each other.
 fn flattened(variants: Vec<Json>) -> Vec<Json> {
     let alone = |variant: Json| match variant["oneOf"].as_array() {
         Some(inner) => inner.clone(),
@@ -100,7 +101,8 @@ fn flattened(variants: Vec<Json>) -> Vec<Json> {
     variants.into_iter().flat_map(alone).collect()
 }
 
-/// The variant of a table's schema that describes this `kind`; for `None`, the variant of a table without kinds.
+/// The variant of a table's schema that describes this `kind`. If `kind` is `None`, the schema of a table without
+/// kinds.
 pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Json> {
     variants(schema)
         .iter()
@@ -134,8 +136,8 @@ pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
         .collect()
 }
 
-/// The unit of a field; `None` if it has none. The unit is the same for all kinds of the table that have the field. The
-/// items of an array have the unit of the array.
+/// The unit of a field; `None` if the field has no unit. All kinds of the table that have the field have the same unit
+/// for it. The items of an array have the unit of the array.
 pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     let unit = |field: &'a Json| field["x-unit"].as_str();
     let parents = (1..=keys.len()).rev();
@@ -157,7 +159,7 @@ pub(super) fn alternatives(path: &str) -> Vec<String> {
     all.iter().map(|key| format!("{parent}.{key}")).collect()
 }
 
-/// Whether a field accepts only whole numbers. This is the same for all kinds of the table that have the field.
+/// Whether a field accepts only whole numbers. The answer is the same for all kinds of the table that have the field.
 pub(super) fn is_whole(schema: &Json, keys: &[&str]) -> bool {
     let field = fields_at(schema, keys).into_iter().next();
     field.is_some_and(|field| field["type"] == "integer")

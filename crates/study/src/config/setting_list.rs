@@ -92,7 +92,7 @@ impl Accepts {
 /// Range of the numbers that a setting accepts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// Lower limit of the range, which the number must exceed; `None` if there is no such limit.
+    /// Limit that the number must exceed; `None` if there is no such limit.
     pub above: Option<f64>,
     /// Smallest allowed value of the setting; `None` if there is no such limit.
     pub least: Option<f64>,
@@ -137,8 +137,8 @@ impl Range {
         self.violated(number).is_none()
     }
 
-    /// The requirement of this range that `number` violates, in words such as `a whole number`; `None` if `number` is
-    /// in the range.
+    /// The requirement that `number` does not meet, in words such as `a whole number`; `None` if `number` is in the
+    /// range.
     pub(super) fn violated(&self, number: f64) -> Option<String> {
         if self.may_be_infinite && number == f64::INFINITY {
             return None;
@@ -204,8 +204,8 @@ pub trait SettingTable: Clone + Serialize + DeserializeOwned + JsonSchema + 'sta
     }
 }
 
-/// Implements [`SettingTable`] with methods of its own for each type. Otherwise, every crate that replaces settings of
-/// these types would compile the conversions again.
+/// Implements the methods of [`SettingTable`] for each type in this crate. With default methods, every crate that
+/// replaces settings of these types would compile the conversions again.
 macro_rules! setting_tables {
     ($($table:ident),*) => {$(
         impl SettingTable for super::$table {
@@ -247,8 +247,8 @@ struct Known {
     settings: Vec<Setting>,
 }
 
-/// Cache with the schema and the settings of each type of config table, because computing a schema takes longer than
-/// some estimates.
+/// Cache of the schema and the settings of each type of config table. Without the cache, the schema could take longer
+/// to compute than an estimate.
 static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
 fn known<T: JsonSchema + 'static>() -> Arc<Known> {
@@ -266,7 +266,7 @@ pub fn settings<T: JsonSchema + 'static>() -> Vec<Setting> {
     known::<T>().settings.clone()
 }
 
-/// The setting of a table that has this key; `None` if no setting has it.
+/// The setting with this key in a table; `None` if the table has no such setting.
 pub fn setting<T: JsonSchema + 'static>(key: &str) -> Option<Setting> {
     known::<T>().setting(key).cloned()
 }
@@ -413,9 +413,9 @@ impl SettingError {
     }
 }
 
-/// Replaces the names of settings in a message by the names that a user interface gives them. A message writes the name
-/// of a setting as `` setting `gain_std` ``. For each name, `name` returns the text that replaces this form, such as a
-/// flag or an argument.
+/// Replaces the names of settings in a message by the names in a user interface. A message writes the name of a setting
+/// as `` setting `gain_std` ``. For each name, the function `name` returns the text that replaces this form, such as a
+/// flag of the command line or a Python argument.
 ///
 /// ```
 /// use palpate_study::config::rename_settings;
@@ -436,9 +436,8 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
     renamed
 }
 
-/// The table `base` with the `given` settings. Settings of `base` that state the same quantity as a given setting in
-/// another way are removed. If another `kind` is given, settings that the old and the new kind both have keep their
-/// values.
+/// Returns the table `base` with the `given` settings. Settings of `base` that state the same quantity as a given
+/// setting in another way are removed. If another `kind` is given, a setting that both kinds have keeps its value.
 ///
 /// ```
 /// use palpate_study::config::{GlideEstimatorConfig, with_settings};
@@ -464,8 +463,8 @@ pub fn with_settings<T: SettingTable>(
 }
 
 impl Known {
-    /// The table `base` in which the settings `given` replace those with the same key. Settings that the kind of the
-    /// table does not have are dropped.
+    /// Returns the table `base` with the `given` settings: they replace the settings with the same key. Settings that
+    /// the kind of the table does not have are removed.
     fn with_settings(&self, base: Json, given: &Map<String, Json>) -> Result<Json, SettingError> {
         let mut table = match base {
             Json::Object(table) => table,
@@ -541,7 +540,7 @@ fn scale(schema: &Json, json: &mut Json, factor: f64) {
             }
         }
         Json::Array(items) => {
-            // If the array states a unit, the unit also applies to its items.
+            // A unit of an array also applies to its items.
             let of_items = match by == 1.0 {
                 true => &schema["items"],
                 false => schema,

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyConfig {
-    /// Name of the study and of its output directory: lower-case words joined by hyphens.
+    /// Name of the study and of its output directory: lower-case words or numbers, joined by hyphens.
     #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: String,
     /// Title of the study: the question that it answers.
@@ -46,8 +46,8 @@ pub struct StudyConfig {
     pub outputs: Vec<Output>,
     /// Version of palpate that wrote the config. It is missing in a config that a person wrote.
     pub crate_version: Option<String>,
-    /// Names of columns in files of recorded readings, for `palpate estimate --like` with this study. The key is
-    /// palpate's name of a column, the value is its name in the file: `x = "Finger X [m]"`.
+    /// Names of the columns in files of recorded readings. `palpate estimate --like` with this study uses them. The key
+    /// is palpate's name of a column, and the value is its name in the file: `x = "Finger X [m]"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub columns: ColumnNames,
     /// The scene: the bodies in contact, the motion, the model, the sensor, the noise and the estimator.
@@ -63,8 +63,7 @@ pub struct StudyConfig {
     pub plot: Vec<PlotConfig>,
 }
 
-/// Rule that ends the trials of a cell when a statistic is accurate enough, that is, when its relative standard error
-/// is small enough.
+/// Stopping rule. The trials of a cell end when the relative standard error of a statistic is small enough.
 ///
 /// The trials run in blocks of 1,024, in the order of their numbers. The rule is tested after 1, 2, 4, 8 … blocks. The
 /// standard error is computed from the scatter between trials. The observations within one trial, for example at all
@@ -117,8 +116,8 @@ pub enum SceneConfig {
     Glide(GlideConfig),
     /// A soft sphere with markers is pressed onto an object.
     Press(PressConfig),
-    /// A sensor with markers, without an object. The study computes the strain of the sensor's skin when the skin is
-    /// folded from flat pieces (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image
+    /// A sensor with markers, without an object. The study computes the strain that is caused by folding the sensor's
+    /// skin from flat pieces (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image
     /// (`marker_area`). The scene has no random numbers.
     Fingertip(BareFingertipConfig),
 }
@@ -156,8 +155,8 @@ impl SceneConfig {
     }
 
     /// The scene with another model; `None` if `model` belongs to another kind of scene. The estimator does not change:
-    /// if it uses a value of the previous model as a default (such as Poisson's ratio), this value is stored in its
-    /// setting.
+    /// if the default of one of its settings is a value of the previous model (such as Poisson's ratio), the setting
+    /// keeps this value.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();

@@ -30,10 +30,10 @@ pub struct SweepConfig {
     /// Number of values of the axis if they are a range, including both ends, or number of sampled points.
     #[schemars(extend("minimum" = 1))]
     pub count: Option<u32>,
-    /// Spacing of the values of a range. Values between the ends are rounded to 12 digits.
+    /// Spacing of the values of a range: `linear` or `log`. Values between the ends are rounded to 12 digits.
     pub spacing: Option<Spacing>,
-    /// Method that chooses `count` points within `ranges`. With many fields, far fewer points are needed than on a
-    /// grid.
+    /// Method that chooses `count` points within `ranges`. If many fields are swept, such a sample needs far fewer
+    /// points than a grid.
     pub sample: Option<Sample>,
     /// Range of each sampled field, with the path of the field as key. The columns of the result tables are in the
     /// alphabetical order of the paths.
@@ -57,8 +57,8 @@ pub struct RangeConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sample {
-    /// Sobol's sequence with Owen's scrambling (Burley 2020). The points do not depend on the seed of the study. For
-    /// the first 2ⁿ points, each half, each quarter and so on of every range contains the same number of points.
+    /// Sobol's sequence with Owen's scrambling (Burley 2020). The points do not depend on the seed of the study. If
+    /// `count` is a power of 2, each half, each quarter and so on of every range contains the same number of points.
     Sobol,
 }
 
@@ -103,7 +103,7 @@ pub(super) struct Axis {
     rows: Rows,
     /// Path of the sweep axis in the config, such as `sweep.0`.
     path: String,
-    /// Whether the config writes each row of the sweep axis as a list with one value per field.
+    /// Whether each row of the sweep axis is a list in the config, with one value per field.
     is_joint: bool,
 }
 
@@ -141,7 +141,8 @@ impl Axis {
         }
     }
 
-    /// Path of the text in the config that determines the value in the row `row` of the axis, for its field `column`.
+    /// Path of the place in the config that determines one value of the axis: the value of the field with the index
+    /// `column` in the row with the index `row`.
     pub(super) fn location(&self, row: usize, column: usize) -> String {
         let path = &self.path;
         match &self.rows {
@@ -153,8 +154,8 @@ impl Axis {
         }
     }
 
-    /// Indices of the first and the last row of the sweep axis, and of the rows with the smallest and the largest
-    /// number.
+    /// Indices of the extreme rows of the sweep axis: the first and the last row, and the rows with the smallest and
+    /// the largest number.
     pub(super) fn extremes(&self) -> Vec<usize> {
         let last = self.len() - 1;
         let mut extremes = vec![0, last];
@@ -187,7 +188,7 @@ impl Axis {
                 })
             }
             Rows::Sampled(_) => None,
-            // The numbers of a range increase or decrease, so equal numbers can only be neighbours.
+            // The numbers of a range are sorted, so equal numbers can only be neighbours.
             Rows::Spaced(range) => {
                 (1..=range.steps).find(|&row| range.number(row) == range.number(row - 1))
             }
@@ -230,7 +231,8 @@ pub(super) struct SweptValue {
 }
 
 impl SweptValue {
-    /// A computed number. It is stored as an integer if it is whole, because some fields require an integer.
+    /// A value that was computed from a range. A whole number is stored as an integer, because some fields require an
+    /// integer.
     fn of_number(number: f64) -> Self {
         let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
             true => Value::Integer(number as i64),
@@ -311,7 +313,7 @@ pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
 }
 
 impl SweepConfig {
-    /// The first of `keys` that the axis states (if `is_given` is true) or does not state (if `is_given` is false).
+    /// The first of `keys` that the axis states or, if `is_given` is false, the first that it does not state.
     fn first(&self, keys: &[&'static str], is_given: bool) -> Option<&'static str> {
         let has = |key: &str| match key {
             "path" => self.path.is_some(),
@@ -471,7 +473,7 @@ fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, 
     })
 }
 
-/// Rejects a field that cannot be swept, or that an earlier axis already sets. The error states the reason in words.
+/// Rejects a field that cannot be swept, or that an earlier axis already sweeps. The error states the reason.
 fn check_target<'a>(
     target: &Target,
     mut before: impl Iterator<Item = &'a Target>,
@@ -536,8 +538,8 @@ fn range(ends: [f64; 2], count: u32, spacing: Spacing) -> Result<Range, Fault> {
     })
 }
 
-/// The number, rounded to 12 digits: 0.3 instead of 0.30000000000000004. After rounding, the result is the same on all
-/// machines, even if logarithms differ between machines in the last digits.
+/// The number, rounded to 12 digits: 0.3 instead of 0.30000000000000004. The last digits of logarithms may differ
+/// between machines; after rounding, the result is the same on all machines.
 pub(super) fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

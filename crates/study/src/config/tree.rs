@@ -177,8 +177,8 @@ pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, candidate)| candidate)
 }
 
-/// A hint for a misspelt word, such as "did you mean `radius`? (known: kind, radius)". If no known word is similar, the
-/// hint only lists the known words.
+/// A hint for a misspelt word, such as "did you mean `radius`? (known: kind, radius)". If none of the valid words
+/// (`known`) is similar, the hint only lists the valid words.
 pub(crate) fn suggest<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     let all = known.clone().collect::<Vec<_>>().join(", ");
     match nearest(word, known) {

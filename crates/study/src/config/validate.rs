@@ -10,9 +10,9 @@ use toml::Value;
 /// Pattern of a name that can be used as a file name.
 pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
-/// Checks a tree against a schema in the form that [`super::schema()`] returns. Such a schema consists of tables with a
-/// `kind` (`oneOf`), choices of words, alternatives, objects, arrays, numbers and strings; it has no references. The
-/// error is the first fault in the order of the text.
+/// Checks a tree against a schema in the form that [`super::schema()`] returns. Only the parts of JSON Schema that
+/// occur in this form are supported: `oneOf` for the kinds of a table and for choices of words, alternative keys,
+/// objects, arrays, numbers and strings, but no references. The error is the first fault in the order of the text.
 pub(super) fn validate(schema: &Json, node: &Value) -> Result<(), Fault> {
     if let Some(variants) = schema["oneOf"].as_array() {
         let tables = variants.iter().any(|variant| kind_of(variant).is_some());
@@ -73,7 +73,7 @@ pub(super) fn instead_of(field: &Json) -> impl Iterator<Item = &str> {
     names.into_iter().flatten().filter_map(Json::as_str)
 }
 
-/// The words that a value may be, according to the variants of its schema.
+/// The words that a value may have, from the variants of its schema.
 fn words(variants: &[Json]) -> impl Iterator<Item = &str> {
     variants
         .iter()
@@ -199,7 +199,8 @@ pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     found
 }
 
-/// A key before `key` in the table that states the same quantity as `key` in another way; `None` if there is none.
+/// A key that is stated before `key` in the same table, and that states the same quantity in another way; `None` if
+/// there is no such key.
 fn other_of<'a>(property: &'a Json, table: &toml::Table, key: &str) -> Option<&'a str> {
     let before: Vec<&String> = table.keys().take_while(|other| *other != key).collect();
     instead_of(property).find(|other| before.iter().any(|earlier| earlier == other))
@@ -246,7 +247,7 @@ fn string(schema: &Json, node: &Value) -> Result<(), Fault> {
     let Some(text) = node.as_str() else {
         return Err(wrong_type("a string", node));
     };
-    // The schema has only one pattern, the pattern of a name, so it is checked without a regular expression.
+    // The only pattern in the schema is the pattern of a name, so no regular expression is needed to check it.
     if schema.get("pattern").is_some() && !is_kebab_case(text) {
         let message = format!(
             "{text:?} is not a name: lower-case letters and digits, joined by single hyphens, at most 100"

@@ -48,7 +48,7 @@ pub enum Varied {
     Listed(Vec<toml::Value>),
 }
 
-/// Reason why the text of an argument does not state a field and its values.
+/// Reason why the text of an argument (`PATH=VALUES`) is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VaryError {
     /// The text contains no field or no values.
@@ -78,7 +78,7 @@ pub enum Takes {
     Number,
     /// Whole numbers.
     Whole,
-    /// Other values: words, truth values, lists or tables.
+    /// Other values: words, Booleans, lists or tables.
     Other,
 }
 
@@ -146,9 +146,10 @@ fn listed(values: &str) -> Option<Vec<toml::Value>> {
 }
 
 impl Study {
-    /// The study with additional sweep axes for these fields. The new axes vary faster than the existing ones. They
+    /// Returns the study with additional sweep axes for `fields`. The new axes vary faster than the existing axes. They
     /// replace the values of the same fields in the config and its sweeps. Fields that state the same quantity in
-    /// another way are removed. The new study has no plots and no claims, and its only output is the table of cells.
+    /// another way are removed. The new study has no plots, no claims and no stopping rule, and its only output is the
+    /// table of cells.
     ///
     /// Errors state the config file and the field. They state no line, because the values are not in the file.
     ///
@@ -211,8 +212,7 @@ impl Study {
         read(Source::made(self.file(), &to_toml(&config)))
     }
 
-    /// Type of the values that a field accepts in the first cell of the study; `None` if the first cell has no such
-    /// field.
+    /// Type of the values that a field accepts in the first cell of the study; `None` if no scene has such a field.
     pub fn takes(&self, path: &str) -> Option<Takes> {
         let keys: Vec<&str> = path.split('.').collect();
         let in_any_kind = || fields_at(&SCHEMA, &keys).into_iter().next();
@@ -226,7 +226,7 @@ impl Study {
 }
 
 impl SweepConfig {
-    /// Removes fields from the config and from its sweeps: all fields for whose path `is_out` returns true.
+    /// Removes fields from this sweep axis: all fields for whose path `is_out` returns true.
     fn forget(&mut self, is_out: impl Fn(&str) -> bool) {
         if self.path.as_deref().is_some_and(&is_out) {
             self.path = None;

@@ -138,7 +138,7 @@ fn check_columns(plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Rejects the value `wanted` unless the swept field at `path` has this value in some cell.
+/// Rejects the value `wanted` if the swept field at `path` does not have this value in any cell.
 fn check_value(wanted: &str, grid: &Grid, path: &str) -> Result<(), Fault> {
     const MOST_SHOWN: usize = 100;
     let Some((axis, place)) = grid.axis(path) else {
