@@ -24,8 +24,8 @@ pub struct Subject {
 
 macro_rules! subjects {
     ($($title:literal { $($name:literal: $meaning:literal;)* })*) => {
-        /// All terms, sorted by subject. Quantities and statistics are missing here, because their meanings are in
-        /// [`Quantity`] and [`Statistic`].
+        /// The terms of the glossary, grouped by subject. The meanings of quantities and statistics are in [`Quantity`]
+        /// and [`Statistic`].
         pub const SUBJECTS: &[Subject] = &[$(Subject {
             title: $title,
             terms: &[$(Term { name: $name, meaning: $meaning }),*],
@@ -35,14 +35,14 @@ macro_rules! subjects {
 
 subjects! {
     "Studies" {
-        "study": "A config with one scene, with axes that sweep fields of the scene, and with plots. `palpate run` writes the tables of a study, and `palpate plot` draws its figures.";
+        "study": "A config with one scene, the sweep axes that vary fields of the scene, and the plots. `palpate run` writes the tables of a study, and `palpate plot` draws its figures.";
         "scene": "The bodies, the motion, the contact model, the sensor, the noise and the estimator of a study. Its kind is roll, glide, press or fingertip.";
         "cell": "A grid point of a study: one combination of the swept values. Cells are numbered from 0, and the values of the first axis vary slowest.";
-        "trial": "One repetition of a cell with new random noise. Seed, cell and trial number determine this noise, so `palpate trace --trial` can replay a trial.";
-        "shard": "Part of a run: every N-th grid point, so that several processes or machines share a run. `palpate merge` combines the shards.";
+        "trial": "One repetition of a cell with new random noise. Seed, cell and trial number determine this noise, so `palpate trace --trial` can repeat a trial exactly.";
+        "shard": "One of N parts of a run: every N-th grid point. Several processes or machines can share a run in this way. `palpate merge` combines the shards.";
         "sweep": "An axis along which fields of the config are varied. A swept value replaces the value that the config states for the field.";
         "rung": "One of several models for the same contact, ordered by cost, from a cheap closed form to a general integrator. `palpate check` prints the chosen model. It also prints the error and the cost of the next cheaper model and of the next more exact model.";
-        "auto": "Setting of the contact model. With it, palpate chooses the cheapest model whose error is at most the tolerance.";
+        "auto": "Setting of the contact model: palpate chooses the cheapest model whose error is at most the tolerance.";
         "tolerance": "Largest relative error of a contact model that `auto` may choose. It limits the error of the contact model, not the noise of a sensor.";
         "roll": "A scene in which a round probe rolls on an object by a small angle. The object's curvature is estimated from the distance that the contact moves (EP1).";
         "glide": "A scene in which fingers slide over a patch of an object. The curvature at every point of the patch is estimated from the contact points (EP2).";
@@ -50,15 +50,15 @@ subjects! {
         "fingertip": "A scene of a sensor with markers, without an object. Its quantities are the image area of a marker (`marker_area`) and the strain of folding the skin (`greatest_fold_strain`, `rms_fold_strain`). The scene has no random numbers.";
         "trace": "Data of one trial of a scene: the true values at each step (trace.csv) and the readings of the sensor (readings.csv).";
         "interval": "Range that contains the true value with a stated probability; see `interval95`. In cells.csv, `coverage95` is the share of trials whose 95 % interval contains the true value.";
-        "claim": "A statement of one of the reproduced papers. It is scored from the tables of a study: the claim holds, the measured values differ from it, or it cannot be tested.";
+        "claim": "A statement of one of the reproduced papers. The tables of a study decide whether the claim holds, whether the measured values differ from it, or whether it cannot be tested.";
     }
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
         "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second coordinate, and `z` the third, the height. Columns such as `normal_x` and `tip_y` are components of vectors: `normal` is the unit normal out of the object; `object` and `probe` are the contact points on both bodies; `tip` is the centre of a fingertip; `rotation` is the rotation of a probe; `shift` (u, v) is the movement of the contact on the probe; `tangential` is a displacement along the skin.";
-        "u": "Tangent direction at the contact, at a right angle to v. For a roll, u is the x axis of the contact frame at the start of the roll, so `normal_curvature_u` is the object's curvature in that direction.";
-        "v": "Second tangent direction at the contact, at a right angle to the first direction u.";
+        "u": "Tangent direction at the contact: the first of the two perpendicular directions u and v. For a roll, u is the x axis of the contact frame at the start of the roll, and `normal_curvature_u` is the object's normal curvature along u.";
+        "v": "Second tangent direction at the contact, perpendicular to the first direction u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
-        "relative curvature": "Curvature of the sensor plus curvature of the object, 1/R_s + 1/R_o. It determines how two bodies roll or press on each other. For rolls, it has a value in each direction.";
+        "relative curvature": "Curvature of the sensor plus curvature of the object, 1/R_s + 1/R_o, where R_s and R_o are their radii. It determines how two bodies roll or press on each other. For rolls, each direction has its own value.";
         "principal curvatures": "The smallest and the largest normal curvature at a point, k_min and k_max. Their directions are at right angles to each other.";
         "shape class": "One of eight shapes of a surface at a point, from the signs of Gaussian curvature K and mean curvature H: peak, ridge, saddle-ridge, flat, minimal, pit, valley, saddle-valley. A curvature whose magnitude is below a threshold counts as 0.";
         "peak": "Shape class of a point where the surface is convex in all directions: K > 0, H > 0.";
@@ -69,47 +69,47 @@ subjects! {
         "pit": "Shape class of a point where the surface is concave in all directions: K > 0, H < 0.";
         "valley": "Shape class of a point where the surface is concave in one direction and straight across it, like a cylinder from inside: K = 0, H < 0.";
         "saddle-valley": "Shape class of a saddle that is more concave than convex: K < 0, H < 0.";
-        "shape index": "A number for the shape of a surface at a point that does not depend on the size: -1 is a cup, 0 a symmetric saddle, 1 a cap.";
+        "shape index": "Number from -1 to 1 that describes the shape of a surface at a point, independent of the size: -1 is a cup, 0 a symmetric saddle, 1 a cap.";
         "convex": "An object is convex if it bulges towards the sensor; its curvature is positive. As the class of a point by signs: both principal curvatures are positive.";
         "concave": "An object is concave if it is hollow; its curvature is negative. As the class of a point by signs: both principal curvatures are negative.";
         "saddle": "Class of a point by the signs of the principal curvatures alone: the surface is convex in one direction and concave in another, or it is flat in some direction.";
-        "thresholds": "Magnitudes of K and H below which K and H count as 0 for the shape class.";
+        "thresholds": "Limits for the Gaussian curvature K and the mean curvature H. If the magnitude of K or H is below its limit, the curvature counts as 0 for the shape class.";
         "edge": "Kind of contact of a press on a hollow object with a smaller radius than the sensor. The sensor touches only the rim of the object, so the object's curvature cannot be estimated.";
-        "RCR": "Relative curvature ratio: the object's normal curvature divided by the probe's. A relative error of the readings of a roll is amplified by 1 + 1/RCR.";
-        "Montana": "Author of the contact equations (1988). They describe how a contact point moves on two bodies that roll on each other, as a function of their curvatures.";
-        "coherence": "Property of a region of one shape class, from 0 (the directions of largest curvature in the region are random) to 1 (they are parallel).";
+        "RCR": "Relative curvature ratio: the object's normal curvature divided by the probe's. A relative error of the readings of a roll causes a relative error of the curvature that is 1 + 1/RCR times as large.";
+        "Montana": "Author of the contact equations (1988). From the curvatures of two bodies that roll on each other, these equations give the motion of the contact point on both bodies.";
+        "coherence": "Number from 0 to 1 that states how parallel the directions of largest curvature are in a region of one shape class: 0 if they are random, 1 if they are parallel.";
         "indentation": "A length: the distance by which two bodies approach each other after their first touch.";
         "half-space": "Model of a soft body that is deep compared with the contact radius. Its displacements under load have a closed form.";
         "bonded-layer": "Model of a soft layer that is bonded to a rigid core. Its contact is computed from an integral equation.";
-        "hertz": "Hertz's model of elastic contact with a half-space. It uses the displacements at the surface for all markers, even for markers below the surface.";
-        "elliptic": "Estimator of presses of a half-space on an object that is not round, for example a cylinder. It estimates both principal curvatures of the object and their directions (`principal`, with `curvature_max` and `curvature_min`).";
+        "hertz": "Hertz's model of elastic contact with a half-space. In this model, all markers move like the surface, even if they are below the surface.";
+        "elliptic": "Estimator of presses on an object that is not round, for example a cylinder. It fits an elastic half-space, and estimates both principal curvatures of the object and their directions (`principal`, with `curvature_max` and `curvature_min`).";
         "gaussian": "Estimator of the 2020 paper. It fits a Gaussian to the normal displacements, and computes the effective radius from the width of the Gaussian.";
     }
     "Sensors and noise" {
-        "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal, or uniform, which is a lattice with the same density of pads everywhere on the sphere. If `offset` is random, each roll starts at another place on a pad.";
+        "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal or uniform; a uniform layout has the same density of pads everywhere on the sphere. If `offset` is random, each roll starts at another place on a pad.";
         "pad": "Element of a tactile array. Wherever the contact is on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
         "pitch": "A length: the distance between neighbouring pads or markers.";
-        "IFD": "Inter-finger distance: the distance between neighbouring fingers. The 1996 paper states the noise of positions as a fraction of it (`fraction_of_ifd`, `axis_fractions`).";
+        "IFD": "Inter-finger distance: the distance between neighbouring fingers. The 1996 paper states the noise of positions as a fraction of this distance (`fraction_of_ifd`, `axis_fractions`).";
         "marker": "Coloured disc, or a pair of discs at two depths, under the skin of a camera sensor. A press displaces the marker. In tables of markers, `dx`, `dy`, `dhue` and `dmean_hue` are changes since the frame at rest, and `radial_position` is the distance from the apex.";
         "layout": "Arrangement of the markers of a sensor.";
         "hue": "Colour of a marker that is a pair of discs; `mean_hue` is the mean over its pixels. The hue changes with the overlap of the discs, and so with the difference between their inward displacements.";
         "growth": "Change of the logarithm of a marker's diameter in the image. It is positive if the marker comes closer to the camera.";
         "tracked": "Status of a marker that was found in both frames.";
         "lost": "Status of a marker that was found in the frame at rest, but not in the pressed frame.";
-        "cut_at_rest": "Number of markers that the rim of the image circle cuts in the frame at rest. These markers are not used.";
-        "merged": "Status of a marker that is connected to another marker in the pressed frame.";
-        "split": "Status of a marker that the pressed frame shows in several pieces.";
+        "cut_at_rest": "Number of markers in the frame at rest that are cut by the rim of the image circle. These markers are not used.";
+        "merged": "Status of a marker whose image touches the image of another marker in the pressed frame.";
+        "split": "Status of a marker whose image consists of several pieces in the pressed frame.";
         "new": "Status of a marker that was found in the pressed frame, but not in the frame at rest.";
         "not-seen": "Status of a simulated marker that was found in neither frame.";
-        "direct": "Sensor of a press without a camera: it reads the displacements of the markers with noise.";
-        "projected": "Sensor of a press with a camera without pixels: it reads the positions of the markers in the image with noise.";
-        "rendered": "Sensor of a press with a camera with pixels: frames are rendered, and the markers are found in the frames.";
+        "direct": "Sensor of a press without a camera. It reads the displacements of the markers directly, with noise.";
+        "projected": "Sensor of a press with a camera. The image of each marker is computed without rendering pixels, and is read with noise.";
+        "rendered": "Sensor of a press with a camera. Frames are rendered pixel by pixel, and the markers are detected in these frames.";
     }
     "Estimators" {
-        "least-squares": "Estimator of rolls: the curvature that fits the rotations and shifts of all rolls best.";
-        "pad-edge": "Estimator of rolls as time series from pads. The contact is on the line between two pads when the active pad changes, and on the active pad at all other times. The curvatures that agree with all samples give the estimate and its bounds.";
-        "trajectory": "Estimator of rolls as time series. It fits the curvature at the first contact and the change of curvature along the rolls, with as few terms as the readings need.";
+        "least-squares": "Estimator of rolls. A least-squares fit gives the curvature that best explains the rotations and the movements of the contact (shifts) of all rolls.";
+        "pad-edge": "Estimator of rolls whose readings are time series from pads. When the active pad changes, the contact is on the line between two pads; at all other times, it is on the active pad. The curvatures that agree with all samples give the estimate and its bounds.";
+        "trajectory": "Estimator of rolls whose readings are time series. It fits the curvature at the first contact and the change of curvature along the rolls. It uses the smallest number of terms that explains the readings.";
         "quadric": "Estimator of glides: it fits one quadric (second-degree surface) to the whole patch. It has few unknowns, and cannot represent other shapes.";
         "image": "Estimator of presses for a sensor with a camera: it fits the contact model directly to the position, hue and size of each marker in the image, without computing displacements first.";
         "plane": "Estimator of glides: it fits a plane to the contacts and rejects outliers.";
@@ -119,41 +119,41 @@ subjects! {
         "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness. The penalty reduces the effective number of its parameters (`effective_unknowns`). The weight of the penalty depends on the noise of the readings.";
         "two-pass": "Estimator of glides from the 1996 paper: a smoothing spline, and a second one that also uses \
             tangents. Its lengths are in units of the inter-finger distance (IFD).";
-        "std": "Standard deviation that the estimator states for its estimate, from the stated noise or from the residuals. `normal_std` and `tangential_std` are the standard deviations of the displacements in a press.";
-        "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is right. If an end is null, the interval has no bound on that side.";
+        "std": "Standard deviation of an estimate, as the estimator computes it from the stated noise or from the residuals. `normal_std` and `tangential_std` are the standard deviations of the displacements in a press.";
+        "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is correct. If an end is null, the interval has no bound on that side.";
         "verdict": "Shape of a pressed object, from the 95 % interval of its curvature: convex, concave, flat-within-noise or not-resolved.";
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0 and is narrower than the sensor's own curvature.";
-        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing about the object's shape. As a warning about a shape that is fitted to contacts: the contacts do not determine the radius of the shape, so the interval of the radius is open.";
-        "amplification": "Factor between a relative error of a roll's readings and the resulting relative error of the curvature: 1 + R_object/R_probe. It increases with the radius of the object.";
-        "baseline": "A length: a constant displacement that is part of the readings of all markers, for example because the sensor was not at rest. It is fitted only on request.";
+        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing about the object's shape. There is also a warning with this code for a shape that is fitted to contacts: the contacts do not determine the radius of the shape, so the interval of the radius is open.";
+        "amplification": "Relative error of the estimated curvature, divided by the relative error of a roll's readings that causes it: 1 + R_object/R_probe. It increases with the radius of the object.";
+        "baseline": "A length: a constant offset of the displacements of all markers, for example because the sensor was not at rest at the start. It is fitted only on request.";
         "gain": "Factor on all inward displacements; 1 if the sensor has no scale error. It is fitted only on request. Readings cannot separate a gain from a change of curvature and indentation.";
-        "contact_seen": "Whether the readings alone show a contact. If they do not, but an indentation is stated, the interval contains the curvatures of all contacts whose displacements are within the noise.";
+        "contact_seen": "Whether the readings alone show a contact. If they show no contact, but an indentation is stated, the interval contains every curvature for which the displacements would be within the noise.";
         "radius below": "Status of rolls during which the contact stayed on one pad in some direction. The readings then give only an upper bound on the object's radius in this direction.";
         "wrong markers": "Markers whose readings contradict the other markers so much that the fit does not use them.";
-        "chi-squared": "Sum of squared residuals divided by their variances. The reduced chi-squared (`reduced_chi_squared`) is about 1 if the residuals are as large as the noise.";
-        "polynomial": "Status of the estimator `two-pass`: even for a spline without knots, which is a single polynomial, the sum of squared residuals (the smoothing sum) is at most its target.";
+        "chi-squared": "Sum of the squared residuals, each divided by its variance. The reduced chi-squared (`reduced_chi_squared`) is about 1 if the residuals are as large as the noise.";
+        "polynomial": "Status of the estimator `two-pass`: the spline needs no knots, so it is a single polynomial. Its sum of squared residuals (the smoothing sum) is at most the target.";
         "interpolating": "Status of the estimator `two-pass`: the spline passes through all contacts, up to rounding errors.";
         "smoothing": "Status of the estimator `two-pass`: the sum of squared residuals (the smoothing sum) equals its target, within a tolerance.";
         "knots-exhausted": "Status of the estimator `two-pass`: even with the largest possible number of knots, the sum of squared residuals (the smoothing sum) stays above its target. The curvatures are unusable. Use a larger --smoothing.";
         "unsettled": "Status of the estimator `two-pass`: the search found no parameter that balances residuals against roughness. The curvatures are unusable. Use another --smoothing.";
-        "never-enough": "Status of a pair of objects in `distinguish`: no number of trials distinguishes them, because each single trial is as likely to put them in the wrong order as in the right order.";
+        "never-enough": "Status of a pair of objects in `distinguish`: no number of trials distinguishes them, because a single trial of each object gives the wrong order as often as the right order.";
     }
     "Fields of estimates" {
-        "amplification_u": "Factor between a relative error of a roll's readings and the resulting relative error of the curvature along u: 1 + 1/RCR. `amplification_v` is the same along v.";
+        "amplification_u": "Relative error of the estimated curvature along u, divided by the relative error of a roll's readings that causes it: 1 + 1/RCR. `amplification_v` is the same along v.";
         "principal_curvature_min": "Smallest normal curvature, estimated from rolls. `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v. The direction's standard deviation is 52° if the two curvatures do not differ significantly.";
         "radius": "Inverse of the mean curvature from rolls and glides. It has two 95 % intervals: for a convex and for a concave object.";
-        "residual_rms": "Root mean square of the residuals of the shifts in the fit of rolls.";
+        "residual_rms": "Root mean square of the residuals in the fit of rolls. The residuals are those of the shifts, that is, of the movements of the contact on the probe.";
         "contacts": "Number of readings of a glide, by `fingers` fingers (`finger` is the number of a finger); `with_normals` states whether they have normals. In `distinct_contacts`, copies of a contact and contacts of a resting finger count once. `correlated_contacts` is the number of consecutive contacts that together count as one, because their noise is correlated. `effective_contacts` is the resulting number of independent contacts.";
         "convex95": "95 % interval of the radius if the object is convex; null if it cannot be convex. `concave95` is the interval if it is concave.";
-        "stroke": "Curvature along the stroke of a glide with only one stroke (`curvature_along`). The readings do not determine the curvature across the stroke (`curvature_across`). For rolls in only one direction, the curvature in this direction is in `single_direction`.";
+        "stroke": "Result for a glide whose contacts lie along a single path (stroke). `curvature_along` is the curvature along the stroke. The readings do not determine the curvature across the stroke (`curvature_across`). For rolls in only one direction, the curvature in this direction is in `single_direction`.";
         "stiffness": "The product E*√R of a load curve, with the modulus E* = E/(1 − ν²) and the effective radius R. `exponent` is the power of the indentation that fits the forces best; in Hertz contact, it is 3/2.";
-        "told_apart": "Probability that one trial of each of two objects puts the objects in the right order, with its 95 % interval from `low95` to `high95`. `repeats` is the number of trials whose means put the objects in the right order with the required `confidence`, and `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
+        "told_apart": "Probability that the estimates from one trial of each of two objects are in the right order, with its 95 % interval from `low95` to `high95`. `repeats` is the number of trials per object whose mean estimates are in the right order with the required `confidence`. `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
         "effect": "Relative change of the rms error, divided by the relative change of a field's value. It is 1 if the error is proportional to the field. `rms_errors` are the errors at both changed values, and `skipped` lists fields without a result.";
         "meets": "Ranges of values that meet the `target` of `design`; `misses` are the ranges of values that miss it. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
         "main_failure": "Most frequent kind of failure of the trials. `first_trial` in failures.csv is the number of the first trial that failed in this way.";
         "std_from": "Source of the standard deviations of estimates from rolls: stated noise, the pitch of the pads, or the residuals.";
-        "terms": "Number of terms that describe the curvature along a roll in a fit of time series; 1 means that the curvature is constant.";
-        "bounds": "Smallest and largest curvatures that agree with all samples of rolls as time series, if the rotations are exact. An end is null if there is no bound.";
+        "terms": "Number of terms that describe the curvature along a roll in a fit of time series. With 1 term, the curvature is constant.";
+        "bounds": "Smallest and largest curvature that agree with all samples in the time series of the rolls, if the rotations are exact. A bound that does not exist is null.";
         "unresolved_probes": "Rolls during which the contact stayed on one pad, with a bound on the \
             object's radius if possible.";
         "k_min": "Smallest normal curvature at a point; `direction_of_min` is its direction.";
@@ -197,13 +197,13 @@ subjects! {
         "repeated-rows": "Some rows are identical in every digit. Copied rows are not new readings, and make the stated uncertainty too small.";
         "units": "The readings or a stated noise seem to be in another unit, or the displacements of a press seem to have the opposite sign.";
         "signs": "The readings seem to have the opposite sign, or their columns seem to be swapped. For example, displacements point outward, or normals contradict the positions.";
-        "unnamed-probes": "No column names the roll of each row. Palpate separates the rolls by rows, blank lines or times.";
-        "assumed-columns": "The file does not name its columns as palpate does. palpate used the order of the columns, or took them for columns of several fingers, or left some columns unread.";
-        "unnamed-fingers": "No column names the finger of each row. Palpate separates the fingers by blank lines or by long steps between contacts.";
+        "unnamed-probes": "No column states to which roll each row belongs. Palpate separates the rolls by rows, blank lines or times.";
+        "assumed-columns": "The names of the columns in the file are not palpate's names. Palpate used the order of the columns, or interpreted them as columns of several fingers, or ignored some columns.";
+        "unnamed-fingers": "No column states to which finger each row belongs. Palpate separates the fingers by blank lines or by long steps between contacts.";
         "half-turn": "The contact of a simulated roll passes half way round the probe, so the shift no longer determines the length of the roll.";
         "hidden-markers": "The simulated camera does not image all markers.";
         "large-shift": "The sideways movement of a simulated press is larger than the contact radius, so the strains are not small.";
-        "markers-at-surface": "The contact model moves the markers as if they were at the surface, but the estimator assumes that they are at their depth.";
+        "markers-at-surface": "The contact model moves the markers as if they were at the surface of the skin, but the estimator computes their displacements at their true depth.";
         "no-estimate": "The estimate of a simulated press fails even without noise (`no-estimate`), the estimator cannot be built (`no-estimator`), or the press is impossible (`no-press`).";
         "biased-estimate": "Even without noise, the estimated curvature of a simulated press differs from the true one, because the estimator's model differs from the simulated one.";
         "unchecked-indentation": "The readings alone do not determine an indentation, so the stated indentation cannot be checked.";
@@ -216,7 +216,7 @@ subjects! {
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
         "too-many-outliers": "More than a fifth of the contacts are lost readings, outliers, or contacts with another object.";
         "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best, and has no interval. The methods `penalised` and `quadric` estimate the curvatures.";
-        "correlated-noise": "The noise of consecutive contacts is correlated. Fewer independent contacts are counted, and the intervals are wider.";
+        "correlated-noise": "The noise of consecutive contacts is correlated. Palpate therefore counts fewer independent contacts, and the intervals become wider.";
         "distant-contact": "One contact is much farther from its neighbours than all other contacts.";
         "assumed-side": "The contacts have no normals, and the sign of the curvature follows from an assumption about the outer side of the object; so does the size of the curvature along a single stroke. State the outer side with `--outward`, or record normals.";
         "assumed-indentation-std": "The indentation is stated without a standard deviation, so a standard deviation of 2 % is assumed.";
@@ -229,23 +229,23 @@ subjects! {
         "srgb-frames": "The frame at rest fits the sensor only if its pixels are encoded by sRGB. Both frames were linearised. State `--srgb` to omit this warning.";
         "subsampled-colours": "The frame at rest is compressed with a lower resolution of its colours, as in JPEG 4:2:0. The calibration fits the errors of the compression into the lens, so curvatures may have a bias of several percent.";
         "jpeg-frames": "The frames are compressed as JPEG. The compression changes all markers in a similar way, so all uncertainties are tripled.";
-        "scatter-at-rest": "The markers in the frame at rest scatter more than the stated errors of the tracker. The intervals are widened accordingly.";
+        "scatter-at-rest": "The markers in the frame at rest scatter more than the tracker's stated errors explain. The intervals are widened accordingly.";
         "missing-markers": "Some markers of the layout were not found in the frames.";
         "other-camera": "The frame at rest contradicts the stated camera.";
         "camera-scale": "The stated scale of the camera, in pixels per radian, contradicts the calibration.";
         "uncertain-gain": "The gain of the calibration is uncertain, so the curvature is uncertain too.";
         "ignored-layer": "The study's contact model is a layer, but the estimator fits a half-space.";
-        "uneven-pictures": "The effect of light and blur on the images of markers is computed for markers at rest. This effect changes when the markers move.";
+        "uneven-pictures": "Palpate computes the effect of light and blur on the images of the markers for markers at rest. This effect changes when the markers move.";
     }
     "Failures of rolls" {
-        "too-few-probes": "There are fewer than two rolls. A curvature has three components, and one roll determines two of them. Roll in at least two directions.";
+        "too-few-probes": "There are fewer than two rolls. The curvature of a surface has three components, and one roll determines two of them. Roll in at least two directions.";
         "unresolvable-set": "All rolls have nearly the same direction, so the curvature across this direction is undetermined. Add a roll in another direction.";
-        "noisy-rotations": "In some direction, measurement errors cause more than half of the squared rotations. Use longer rolls or a finer encoder.";
-        "unresolved": "The contact did not move in some direction although the probe rolled. The object is too sharp for the pads, so the readings give only a bound on its radius. Use finer pads or longer rolls.";
+        "noisy-rotations": "In some direction, more than half of the sum of squared rotations comes from measurement errors. Use longer rolls or a finer encoder.";
+        "unresolved": "The contact did not move in some direction although the probe rolled. The object's curvature is too large for the pitch of the pads, so the readings give only a bound on its radius. Use finer pads or longer rolls.";
         "not-rolling": "The contact moved against the direction of the roll, which is impossible in a rolling contact. The noise is larger than the movement, or a sign of the readings is wrong. Use longer rolls or less noise. In recorded readings, a contact that moves to +u has rotation_y < 0.";
         "too-few-rolls": "There are fewer than two usable time series of rolls. A roll is not usable if it has fewer than two samples, does not rotate or stays on one pad.";
         "time-order": "The times in the time series of a roll do not increase.";
-        "off-probe": "A contact position in a time series is more than half way round the probe. The lengths may be in another unit.";
+        "off-probe": "A contact position in a time series is more than half the circumference of the probe away. The lengths may be in another unit.";
         "contradiction": "The rotations in the time series of a roll contradict the pads of this roll, or the other rolls, by more than the stated noise. The pitch, the radius of the probe or the axes may be wrong, or the probe slipped.";
         "overlapping": "The object would penetrate the probe beside the contact, so a real probe cannot roll there.";
         "conforming": "The object is hollow and has almost the same radius as the probe or sensor. They would touch over a whole area, so there is no contact point and no finite effective radius. In `press`, this is also the name of a kind of contact.";
@@ -265,9 +265,9 @@ subjects! {
         "collinear": "All contacts lie on one line, so the shape across this line is undetermined. Add a second finger, or a second path beside the first.";
         "folded": "The patch is folded, so it has no unique height over its mean plane: a normal is inclined by more than 85 degrees to the mean normal. Use a smaller patch, or check that all normals point outward.";
         "no-plane": "The contacts are spread equally in all directions, like those on a closed shape, so they have no mean plane.";
-        "tip-too-large": "The path of the tip's centre is more strongly curved than is possible for a tip of this radius. Either --tip-radius is too large, or the readings are contact points and not positions of the tip.";
+        "tip-too-large": "The path of the tip's centre is curved more strongly than a tip of this radius permits. Either --tip-radius is too large, or the readings are contact points and not positions of the tip.";
         "no-side": "The stated outward direction lies in the plane of the patch, so it does not determine which side is outside. Use another --outward X,Y,Z.";
-        "undetermined": "The readings do not determine all unknowns: some unknowns can change without changing a predicted reading.";
+        "undetermined": "The readings do not determine all unknowns: the unknowns can change in some way without any change of the predicted readings.";
     }
     "Failures of presses" {
         "off-skin": "The stated position of a marker is beyond the end of the skin. Position and sensor radius may be in different units.";
@@ -275,15 +275,15 @@ subjects! {
         "edge-contact": "The object is hollow and has a smaller radius than the sensor. The sensor touches the object's rim and not its bottom.";
         "too-deep": "The indentation is larger than its limit, for example the thickness of the soft layer.";
         "too-wide": "The contact radius would exceed the sensor's radius, or 0.9 times the object's radius.";
-        "layer-too-thin": "The contact is so wide compared with the thickness of the layer that palpate cannot solve the equations of the contact.";
+        "layer-too-thin": "The contact is too wide compared with the thickness of the layer: palpate cannot solve the equations of the contact.";
         "too-few-markers": "There are fewer readings of markers than unknowns.";
-        "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way, so the best fit of a press is hardly better than no press. If there is no contact, noise is mistaken for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
+        "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way, so the best fit of a press explains them hardly better than no press does. If nothing touches the sensor, palpate mistakes noise for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
         "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. The code `other-body` is an error if no press fits the readings, and a warning if the fit is bad.";
         "off-markers": "The contact that fits the readings best is outside the area of the markers.";
         "hidden-marker": "In the frame at rest, a marker was found where the stated camera could not see it. The layout or the camera differs from the stated one.";
     }
     "Failures of cameras and frames" {
-        "folded-lens": "With these odd terms (k3, k5), the lens would map two angles within its field to the same image point.";
+        "folded-lens": "With these terms k3 and k5, the lens would map two different polar angles within its field to the same image point.";
         "bad-depth": "A disc of a marker would lie outside the skin, or at the sensor's centre.";
         "off-the-skin": "A marker would be half a turn or more away from the apex.";
         "too-many-markers": "The sensor has more markers than palpate accepts. The message states the limit.";
@@ -295,7 +295,7 @@ subjects! {
         "too-small": "The frame, or its part inside the image circle, is too small for a marker.";
         "too-large": "The frame has more pixels along a side than palpate accepts. The message states the limit.";
         "mask-outside": "The radius of the image circle is not positive, or its centre is outside the frame.";
-        "no-markers": "No region of the frame differs from the background as a marker does.";
+        "no-markers": "Regions of the frame may differ from the background, but none of them has the size, shape and colour of a marker.";
         "too-many": "The frame has more separate regions than a sensor has markers: the frame is noisy, or it does not show a sensor.";
     }
     "Other failures" {
@@ -328,7 +328,7 @@ pub fn meaning(word: &str) -> Option<Term> {
     all().find(|term| spelt(term.name) == word)
 }
 
-/// Term that explains a column or a key: the term with the name `word`, or a term whose meaning contains this name
+/// Term that explains the column or key `word`: the term with this name, or a term whose meaning contains this name
 /// between backticks. If there is no such term, the search is repeated without the last part of the name (a unit, a
 /// component or `std`).
 ///
@@ -352,7 +352,8 @@ pub fn related(word: &str) -> Option<Term> {
     }
 }
 
-/// Smallest number of letters of a word that counts as similar to every longer word in which it occurs.
+/// Smallest number of letters of a part of a word. A word with at least this number of letters counts as similar to
+/// every longer word that contains it.
 const MIN_PART: usize = 3;
 
 /// Up to five names of terms, quantities or statistics that are similar to `word`, the most similar first.

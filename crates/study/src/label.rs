@@ -3,9 +3,9 @@
 use crate::number;
 use crate::quantity::Quantity;
 
-/// Label of a column: its words, its unit in the usual notation, and a factor. Before the numbers of the column are
-/// displayed, they are multiplied by the factor: 100 for shares, which are displayed in percent, and 1 for other
-/// numbers.
+/// Label of a column: its words, its unit in the usual notation, and a factor. The numbers of the column are multiplied
+/// by the factor before they are displayed. The factor is 100 for shares, which are displayed in percent, and 1 for
+/// other numbers.
 ///
 /// ```
 /// use palpate_study::Label;
@@ -25,7 +25,7 @@ pub struct Label {
 }
 
 impl Label {
-    /// Label of a column whose numbers are displayed as they are in the table. `unit` is in the usual notation, such as
+    /// Label of a column whose numbers are displayed without a factor. `unit` is in the usual notation, such as
     /// `1/cm²`.
     pub fn in_unit(words: impl Into<String>, unit: &str) -> Self {
         Self {

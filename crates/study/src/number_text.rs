@@ -19,7 +19,7 @@ pub fn shortest(value: f64) -> String {
     Shortest(value).to_string()
 }
 
-/// A number that `Display` writes in the form of [`shortest`].
+/// A number whose `Display` text is the text that [`shortest`] returns.
 ///
 /// ```
 /// assert_eq!(format!("{}", palpate_study::number::Shortest(-0.0)), "0");

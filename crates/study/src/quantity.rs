@@ -28,7 +28,7 @@ pub enum Unit {
     Degree,
     /// Newton.
     Newton,
-    /// Full circle of hues. A hue difference is stated as a fraction of it.
+    /// Turn: a full circle of hues. A hue difference of 0.5 turns is half of this circle.
     Turn,
     /// Pixel.
     Pixel,
@@ -61,12 +61,12 @@ impl Unit {
     }
 }
 
-/// How a trial determines a quantity: as an estimate, as a measured number or as a share.
+/// How a trial determines a quantity: as an estimate, as a measured number, or as a share of correct results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuantityKind {
     /// Estimated from readings, so the value has an error.
     Estimated,
-    /// Measured or counted. Such a value is not an estimate, so its mean is not called a mean estimate.
+    /// Measured or counted, but not estimated. In labels, its mean has the name of the quantity alone.
     Measured,
     /// Share of the points of a patch at which an estimate is correct, from 0 to 1.
     Share,
@@ -187,8 +187,8 @@ impl Quantity {
         Self::OBJECT_RADIUS,
     ];
 
-    /// Index in `quantities` of the curvature whose inverse is this quantity; `None` if this quantity is not a radius.
-    /// If the trials do not determine the sign of the curvature, the radius has quantiles, but no mean and no standard
+    /// If this quantity is a radius, the index in `quantities` of the curvature whose inverse it is; otherwise `None`.
+    /// If the trials do not determine the sign of this curvature, the radius has quantiles, but no mean and no standard
     /// deviation.
     pub fn inverse_of(self, quantities: &[Self]) -> Option<usize> {
         let is_inverse = |one: &Self| [Self::OBJECT_CURVATURE, Self::MEAN_CURVATURE].contains(one);

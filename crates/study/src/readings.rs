@@ -33,15 +33,15 @@ pub enum ColumnUnit {
     Inch,
     /// Nanometre.
     Nanometre,
-    /// A unit that studies do not use, with the factor that converts it to the base unit of the physical quantity (rad,
-    /// s or turn).
+    /// A unit that is not a length. The factor converts numbers to the base unit of the physical quantity (for example
+    /// rad, s or turn).
     Factor(f64),
 }
 
 impl ColumnUnit {
     /// Factor that converts numbers in this unit to the unit `length`. If this unit is not a length, the factor
-    /// converts to the base unit of its physical quantity. `None` if one of the two units is a metric length and the
-    /// other is the unspecified unit of length, `unit`.
+    /// converts to the base unit of its physical quantity. `None` if one of the two units is a metric length, and the
+    /// other is the unspecified unit of length (`unit`).
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {
@@ -52,8 +52,8 @@ impl ColumnUnit {
         }
     }
 
-    /// Default length unit of the output for readings in this unit: the unit itself or, for example for readings in
-    /// inches, the millimetre. `None` if this unit is not a length.
+    /// Default length unit of the output for readings in this unit: the unit itself or, for inches and nanometres, a
+    /// unit that studies can use (millimetres and micrometres). `None` if this unit is not a length.
     pub fn nearest(self) -> Option<LengthUnit> {
         match self {
             Self::Length(unit) => Some(unit),
@@ -123,7 +123,7 @@ impl Measure {
         }
     }
 
-    /// Unit at the end of the names of columns with this physical quantity; `None` if the names do not end with a unit.
+    /// Unit with which palpate's names of columns with this physical quantity end; `None` if these names have no unit.
     const fn in_name(self) -> Option<&'static str> {
         match self {
             Self::Length | Self::Plain => None,
@@ -157,14 +157,14 @@ impl Column {
             .unwrap_or(self.name)
     }
 
-    /// Compares the name of a column in a file with the name of this column. `name` has the form that [`spelt`]
-    /// returns. If the names agree, the result is the unit with which `name` ends, if any: `x`, `x_mm`,
-    /// `rotation_x_deg`. `None` if they do not agree.
+    /// Compares `name`, the name of a column in a file, with the name of this column. `name` must have the form that
+    /// [`spelt`] returns. If the names differ, the result is `None`. If they agree, the result contains the unit at the
+    /// end of `name`, if `name` ends with a unit: `x` has none, `x_mm` has mm, and `rotation_x_deg` has degrees.
     pub fn is_named(&self, name: &str) -> Option<Option<ColumnUnit>> {
         if QUATERNION.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
         }
-        // The name of a column of times begins with the abbreviation "t", but files also use the full word "time".
+        // The column of times is named with the abbreviation "t", but files also use the full word "time".
         let is_time = self.measure == Measure::Time && name.starts_with("time");
         let stem = if is_time { "time" } else { self.stem() };
         let rest = name.strip_prefix(stem)?;
@@ -216,7 +216,7 @@ pub const MATRIX: [Column; 9] = [
     Column::of("r33", Measure::Plain),
 ];
 
-/// Columns of a rotation that is given by a unit axis and an angle.
+/// Columns of a rotation, stated as a unit axis and an angle.
 pub const AXIS_ANGLE: [Column; 4] = [
     Column::of("axis_x", Measure::Plain),
     Column::of("axis_y", Measure::Plain),
@@ -237,8 +237,8 @@ pub const CONTACTS: [Column; 2] = [
     Column::of("contact_v", Measure::Length),
 ];
 
-/// The column of [`QUATERNION`] to which a name refers: `qx`, `quat_x`, `pose_orientation_x`; `None` if it refers to no
-/// such column. The name has the form that [`spelt`] returns.
+/// The column of [`QUATERNION`] to which `name` refers, such as `qx`, `quat_x` or `pose_orientation_x`; `None` if it
+/// refers to no such column. `name` must have the form that [`spelt`] returns.
 pub fn quaternion_part(name: &str) -> Option<Column> {
     let is_quaternion = |prefix: &str| {
         let word = prefix.trim_end_matches('_').rsplit('_').next();
@@ -301,8 +301,8 @@ pub const PRESS_ROW: [Column; 2] = [
     Column::of("normal_displacement", Measure::Length),
 ];
 
-/// All columns that the readings of this kind of scene may have, each listed once. The list is empty for a kind without
-/// tables of readings.
+/// All columns that the readings of this kind of scene may have, without repetitions. The list is empty if the kind has
+/// no tables of readings.
 pub fn columns_of(kind: &str) -> Vec<Column> {
     let all: &[&[Column]] = match kind {
         "roll" => &[

@@ -20,8 +20,8 @@ pub enum Statistic {
     Trials,
     /// Number of trials that failed.
     Failures,
-    /// Mean of the estimates. A radius has no mean and no standard deviation if the trials do not determine the sign of
-    /// its curvature ([`Quantity::inverse_of`]).
+    /// Mean of the estimates. If the trials do not determine the sign of a curvature, the radius that is its inverse
+    /// has no mean and no standard deviation ([`Quantity::inverse_of`]).
     Mean,
     /// Standard deviation of the estimates.
     Std,
@@ -29,8 +29,8 @@ pub enum Statistic {
     Bias,
     /// Root mean square of the errors.
     RmsError,
-    /// Standard error of the rms error. If the study were repeated with other random numbers, the rms error would vary
-    /// with about this standard deviation.
+    /// Standard error of the rms error: the standard deviation of the rms error between repetitions of the study with
+    /// other random numbers.
     RmsErrorStd,
     /// Mean of the absolute errors.
     MeanAbsError,
@@ -38,8 +38,8 @@ pub enum Statistic {
     RelativeRmsError,
     /// Mean of the absolute errors, divided by the true value.
     RelativeMeanAbsError,
-    /// 5 % quantile of the estimates. It is computed from a histogram of the errors with 128 bins per factor of two, so
-    /// its distance from the true value is accurate to 0.4 %. Tables show no more digits than this accuracy supports.
+    /// 5 % quantile of the estimates. It is computed from a histogram of the errors with 128 bins per factor of two.
+    /// Therefore, its distance from the true value is accurate to 0.4 %. Tables show only the digits that are accurate.
     Q05,
     /// Median of the estimates, with the same accuracy as `Q05`.
     Q50,
@@ -165,7 +165,7 @@ impl Statistic {
         }
     }
 
-    /// Whether the statistic is a share or a count, so that it has no unit.
+    /// Whether the statistic is a share or a count, and therefore has no unit.
     pub const fn is_number(self) -> bool {
         self.is_relative() || self.is_coverage() || matches!(self, Self::Trials | Self::Failures)
     }
@@ -180,7 +180,7 @@ impl Statistic {
         matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
     }
 
-    /// Short name of the statistic, for the legend of a figure that states the quantity elsewhere.
+    /// Short name of the statistic without its quantity, for the legend of a figure that already states the quantity.
     pub fn short(self) -> &'static str {
         match self {
             Self::Truth => "true value",
@@ -195,7 +195,7 @@ impl Statistic {
         }
     }
 
-    /// Name of the statistic in words. In this text, `{}` is replaced by the name of the quantity.
+    /// Name of the statistic in words, with `{}` as the placeholder for the name of the quantity.
     const fn words(self) -> &'static str {
         match self {
             Self::Truth => "true {}",
@@ -241,8 +241,8 @@ impl Statistic {
         all.into_iter().find(|statistic| statistic.name() == name)
     }
 
-    /// Label of a statistic for one or more quantities. All quantities must be of the same kind as the first one and
-    /// have the same `unit`, which is written as in the column `unit`.
+    /// Label of a statistic for one or more quantities. All quantities must have the same kind and the same `unit`.
+    /// `unit` is written as in the column `unit` of a table.
     pub fn label(self, quantities: &[&str], unit: &str) -> Label {
         let first = quantities.first().and_then(|name| Quantity::named(name));
         let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);
@@ -252,7 +252,7 @@ impl Statistic {
             first.is_some_and(|first| first.kind == QuantityKind::Share || is_strain(first));
         let quantity = in_common(quantities);
         let words = match self {
-            // The mean of measured values is labelled with the quantity alone, without a word for an estimate.
+            // Measured values are not estimates, so the label of their mean is the name of the quantity alone.
             Self::Mean if is_measured => quantity,
             _ => self.words().replace("{}", &quantity),
         };

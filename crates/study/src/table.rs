@@ -12,8 +12,7 @@ use crate::quantity::Unit;
 /// Column of a table: its name, and the unit and type of its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name in the table's header. It ends with the unit of the column, except if the column has no unit, or if each
-    /// row has its own unit.
+    /// Name in the table's header. If all numbers of the column have the same unit, the name ends with this unit.
     pub name: String,
     /// Unit of all numbers in the column, or `1` for pure numbers. If each row states its own unit, this is
     /// [`Column::UNIT_OF_ROW`]. `None` for texts, and for the parameters of a formula, whose units depend on the
@@ -104,15 +103,15 @@ impl Table {
         }
     }
 
-    /// Adds a row that begins with the whole number `index`. The other numbers are written in their shortest form,
-    /// which parses to the same number.
+    /// Adds a row that begins with the whole number `index`. Each of the other numbers is written as the shortest text
+    /// that parses to the same number.
     pub fn push(&mut self, index: usize, numbers: impl IntoIterator<Item = f64>) {
         let index = std::iter::once(index.to_string());
         self.rows
             .push(index.chain(numbers.into_iter().map(shortest)).collect());
     }
 
-    /// Adds a row of numbers. They are written in their shortest form, which parses to the same number.
+    /// Adds a row of numbers. Each number is written as the shortest text that parses to the same number.
     pub fn push_numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         self.rows.push(numbers.into_iter().map(shortest).collect());
     }

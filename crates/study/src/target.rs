@@ -13,9 +13,9 @@ use crate::statistic::Statistic;
 /// Target: a limit for a statistic of a quantity over the trials, for example `relative_rms_error(mean_curvature) <=
 /// 0.05`.
 ///
-/// Statistics and quantities have the same names as in `cells.csv`. Without a quantity, the first quantity of the scene
-/// is used. The limit of a share may be written in percent. A limit above 1 must be written in percent, because 5
-/// without a percent sign could mean 5 % or 500 %.
+/// Statistics and quantities have the same names as in `cells.csv`. If the quantity is omitted, the first quantity of
+/// the scene is used. The limit of a share may be written in percent. If it is above 1, it must be written in percent,
+/// because 5 without a percent sign could mean 5 % or 500 %.
 ///
 /// ```
 /// use palpate_study::{Bound, Quantity, Statistic, Target};
@@ -49,7 +49,7 @@ pub enum Bound {
     AtLeast,
 }
 
-/// Reason why a text is not a target.
+/// Reason why a text is not a valid target.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TargetError {
     /// The limit, or the statistic in front of the limit, is missing.
@@ -99,7 +99,7 @@ pub enum TargetError {
         /// Name of the statistic, with its quantity.
         statistic: String,
     },
-    /// The limit of the target is a value that the statistic can never have.
+    /// The limit of the target is outside the possible values of the statistic.
     #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
     OutOfRange {
         /// Name of the target's statistic.

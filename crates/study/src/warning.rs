@@ -35,7 +35,7 @@ impl Warning {
         }
     }
 
-    /// Returns the warning with this code and text; `None` if there is no text.
+    /// Creates a warning without numbers from its code and its text; returns `None` if `text` is `None`.
     pub fn of(code: &str, text: Option<impl Into<String>>) -> Option<Self> {
         text.map(|text| Self::new(code, text, []))
     }

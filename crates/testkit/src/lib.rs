@@ -18,11 +18,13 @@ pub struct Truth {
     pub centroid_px: [f64; 2],
     /// True hue of the marker, turns.
     pub hue_turns: f64,
-    /// True size of the marker in a frame with a bright background, px²; 0 if the background is dark.
+    /// True size of the marker in a frame with a bright background, px²: the sum over its pixels of the absorbed shares
+    /// of green and blue light. In a frame with a dark background, the size is 0.
     pub size_px2: f64,
 }
 
-/// A generator of random numbers (SplitMix64; Steele, Lea and Flood 2014). The field is the seed.
+/// A generator of random numbers (SplitMix64; Steele, Lea and Flood 2014). To set the seed, create it as
+/// `Random(seed)`.
 #[derive(Clone, Debug)]
 pub struct Random(pub u64);
 
@@ -40,8 +42,8 @@ impl Random {
         low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// A nearly normally distributed random number with mean 0 and standard deviation 1: the sum of twelve uniform
-    /// numbers.
+    /// An approximately normally distributed random number with mean 0 and standard deviation 1: the sum of twelve
+    /// uniform random numbers from -0.5 to 0.5.
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform(-0.5, 0.5)).sum()
     }
@@ -79,8 +81,8 @@ fn colour(hue: f64) -> [f64; 3] {
     })
 }
 
-/// The pixels near a disc, each as (column, row, share). The share of a pixel that the disc covers is estimated with 8
-/// × 8 sample points per pixel.
+/// The pixels near a disc, each as (column, row, share). The share is the part of the pixel's area that the disc
+/// covers, estimated with 8 × 8 sample points.
 fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)> {
     let bounds = |at: f64| {
         let first = (at - radius - 2.0).max(0.0) as usize;
@@ -152,7 +154,7 @@ pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     (bytes(&plane, size, 3.0, &mut random), truth)
 }
 
-/// Settings of a frame with a bright background.
+/// Settings of a simulated frame with markers on a bright background.
 #[derive(Clone, Copy, Debug)]
 pub struct Bright {
     /// Side length of the frame, px.
@@ -174,8 +176,8 @@ pub const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
 /// Shares of red, green and blue light that a yellow disc transmits.
 pub const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
 
-/// A frame of markers at `places` on a white background. Each marker consists of a magenta and a yellow disc. The
-/// direction from the centre of one disc to the centre of the other is random.
+/// A frame of markers at `places` (px) on a white background. Each marker consists of a magenta and a yellow disc. The
+/// direction from the magenta to the yellow disc is random.
 pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
     let Bright { size, disc_px, .. } = how;
     let mut random = Random(seed);
@@ -258,8 +260,8 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     pass(&across, size, |at, size| at / size)
 }
 
-/// Positions (px) of a sensor's markers in a frame with a side of `size` px: one place in the middle, and places on
-/// `rings` rings around the middle. The rings are `spacing` px apart.
+/// Positions (px) of a sensor's markers in a frame of `size` × `size` px: one marker in the middle, and markers on
+/// `rings` rings around it. The rings are `spacing` px apart.
 pub fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
     let middle = 0.5 * (size as f64 - 1.0);
     let mut places = vec![[middle + 0.3, middle - 0.2]];

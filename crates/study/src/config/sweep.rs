@@ -57,8 +57,8 @@ pub struct RangeConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sample {
-    /// Sobol's sequence with Owen's scrambling (Burley 2020). The points do not depend on the seed of the study. If
-    /// `count` is a power of 2, each half, each quarter and so on of every range contains the same number of points.
+    /// Sobol's sequence with Owen's scrambling (Burley 2020). The points do not depend on the seed of the study. Of the
+    /// first 2ⁿ points, equal numbers lie in each half, in each quarter and so on of every range.
     Sobol,
 }
 
@@ -231,8 +231,8 @@ pub(super) struct SweptValue {
 }
 
 impl SweptValue {
-    /// A value that was computed from a range. A whole number is stored as an integer, because some fields require an
-    /// integer.
+    /// A computed value of a range or of a sample. A whole number is stored as an integer, because some fields require
+    /// an integer.
     fn of_number(number: f64) -> Self {
         let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
             true => Value::Integer(number as i64),

@@ -19,7 +19,8 @@ fn resolved(study: &Study, argument: &str) -> String {
     }
 }
 
-/// Checks the rows of a table. Each row is `argument | path and values, or error`.
+/// Checks to which field and values each argument of a table is resolved. Each row of the table is `argument | path and
+/// values`, or `argument | error`.
 fn resolves(study: &Study, table: &str) {
     for row in table.trim().lines() {
         let (argument, expected) = row.split_once(" | ").unwrap();
@@ -44,8 +45,8 @@ scene.noise.x=5 | study.toml: scene.noise.x: `scene.noise` has no `x`; known: an
 scene.object.radius.x=5 | study.toml: scene.object.radius.x: `scene.object.radius` is no table
 "#;
 
-/// Tests that the last keys of a path suffice to name a field. If a message is longer than the text in the table of
-/// this test, only the beginning of the message is compared.
+/// Tests that the last keys of a path suffice to name a field. The table contains only the beginning of long error
+/// messages.
 #[test]
 fn the_last_keys_of_a_path_name_a_field() {
     let study = study("");
@@ -124,7 +125,7 @@ fn tables_that_the_config_leaves_out_are_made() {
             r#"{ rotation = { kind = "gaussian", std_rad = 0.1 }, encoder = { step_deg = 0.1 } }"#,
         ),
         (
-            // The kind of a table may be set after the fields of this kind.
+            // An argument may set fields of a kind before a later argument sets this kind.
             &[
                 "angular_velocity.fraction=0.1",
                 "angular_velocity.kind=uniform",

@@ -1,4 +1,4 @@
-//! Tests the cells of sweeps, and errors whose position is in a sweep.
+//! Tests the cells of sweeps, and errors that are caused by the values or paths of a sweep.
 
 use super::{edited, study};
 use palpate_study::config::{ObjectConfig, SceneConfig, Study, parse};

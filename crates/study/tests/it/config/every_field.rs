@@ -1,4 +1,5 @@
-//! Tests that every number of a scene can be swept and varied. If one cannot, a message must state the reason.
+//! Tests that every number of a scene can be swept and varied. If a number cannot be varied, a message must state the
+//! reason.
 
 use palpate_study::config::{Takes, parse, schema, to_toml};
 use serde_json::{Value as Json, json};
@@ -74,7 +75,8 @@ fn numbers(schema: &Json, at: &Field, visit: &mut impl FnMut(Field)) {
     }
 }
 
-/// Smallest valid value for a schema. A table has only its required keys, and the given `kind` if it has kinds.
+/// A valid value for a schema, with as little content as possible: a table has only its required keys and, if it has
+/// kinds, the given `kind`.
 fn instance(schema: &Json, kind: Option<&str>) -> Json {
     if let Some(variants) = schema["oneOf"].as_array() {
         let of_kind = |variant: &&Json| kind.is_none() || kind_of(variant) == kind;
@@ -132,7 +134,8 @@ fn values(schema: &Json) -> Vec<Json> {
     found[..2].iter().map(written).collect()
 }
 
-/// A scene in which `field` is valid. Missing tables on the field's path are added only if the config must state them.
+/// The scene `base`, changed so that a config can set `field`. Missing tables on the path of the field are added only
+/// if palpate cannot add them itself.
 fn scene(base: &Json, root: &Json, field: &Field) -> Json {
     let kind = |depth: usize| {
         let path = field.path[..depth].join(".");
@@ -235,8 +238,8 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
         };
         let cell = |number| study.cell(number).unwrap().config;
         assert_ne!(cell(0), cell(1), "{name}");
-        // Test what `design` does: it looks up a varied field in a config that states all defaults, and sets the field
-        // to at least two values.
+        // Do the same as `palpate design`: look up the varied field in a config that states all defaults, and set the
+        // field to at least two values.
         let plain = to_toml(&cell(0));
         let plain = parse("study.toml", &plain).unwrap_or_else(|error| panic!("{name}: {error}"));
         let filled = plain.varied(&[]).unwrap();

@@ -4,7 +4,7 @@ use palpate_study::config::schema;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Numbers without a unit, and numbers that have the unit of the field to which they refer.
+/// Keys of numbers without a unit, and of numbers that have the unit of the field to which they refer.
 const DIMENSIONLESS: [&str; 40] = [
     "claims",              // their numbers
     "seed",                //
