@@ -13,7 +13,7 @@ pub enum Misfit {
     },
     /// One reading contradicts the other readings.
     Outlier {
-        /// Number of the roll, contact or marker with the contradicting reading, counted from 0.
+        /// Number of the roll, contact or marker whose reading contradicts the others, counted from 0.
         reading: usize,
         /// P-value of the largest contradiction among all readings.
         p_value: f64,
@@ -132,10 +132,10 @@ pub struct GoodnessOfFit {
     pub chi_squared: f64,
     /// Degrees of freedom: the number of readings and priors that the fit uses, minus the number of fitted parameters.
     pub freedom: usize,
-    /// Probability of a chi-squared that is at least as large as this one, if the model is correct and the noise is
-    /// normal with the stated size. A small p-value means that the readings contradict the model or the stated noise.
-    /// If the readings agree with the model and the noise, the p-value is distributed uniformly from 0 to 1. Without
-    /// degrees of freedom, the p-value is 1.
+    /// Probability of a chi-squared at least as large as this one, if the model is correct and the noise is normal with
+    /// the stated standard deviation. A small p-value means that the readings contradict the model or the stated noise.
+    /// If the readings agree with both, the p-value is distributed uniformly from 0 to 1. Without degrees of freedom,
+    /// the p-value is 1.
     pub p_value: f64,
 }
 

@@ -131,8 +131,8 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
         let per_probability = 0.5 * count.sqrt() * libm::exp(log_beta(0.5, 0.5 * count));
         return probability * per_probability;
     }
-    // The square of Student's t has an F distribution with one degree of freedom in the numerator. So use the tail
-    // probability of this F distribution.
+    // The square of Student's t has an F distribution with one degree of freedom in the numerator. Therefore, the tail
+    // probability of F gives the probability outside the interval.
     let is_inside =
         |width: f64| ratio_tail(width * width, 1, freedom as f64, freedom) > 1.0 - probability;
     let mut high = 1.0;

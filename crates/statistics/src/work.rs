@@ -38,8 +38,8 @@ fn add(change: impl FnOnce(&mut Tally)) {
     });
 }
 
-/// Runs the function `work`. Returns the counts of the computational work that `work` does on this thread, and the
-/// result of `work`.
+/// Runs the function `work`. Returns the counts of the operations that `work` does on this thread, and the result of
+/// `work`.
 pub fn counted<T>(work: impl FnOnce() -> T) -> (Tally, T) {
     let before = TALLY.replace(Tally::default());
     let given = work();

@@ -1,10 +1,10 @@
 //! Configs of studies, quantities with their units, and tables of results. This crate contains no physics.
 //!
 //! [`config`] parses a TOML text to a validated [`config::Study`]. A study consists of cells; each cell is one
-//! combination of the values that the study sweeps. A [`Quantity`] is an estimated value with its [`Unit`]. A
-//! [`Statistic`] summarises the estimates of a quantity over the trials. A [`Label`] describes a column in words. A
-//! [`Table`] stores results; [`number`](mod@number) formats its numbers. [`readings`] defines the columns of recorded
-//! readings. The [`glossary`] explains terms.
+//! combination of the values that the study sweeps. A [`Quantity`] describes a number that the trials determine, with
+//! its [`Unit`]. A [`Statistic`] summarises the estimates of a quantity over the trials. A [`Label`] describes a column
+//! in words. A [`Table`] stores results; [`number`](mod@number) formats its numbers. [`readings`] defines the columns
+//! of recorded readings. The [`glossary`] explains terms.
 
 mod bounded_read;
 pub mod config;

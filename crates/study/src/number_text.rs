@@ -39,12 +39,12 @@ pub fn exact(value: f64) -> String {
     Number(value).to_string()
 }
 
-/// A number as text for people, with at most six significant digits and without trailing zeros.
+/// A number as text for messages, with at most six significant digits and without trailing zeros.
 pub fn rounded(value: f64) -> String {
     significant(value, 6)
 }
 
-/// A number as text for people, with at most `digits` significant digits and without trailing zeros. If the number's
+/// A number as text for messages, with at most `digits` significant digits and without trailing zeros. If the number's
 /// magnitude is at least 1e6 or below 1e-4, the text contains a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {

@@ -145,7 +145,7 @@ quantities! {
     NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated, &["press"];
     /// Component of a marker's displacement along the skin, as the camera sensor reads it.
     TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated, &["press"];
-    /// Change in the hue of the summed light of the marker under the contact.
+    /// Change in the hue of the marker under the contact. The hue is that of the summed light of the marker's pixels.
     HUE_CHANGE = "hue_change", "hue change", Turn, Measured, &["press"];
     /// Change in the mean hue of the pixels of the marker under the contact.
     MEAN_HUE_CHANGE = "mean_hue_change", "change of the mean hue", Turn, Measured, &["press"];
@@ -157,7 +157,7 @@ quantities! {
     WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured, &["press"];
     /// Number of pixels that are computed to render the frames of one press.
     PIXELS = "pixels", "pixels evaluated per press", One, Measured, &["press"];
-    /// Radius of the object, negative if it is concave. In studies of rolls and glides with `principal_curvatures = true`, it is the inverse of the mean curvature where all normal curvatures are equal.
+    /// Radius of the object, negative if it is concave. Studies of rolls and glides have it if their scene sets `principal_curvatures = true`, and only where all normal curvatures of the object are equal; there, it is the inverse of the mean curvature.
     OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["roll", "glide", "press"];
     /// Larger principal curvature of the object at the contact, positive if the object is convex. Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
     PRINCIPAL_CURVATURE_MAX = "principal_curvature_max", "larger principal curvature", PerLength, Estimated, &["roll", "glide", "press"];
@@ -165,7 +165,7 @@ quantities! {
     PRINCIPAL_CURVATURE_MIN = "principal_curvature_min", "smaller principal curvature", PerLength, Estimated, &["roll", "glide", "press"];
     /// Angle from the x axis at the contact to the direction of the smaller principal curvature (a cylinder's axis). Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
     AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["roll", "glide", "press"];
-    /// 1 if the principal curvatures do not differ significantly, so that the axis is undetermined, otherwise 0. Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
+    /// 1 if the axis is undetermined, because the principal curvatures do not differ significantly, otherwise 0. Studies of rolls and glides have it if their scene sets `principal_curvatures = true`.
     AXIS_UNDETERMINED = "axis_undetermined", "share of undetermined axes", One, Measured, &["roll", "glide"];
     /// Force between the sensor and the object.
     FORCE = "force", "force", Newton, Estimated, &["press"];

@@ -194,8 +194,8 @@ pub const ROLLS: [Column; 5] = [
     Column::of("shift_v", Measure::Length),
 ];
 
-/// Columns of a unit quaternion, which a file may have instead of the columns of a rotation vector. `qw` is the scalar
-/// part.
+/// Columns of a unit quaternion. A file may have these columns instead of those of a rotation vector. `qw` is the
+/// scalar part.
 pub const QUATERNION: [Column; 4] = [
     Column::of("qx", Measure::Plain),
     Column::of("qy", Measure::Plain),
@@ -203,7 +203,8 @@ pub const QUATERNION: [Column; 4] = [
     Column::of("qw", Measure::Plain),
 ];
 
-/// Columns of a rotation matrix, row by row. The columns of this matrix are the axes of the probe.
+/// The nine columns of a file that state a rotation matrix, in the order of its rows. Each column vector of the matrix
+/// is an axis of the probe.
 pub const MATRIX: [Column; 9] = [
     Column::of("r11", Measure::Plain),
     Column::of("r12", Measure::Plain),
@@ -341,7 +342,7 @@ pub struct ColumnNamesError {
     pub message: String,
 }
 
-/// Checks the column names that a study or an option states for a file.
+/// Checks the names that a study or an option states for the columns of a file.
 ///
 /// # Errors
 /// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys that refer to the same

@@ -205,8 +205,8 @@ fn push_field(text: &mut String, field: &str) {
     }
 }
 
-/// A map, that is, a table of the curvatures at the points of a patch, with one row per point. The values of a row are
-/// added one by one.
+/// A map: a table of the curvatures at the points of a patch, with one row per point. The values of a row are added one
+/// after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTable {
     /// The finished rows of the map.

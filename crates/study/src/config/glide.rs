@@ -117,8 +117,8 @@ pub enum GlideModelConfig {
     /// The closed form of the contact point. It exists for point tips, and for round tips on planes, spheres, dishes
     /// and cylinders.
     ClosedForm {},
-    /// Newton's method for a round tip. It finds the centre of the tip on the surface that is offset from the object by
-    /// the tip's radius.
+    /// Newton's method for a round tip. It finds the centre of the tip, which lies on a surface at the distance of the
+    /// tip's radius from the object.
     Newton {
         /// Largest error of a contact's position, relative to the tip's radius.
         #[serde(default = "tolerance")]
@@ -162,7 +162,7 @@ pub enum GlideSensorConfig {
         /// Arrangement of the pads on the tip.
         #[serde(default)]
         layout: PadLayout,
-        /// Angle between the outermost pad and the middle of the array, seen from the tip's centre.
+        /// Largest angle between a pad and the middle of the array, seen from the tip's centre.
         #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,

@@ -29,9 +29,9 @@ pub enum GlideEstimatorConfig {
         #[serde(flatten)]
         noise: StatedNoise,
     },
-    /// The method of the 1996 paper: two smoothing splines are fitted one after the other. The second spline also uses
-    /// the tangents of the first spline. In the settings of this method, lengths are in units of the inter-finger
-    /// distance.
+    /// The method of the 1996 paper: two smoothing splines are fitted one after the other. The second spline is also
+    /// fitted to points on the tangents at the contacts. In the settings of this method, lengths are in units of the
+    /// inter-finger distance.
     TwoPass {
         /// Degree of the first spline in both directions.
         #[serde(default = "whole::<2>")]
@@ -45,16 +45,18 @@ pub enum GlideEstimatorConfig {
         #[serde(default = "number::<100>")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         weight: f64,
-        /// Smoothing limit of the first spline: the largest sum of squared weighted residuals.
+        /// Smoothing limit of the first spline: the largest sum of its squared weighted residuals that is allowed. A
+        /// larger limit gives a smoother spline.
         #[serde(default = "number::<1000>")]
         #[schemars(extend("minimum" = 0))]
         smoothing: f64,
-        /// Smoothing limit of the second spline: the largest sum of squared weighted residuals.
+        /// Smoothing limit of the second spline: the largest sum of its squared weighted residuals that is allowed. A
+        /// larger limit gives a smoother spline.
         #[serde(default = "number::<1000>")]
         #[schemars(extend("minimum" = 0))]
         second_smoothing: f64,
-        /// Distance between a contact and the two points that are added on its tangent. One point is added on each side
-        /// of the contact.
+        /// Distance between a contact and the points that the second spline uses on a tangent at this contact. There is
+        /// one point on each side of the contact.
         #[serde(default = "twentieth")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tangent_step: f64,
@@ -70,12 +72,12 @@ pub enum GlideEstimatorConfig {
     Quadric(StatedNoise),
     /// A plane, fitted to the contacts that are not outliers.
     Plane(StatedNoise),
-    /// A sphere, fitted to the contacts that are not outliers. The contacts may lie on any side of the sphere.
+    /// A sphere, fitted to the contacts that are not outliers. The contacts may lie anywhere on the sphere.
     Sphere(StatedNoise),
-    /// A circular cylinder, fitted to the contacts that are not outliers. The contacts may lie on any side of the
+    /// A circular cylinder, fitted to the contacts that are not outliers. The contacts may lie anywhere on the
     /// cylinder.
     Cylinder(StatedNoise),
-    /// The most probable of four answers for the surface under the contacts: a plane, a sphere, a cylinder, or none of
+    /// Chooses the most probable shape of the surface under the contacts: a plane, a sphere, a cylinder, or none of
     /// these shapes.
     Shape(StatedNoise),
 }
@@ -84,14 +86,15 @@ pub enum GlideEstimatorConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatedNoise {
-    /// Standard deviation of a contact's position along each axis; by default estimated from the contacts.
+    /// Standard deviation of the error of a contact's position along each axis; by default estimated from the contacts.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
     pub position_std: Option<f64>,
     /// Standard deviation of a contact's position along each axis as a fraction of the inter-finger distance. State
     /// either this or `position_std`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
     pub position_fraction_of_ifd: Option<f64>,
-    /// Standard deviation of a normal's tilt about each tangent; by default estimated from the contacts.
+    /// Standard deviation of the error of a normal: of the angle by which the normal is tilted about each of two
+    /// tangents. By default, it is estimated from the contacts.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
     pub normal_std_deg: Option<f64>,
 }
@@ -204,7 +207,7 @@ pub enum CriterionName {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalsOf {
-    /// The normals of the readings. For readings without normals, the normals of the first spline.
+    /// The measured normals. If the readings have no normals, the normals of the first spline.
     #[default]
     Measured,
     /// The normals of the first spline.

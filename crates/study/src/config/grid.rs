@@ -126,8 +126,8 @@ impl Grid {
         (tree, None)
     }
 
-    /// Sets the location of a fault in a field of a cell. If a sweep sets the field, the location is that of the swept
-    /// value in the `sweep` section; otherwise, it is that of the field in the scene.
+    /// Sets the location of a fault in a field of a cell. If a sweep sets the field, this is the location of the swept
+    /// value in the `sweep` section. Otherwise, it is the location of the field in the scene.
     pub(super) fn in_text(&self, cell: usize, mut fault: Fault) -> Fault {
         let path = fault.location.clone();
         for (axis, row) in self.axes.iter().zip(self.rows_of(cell)) {
@@ -147,8 +147,8 @@ impl Grid {
         fault
     }
 
-    /// Whether no swept value is a table, a list or a `kind`. Then the values of different fields can be validated
-    /// independently of each other.
+    /// Whether the swept values are plain: no value is a table, a list or a `kind`. Plain values of different fields
+    /// can be validated independently of each other.
     pub(super) fn has_plain_values(&self) -> bool {
         let mut targets = self.targets();
         let is_plain =

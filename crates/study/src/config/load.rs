@@ -507,8 +507,8 @@ impl Study {
         (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
     }
 
-    /// Paths of fields that the config states although a sweep sets them. Each path comes with a note that the sweep
-    /// replaces the stated value. The list is empty for a config that palpate wrote.
+    /// Paths of the fields that the config states although a sweep sets them, each with a note that the sweep replaces
+    /// the stated value. The list is empty for a config that palpate wrote.
     pub fn swept_over(&self) -> Vec<(String, String)> {
         const MOST_VALUES: usize = 8;
         let note = |(axis, place): (&Axis, usize), path: &str, written: &Value| {

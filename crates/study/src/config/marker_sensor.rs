@@ -151,12 +151,10 @@ pub enum LayoutTable {
         /// Distance between neighbouring markers.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         pitch: f64,
-        /// Distance between the outermost markers of a row, along x. This distance is reduced to a multiple of the
-        /// pitch.
+        /// Distance between the outermost markers of a row, along x. It is rounded down to a multiple of the pitch.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         width: f64,
-        /// Distance between the outermost markers of a column, along y. This distance is reduced to a multiple of the
-        /// pitch.
+        /// Distance between the outermost markers of a column, along y. It is rounded down to a multiple of the pitch.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         height: f64,
     },
@@ -237,8 +235,8 @@ pub struct CameraConfig {
     #[serde(default = "whole::<640>")]
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Largest polar angle that the camera images. It appears at the rim of the image circle, which is the largest
-    /// circle that fits into the image.
+    /// Largest polar angle that the camera images. A point at this angle appears at the rim of the image circle, which
+    /// is the largest circle that fits into the image.
     #[serde(default = "number::<65>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
@@ -376,8 +374,8 @@ pub struct LensConfig {
     /// Number of pixels along each side of the square image.
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Largest polar angle that the camera images. It appears at the rim of the image circle, which is the largest
-    /// circle that fits into the image. For a pinhole camera, it must be less than 90.
+    /// Largest polar angle that the camera images. A point at this angle appears at the rim of the image circle, which
+    /// is the largest circle that fits into the image. For a pinhole camera, it must be less than 90.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
 }
@@ -396,10 +394,11 @@ impl Default for LensConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LensName {
-    /// A lens whose distances from the image's centre are proportional to the polar angle.
+    /// A lens for which the distance of an image point from the image's centre is proportional to the polar angle.
     #[default]
     Fisheye,
-    /// A lens whose distances from the image's centre are proportional to the tangent of the polar angle.
+    /// A lens for which the distance of an image point from the image's centre is proportional to the tangent of the
+    /// polar angle.
     Pinhole,
 }
 

@@ -58,7 +58,7 @@ pub struct PlotConfig {
 }
 
 impl PlotConfig {
-    /// Columns in the filter `where`, each with the texts of the values that pass the filter.
+    /// The entries of the filter `where`: the name of a column, and the texts of the values that pass the filter.
     pub fn filters(&self) -> impl Iterator<Item = (&str, Vec<String>)> {
         let text = |value: &toml::Value| match value {
             toml::Value::String(text) => text.clone(),

@@ -94,7 +94,8 @@ impl PressConfig {
         }
     }
 
-    /// Rejects discs that follow the skin's strain (`strain`) if the scene's models cannot compute this strain.
+    /// Rejects a stated strain of the discs (`strain`) if the models of the scene cannot compute the strain of the
+    /// skin.
     fn check_strain(&self) -> Result<(), (&'static str, &'static str)> {
         let PressProbeConfig::MarkerSphere { discs, .. } = &self.probe;
         if discs.as_ref().is_none_or(|discs| discs.strains().is_none()) {
@@ -373,11 +374,11 @@ impl PressModelConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {
-    /// Error of each marker's normal displacement. If the sensor has a camera, this error is added to the error that
-    /// comes from the images.
+    /// Error of each marker's normal displacement. If the sensor has a camera, this error is added to the error of the
+    /// images.
     pub normal_displacement: Option<ReadingNoise<Length>>,
-    /// Error of each marker's displacement along the skin, for both components. If the sensor has a camera, this error
-    /// is added to the error that comes from the images.
+    /// Error of each of the two components of a marker's displacement along the skin. If the sensor has a camera, this
+    /// error is added to the error of the images.
     pub tangential_displacement: Option<ReadingNoise<Length>>,
     /// Error of the indentation that the estimator receives.
     pub indentation: Option<ReadingNoise<Length>>,
@@ -395,8 +396,8 @@ pub struct PressNoiseConfig {
     /// Error of the red, green and blue value of each pixel in a rendered frame, in grey levels. The brightest level is
     /// 255.
     pub pixel: Option<ReadingNoise<Level>>,
-    /// Error of each marker's hue, in turns. Both hues of a marker have the same error: the hue of its summed light,
-    /// and the mean hue of its pixels. Only for a sensor of the kind `projected`.
+    /// Error of each marker's hue, in turns. A marker has two hues, the hue of its summed light and the mean hue of its
+    /// pixels; both have the same error. Only for a sensor of the kind `projected`.
     pub hue: Option<ReadingNoise<Pure>>,
     /// Error of each coordinate of a marker's centroid, in pixels. Only for a sensor of the kind `projected`.
     pub centroid: Option<ReadingNoise<Pure>>,
@@ -428,12 +429,12 @@ pub struct SensorNoise {
     /// Standard deviation of the camera's rotation about each of the three axes.
     #[schemars(extend("minimum" = 0))]
     pub turn_deg: f64,
-    /// Standard deviation of the depth of the discs. All magenta discs have the same error, and all yellow discs have
-    /// another common error.
+    /// Standard deviation of the error of the discs' depth. All magenta discs have the same error, and all yellow discs
+    /// have another common error.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub disc_depth: f64,
-    /// Relative standard deviation of the diameter of the discs. All magenta discs have the same error, and all yellow
-    /// discs have another common error.
+    /// Standard deviation of the relative error of the discs' diameter. All magenta discs have the same error, and all
+    /// yellow discs have another common error.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub disc_diameter: f64,
     /// Standard deviation of the errors of the discs' transmittances, that is, of the shares of red, green and blue
@@ -480,7 +481,7 @@ pub struct LostMarkers {
     pub count: u32,
 }
 
-/// Markers with an additional large error, as if the tracker had confused them with other markers.
+/// Markers with a large additional error, for example because the tracker confused them with other markers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WrongMarkers {

@@ -32,8 +32,8 @@ pub enum PressEstimatorConfig {
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
-    /// A fit for objects with two different principal curvatures, for example cylinders, on an elastic half-space. Both
-    /// curvatures and their directions are fitted. The reported curvature is the mean of the two.
+    /// A fit of an elastic half-space for objects with two different principal curvatures, for example cylinders. Both
+    /// curvatures and their directions are fitted. The reported curvature is the mean of the two curvatures.
     Elliptic {
         /// Poisson's ratio of the half-space. The default is the ratio of the scene's model, or 0.5 if the model has
         /// none.
@@ -46,13 +46,13 @@ pub enum PressEstimatorConfig {
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// The method of the 2020 paper: a Gaussian, fitted to the normal displacements. The effective radius is R = c
-    /// σ²/δ, with the fitted width σ, the indentation δ and a constant c. If the indentation is stated, the amplitude
-    /// of the Gaussian is an additional unknown. Otherwise, the fitted amplitude is used as δ.
+    /// The method of the 2020 paper: a Gaussian is fitted to the normal displacements. The effective radius is R = c
+    /// σ²/δ, with the fitted width σ of the Gaussian, the indentation δ and a constant c. If the indentation is stated,
+    /// the amplitude of the Gaussian is an additional unknown. Otherwise, the fitted amplitude is used as δ.
     Gaussian {
-        /// The constant c of the method. By default, it is calibrated by a simulated press on a plane without noise and
-        /// with the same indentation. With this c, the estimated effective radius on the plane equals the sensor's
-        /// radius.
+        /// The constant c of the method. By default, palpate calibrates c with a simulated press on a plane, without
+        /// noise and with the same indentation: c is chosen so that the estimated effective radius on the plane equals
+        /// the sensor's radius.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
         c: Option<f64>,
         /// Largest distance from the contact at which markers are used in the fit. By default, all markers are used.
@@ -121,8 +121,8 @@ pub struct IndentationPrior {
 pub struct DisplacementPriors {
     /// Offset of the normal displacements, that is, their value when nothing touches the sensor: zero or fitted.
     pub baseline: Baseline,
-    /// Standard deviation that the estimator assumes for the gain. The gain is the factor by which all normal
-    /// displacements of a press are multiplied; its mean is 1.
+    /// Standard deviation that the estimator assumes for the gain. The gain is a factor on all normal displacements of
+    /// a press; its mean is 1.
     #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
     pub gain_std: f64,
     /// Whether the noise of displacements is stated or estimated.

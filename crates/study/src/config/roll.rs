@@ -293,7 +293,7 @@ pub enum RollSensorConfig {
         /// Position of the first contact relative to the pads.
         #[serde(default)]
         offset: PadOffset,
-        /// Angle between the outermost pad and the middle of the array, seen from the probe's centre.
+        /// Largest angle between a pad and the middle of the array, seen from the probe's centre.
         #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
@@ -316,9 +316,9 @@ pub struct RollNoiseConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AngularVelocityNoise {
-    /// Error with a uniform distribution between −bound and +bound. The bound is `fraction` times the angular speed.
+    /// Uniformly distributed error between −b and +b. The bound b is `fraction` times the angular speed of the probe.
     Uniform(AngularVelocityDraws),
-    /// Error with a Gaussian distribution with mean 0. The standard deviation is `fraction` times the angular speed.
+    /// Gaussian error with mean 0. Its standard deviation is `fraction` times the angular speed of the probe.
     Gaussian(AngularVelocityDraws),
 }
 
@@ -440,8 +440,8 @@ pub enum RollEstimatorConfig {
     /// as in the 1996 paper.
     #[default]
     LeastSquares,
-    /// Finds all curvatures that agree with the times at which the contact moves from pad to pad. It needs time series
-    /// from pads.
+    /// Finds all curvatures that agree with the times at which the contact moves from one pad to the next. It needs
+    /// time series from pads.
     PadEdge {
         /// Whether the estimator receives the position of the first contact on the pads.
         #[serde(default)]
@@ -507,7 +507,7 @@ pub enum PadLayout {
     Square,
     /// A hexagonal grid, measured in arc lengths along the surface of the probe.
     Hexagonal,
-    /// Points with almost uniform density over the cap, the part of the probe that has pads.
+    /// Pads with almost uniform density over the cap, the part of the probe that has pads.
     Uniform,
 }
 

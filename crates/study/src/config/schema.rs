@@ -52,7 +52,7 @@ pub(super) fn variants(schema: &Json) -> &[Json] {
         .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
-/// Removes null from the types that a schema allows, because TOML has no null, and adds the limits of 32-bit numbers.
+/// Removes the type null from a schema, because TOML has no null, and adds the limits of 32-bit numbers.
 fn tidy(schema: &mut Json) {
     match schema {
         Json::Object(object) => {
@@ -109,7 +109,7 @@ pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Js
         .find(|variant| kind_of(variant) == kind)
 }
 
-/// Header of a swept field's column: its path with its unit, for example `scene.object.c_per_cm`.
+/// Header of the column of a swept field: the path and the unit of the field, for example `scene.object.c_per_cm`.
 pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     let keys: Vec<&str> = path.split('.').collect();
     let unit = match unit_of(schema, &keys) {

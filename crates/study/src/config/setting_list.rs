@@ -124,7 +124,7 @@ impl Range {
     /// Parses a number and checks that it is in the range.
     ///
     /// # Errors
-    /// A message that states the required range. It is written so that it can follow the name of the setting.
+    /// A message that states the required range, as a text that follows the name of the setting.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
         let number: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
         match self.holds(number) {
@@ -271,7 +271,7 @@ pub fn setting<T: JsonSchema + 'static>(key: &str) -> Option<Setting> {
     known::<T>().setting(key).cloned()
 }
 
-/// Splits settings into those that the config table `T` has, and those that it does not have.
+/// Splits settings into two tables: the settings that the config table `T` has, and all others.
 pub fn split_settings<T: JsonSchema + 'static>(
     given: &Map<String, Json>,
 ) -> [Map<String, Json>; 2] {
@@ -371,7 +371,8 @@ fn text(json: &Json) -> String {
     json.as_str().unwrap_or_default().replace('\n', " ")
 }
 
-/// Error of a setting: the setting is missing or invalid, or has no effect together with the other settings.
+/// Error of a setting: the setting is missing, or its value is invalid, or it has no effect together with the other
+/// settings.
 ///
 /// ```
 /// use palpate_study::config::SettingError;
@@ -389,8 +390,8 @@ pub struct SettingError {
     pub key: String,
     /// Value of the setting; `None` if it is not a number.
     pub value: Option<f64>,
-    /// Description of the problem, written so that it can follow the key. The text names other settings as `` setting
-    /// `key` ``.
+    /// Description of the problem, as a text that follows the key. The text names other settings as `` setting `key`
+    /// ``.
     pub reason: String,
 }
 

@@ -27,7 +27,7 @@ pub struct SweepConfig {
     pub from: Option<f64>,
     /// Last value of the axis, if its values are a range.
     pub to: Option<f64>,
-    /// Number of values of the axis if they are a range, including both ends, or number of sampled points.
+    /// Number of values of a range, including both ends, or number of sampled points.
     #[schemars(extend("minimum" = 1))]
     pub count: Option<u32>,
     /// Spacing of the values of a range: `linear` or `log`. Values between the ends are rounded to 12 digits.
@@ -430,7 +430,8 @@ struct Points {
     ranges: Vec<RangeConfig>,
 }
 
-/// Largest numbers of points (`MOST_POINTS`) and of fields (`MOST_FIELDS`) for which Sobol's sequence is implemented.
+/// Largest number of points (`MOST_POINTS`) and largest number of fields (`MOST_FIELDS`) for which Sobol's sequence is
+/// implemented.
 const MOST_POINTS: u32 = 65_536;
 const MOST_FIELDS: usize = 256;
 

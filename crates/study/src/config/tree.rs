@@ -65,7 +65,7 @@ pub(super) fn at<'a>(tree: &'a Value, path: &str) -> Option<&'a Value> {
     path.split('.').try_fold(tree, child)
 }
 
-/// The value at a path in the tree; `None` if the path does not exist. An empty path leads to the whole tree.
+/// The value at a path in the tree; `None` if the path does not exist. The empty path is the path of the whole tree.
 pub(super) fn at_mut<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Value> {
     let mut keys = path.split('.').filter(|key| !key.is_empty());
     keys.try_fold(tree, child_mut)

@@ -10,8 +10,8 @@ use super::sweep::SweepConfig;
 use super::validate;
 use std::str::FromStr;
 
-/// A field and its values, such as `scene.sensor.pitch=0.05..2` or `scene.sensor.normal_from=hue,both`. The path of the
-/// field has the same form as in a sweep.
+/// An argument that states a field and its values, such as `scene.sensor.pitch=0.05..2` or
+/// `scene.sensor.normal_from=hue,both`. The path of the field has the same form as in a sweep.
 ///
 /// ```
 /// use palpate_study::config::{Varied, Vary};

@@ -25,7 +25,7 @@ pub(in crate::config) fn check(
 }
 
 /// Checks plots without their study, after the schema has accepted them. The plots must have different names and only
-/// keys of their kind, and their points must have as many x values as y values.
+/// keys of their kind. Their points must have equal numbers of x and y values.
 pub(in crate::config) fn check_alone(section: &Value, plots: &[PlotConfig]) -> Result<(), Fault> {
     each(section, plots, |keys, plot| {
         check_keys(keys, plot)?;
@@ -174,8 +174,8 @@ fn check_points(
     Ok(())
 }
 
-/// Checks that `points` names a series and a panel that the plot has. In a profile, the series is the name of a line.
-/// Names of lines are not checked, because only the table of a run contains them.
+/// Checks that the plot has the series and the panel that `points` states. In a profile, the series is the name of a
+/// line, and is not checked, because only the results of a run contain the names of lines.
 fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     for (key, value, column, path) in [
         ("series", &points.series, "series", &plot.series),

@@ -114,9 +114,9 @@ fn every_field_and_kind_is_described() {
     });
 }
 
-/// Tests a rule on which column headers and `to_toml` rely: if several kinds of a table have the same key, its unit and
-/// its default are the same in all of them. Defaults that are tables are not compared, because these tables have kinds
-/// themselves.
+/// Tests a rule: if several kinds of a table have the same key, its unit and its default are the same in all these
+/// kinds. Column headers and `to_toml` rely on this rule. Defaults that are tables are not compared, because these
+/// tables have kinds themselves.
 #[test]
 fn kinds_that_share_a_key_share_its_unit_and_default() {
     properties(&schema(), &mut |key, property| {
