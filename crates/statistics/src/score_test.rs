@@ -10,8 +10,8 @@ use crate::{chi_squared_tail, ratio_tail};
 /// patterns that contain noise.
 pub const LEFT: f64 = 0.02;
 
-/// Decrease of a fit's chi-squared, to first order, if the amplitudes of patterns in the residuals are fitted in
-/// addition to the parameters of the model.
+/// Decrease of a fit's chi-squared, to first order, if the model's parameters and the amplitudes of patterns in the
+/// residuals are fitted together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
     /// Decrease of the fit's chi-squared.
@@ -24,11 +24,10 @@ pub struct Explained {
 impl Explained {
     /// Computes the decrease of a fit's chi-squared if the amplitudes of patterns are fitted too. Patterns and
     /// residuals must be divided by the standard deviations of the readings. The remainder of a pattern is the part
-    /// that the parameters of the model cannot explain. `squares` are the squared norms of the patterns, `left` the
-    /// inner products of all pairs of remainders, and `by_residuals` the inner products of the remainders with the
-    /// residuals. A combination of patterns is skipped if the squared norm of its remainder is at most the share
-    /// `least` (usually [`LEFT`]) of that of the whole combination. If a number is not finite, all patterns are
-    /// skipped.
+    /// that the parameters of the model cannot explain. `squares` are the squared norms of the patterns. `left` are the
+    /// inner products of all pairs of remainders, and `by_residuals` those of the remainders with the residuals. A
+    /// combination of patterns is skipped if its remainder is at most the share `least` (usually [`LEFT`]) of the
+    /// combination, measured by squared norms. If a number is not finite, all patterns are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,

@@ -55,7 +55,7 @@ subjects! {
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
         "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second coordinate, and `z` the third, the height. Columns such as `normal_x` and `tip_y` are components of vectors: `normal` is the unit normal out of the object; `object` and `probe` are the contact points on both bodies; `tip` is the centre of a fingertip; `rotation` is the rotation of a probe; `shift` (u, v) is the movement of the contact on the probe; `tangential` is a displacement along the skin.";
-        "u": "Tangent direction at the contact: the first of the two perpendicular directions u and v. For a roll, u is the x axis of the contact frame at the start of the roll, and `normal_curvature_u` is the object's normal curvature along u.";
+        "u": "Tangent direction at the contact: the first of the two perpendicular directions u and v. For a roll, u is the x axis of the contact frame at the start of the roll. `normal_curvature_u` is the object's normal curvature along u.";
         "v": "Second tangent direction at the contact, perpendicular to the first direction u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
         "relative curvature": "Curvature of the sensor plus curvature of the object, 1/R_s + 1/R_o, where R_s and R_o are their radii. It determines how two bodies roll or press on each other. For rolls, each direction has its own value.";
@@ -169,7 +169,7 @@ subjects! {
         "format_version": "Version of the JSON. It increases when a key is removed or changes its meaning.";
     }
     "Warnings about estimates" {
-        "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. The number `p_value` is the probability that chance alone causes a contradiction between readings and model that is at least as large as the observed one.";
+        "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. The number `p_value` is the probability that chance alone causes a contradiction at least as large as the observed one.";
         "p-value": "Probability that noise of the stated size causes residuals at least as large as the observed ones, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
         "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls, below 0.02). The stated noise is too small, or the model does not hold.";
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the number of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
@@ -203,7 +203,7 @@ subjects! {
         "half-turn": "The contact of a simulated roll passes half way round the probe, so the shift no longer determines the length of the roll.";
         "hidden-markers": "The simulated camera does not image all markers.";
         "large-shift": "The sideways movement of a simulated press is larger than the contact radius, so the strains are not small.";
-        "markers-at-surface": "The contact model moves the markers as if they were at the surface of the skin, but the estimator computes their displacements at their true depth.";
+        "markers-at-surface": "The contact model moves the markers as if they were at the surface of the skin. The estimator, however, computes their displacements at their true depth.";
         "no-estimate": "The estimate of a simulated press fails even without noise (`no-estimate`), the estimator cannot be built (`no-estimator`), or the press is impossible (`no-press`).";
         "biased-estimate": "Even without noise, the estimated curvature of a simulated press differs from the true one, because the estimator's model differs from the simulated one.";
         "unchecked-indentation": "The readings alone do not determine an indentation, so the stated indentation cannot be checked.";
@@ -255,7 +255,7 @@ subjects! {
     }
     "Failures of glides" {
         "contact-lost": "The tip passes beside the object without a contact.";
-        "two-contacts": "The tip touches the object at two points at once, because a dish or valley of the object is as narrow as the tip, or narrower. Use a smaller tip.";
+        "two-contacts": "The tip touches the object at two points at once, because a dish or valley of the object is narrower than the tip or equally narrow. Use a smaller tip.";
         "no-convergence": "The search for the contact did not converge. Either the lengths of the tip and the object differ too much for double precision, or the object is too rough for the tip.";
         "too-few-contacts": "There are fewer contacts than unknowns of the estimator. Record more contacts, or use the estimator quadric, which needs fewer contacts than the splines.";
         "bad-weight": "The weight of a contact is not greater than 0.";
@@ -277,7 +277,7 @@ subjects! {
         "too-wide": "The contact radius would exceed the sensor's radius, or 0.9 times the object's radius.";
         "layer-too-thin": "The contact is too wide compared with the thickness of the layer: palpate cannot solve the equations of the contact.";
         "too-few-markers": "There are fewer readings of markers than unknowns.";
-        "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way, so the best fit of a press explains them hardly better than no press does. If nothing touches the sensor, palpate mistakes noise for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
+        "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way. The best fit of a press therefore explains the readings hardly better than no press does. If nothing touches the sensor, palpate mistakes noise for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
         "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. The code `other-body` is an error if no press fits the readings, and a warning if the fit is bad.";
         "off-markers": "The contact that fits the readings best is outside the area of the markers.";
         "hidden-marker": "In the frame at rest, a marker was found where the stated camera could not see it. The layout or the camera differs from the stated one.";

@@ -9,8 +9,7 @@ use toml::Value;
 /// The config as TOML text, including all defaults. Parsing the text returns the same config.
 ///
 /// The text omits the default of `directions_deg` if the config states `rolls` instead. If a sweep varies the `kind` of
-/// a table, the text omits the keys of this table that have default values, because other kinds may not have these
-/// keys.
+/// a table, the text omits the default values of this table, because other kinds may not have these keys.
 ///
 /// ```
 /// use palpate_study::config::{parse, to_toml};

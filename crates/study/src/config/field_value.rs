@@ -1,4 +1,4 @@
-//! Converts the values of `--set` and `--vary`: a number with a unit is converted to the unit of its field, and a TOML
+//! Converts the values of `--set` and `--vary`. A number with a unit is converted to the unit of its field. A TOML
 //! table gets a label, which the results show instead of the table.
 
 use super::error::ConfigError;

@@ -74,7 +74,7 @@ impl GlideConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FingertipConfig {
-    /// A point. It touches the object at its own position.
+    /// A point. The contact is at the position of the point.
     Point {},
     /// A ball. On a slope, its contact point is not its lowest point.
     Sphere {

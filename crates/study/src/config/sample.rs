@@ -78,8 +78,8 @@ pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
 }
 
 /// Selects some of the given `rows` of an axis, and returns them in ascending order. If there are at most [`MOST_ROWS`]
-/// rows, all of them are returned. Otherwise, the result contains rows that are spread evenly, the first and the last
-/// of the given rows, and the extremes of the axis if they are among the given rows.
+/// rows, all of them are returned. Otherwise, the result contains rows that are spread evenly, and the first and the
+/// last of the given rows. It also contains the extremes of the axis if they are among the given rows.
 pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let rows: Vec<usize> = rows.into_iter().collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {

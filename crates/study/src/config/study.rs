@@ -116,9 +116,9 @@ pub enum SceneConfig {
     Glide(GlideConfig),
     /// A soft sphere with markers is pressed onto an object.
     Press(PressConfig),
-    /// A sensor with markers, without an object. The study computes the strain that is caused by folding the sensor's
-    /// skin from flat pieces (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image
-    /// (`marker_area`). The scene has no random numbers.
+    /// A sensor with markers, without an object. The study computes the size of a marker in the image (`marker_area`).
+    /// It also computes the strain that is caused by folding the sensor's skin from flat pieces
+    /// (`greatest_fold_strain`, `rms_fold_strain`). The scene has no random numbers.
     Fingertip(BareFingertipConfig),
 }
 

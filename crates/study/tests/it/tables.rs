@@ -1,4 +1,4 @@
-//! Tests that tables are read as they were written.
+//! Tests that a table that was written as text is read back unchanged.
 
 use palpate_study::{Rows, Table};
 

@@ -9,7 +9,7 @@ use crate::config::tree::{suggest, text};
 use toml::Value;
 
 /// Checks the plots of a study, after the schema has accepted them. The keys of each plot must be compatible with each
-/// other, the study must write the table that the plot needs, and the named columns must exist.
+/// other. The study must write the table that the plot needs, and the named columns must exist.
 pub(in crate::config) fn check(
     section: &Value,
     plots: &[PlotConfig],
@@ -175,7 +175,7 @@ fn check_points(
 }
 
 /// Checks that the plot has the series and the panel that `points` states. In a profile, the series is the name of a
-/// line, and is not checked, because only the results of a run contain the names of lines.
+/// line. It is not checked, because only the results of a run contain the names of lines.
 fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     for (key, value, column, path) in [
         ("series", &points.series, "series", &plot.series),

@@ -44,8 +44,8 @@ fn points_fill_every_part_of_every_range_and_of_every_pair() {
         of_rates[part(rate, -2.0, 0.0, 64.0)] += 1;
         pairs[part(rate, -2.0, 0.0, 8.0) * 8 + part(radius, 2.0, 10.0, 8.0)] += 1;
     }
-    // Sobol's points in two dimensions form a (0, m, 2) net. Therefore, each of the 64 parts of a range, and each of
-    // the 8 × 8 parts of both ranges, contains 4 of the 256 points.
+    // Sobol's points in two dimensions form a (0, m, 2) net. Therefore, each of the 64 parts of a range contains 4 of
+    // the 256 points. The same is true of each of the 8 × 8 parts of both ranges.
     assert_eq!((of_radii, of_rates, pairs), ([4; 64], [4; 64], [4; 64]));
     // The first points of a larger sample equal those of this sample.
     let more = POINTS.replace("count = 256", "count = 1000");
