@@ -93,8 +93,8 @@ pub struct StatedNoise {
     /// either this or `position_std`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
     pub position_fraction_of_ifd: Option<f64>,
-    /// Standard deviation of the error of a normal: of the angle by which the normal is tilted about each of two
-    /// tangents. By default, it is estimated from the contacts.
+    /// Standard deviation of the error of a normal, that is, of the angle by which it is tilted about each of two
+    /// tangents. By default estimated from the contacts.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
     pub normal_std_deg: Option<f64>,
 }
@@ -207,7 +207,7 @@ pub enum CriterionName {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalsOf {
-    /// The measured normals. If the readings have no normals, the normals of the first spline.
+    /// The normals of the readings. If the readings have no normals, the normals of the first spline.
     #[default]
     Measured,
     /// The normals of the first spline.
