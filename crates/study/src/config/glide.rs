@@ -154,7 +154,7 @@ pub enum GlideSensorConfig {
     },
     /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own centre
     /// instead of the contact point. The direction from the tip's centre to this pad is used as the normal. Therefore,
-    /// the contact points and normals that the sensor reports are rounded to the positions of the pads.
+    /// the reported contact points and normals are rounded to the positions and directions of the pads.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]

@@ -461,9 +461,8 @@ impl Study {
     }
 
     /// Selects some of the cells that pass `filters`, and returns their numbers. A filter consists of the path of a
-    /// swept field and the texts of its allowed values. The cells lie on a star: only one axis at a time leaves its
-    /// first allowed row and runs through its other allowed rows. If no row of an axis passes the filters, the filters
-    /// are ignored for this axis.
+    /// swept field and the texts of its allowed values. In each selected cell, at most one axis is not at its first
+    /// allowed row. If no row of an axis passes the filters, the filters are ignored for this axis.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();

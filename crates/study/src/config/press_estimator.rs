@@ -207,9 +207,9 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Sets the settings that are not stated, and that have a value of the scene's model as default, to this value.
-    /// `of_thickness` is the thickness of the model's layer (`None` without a layer), and `of_poisson` is the model's
-    /// Poisson's ratio.
+    /// If a setting is not stated, and its default is a value of the scene's model, this function sets it to this
+    /// value. `of_thickness` is the thickness of the model's layer (`None` without a layer), and `of_poisson` is the
+    /// model's Poisson's ratio.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
             Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {

@@ -4,11 +4,11 @@ use super::grid::Grid;
 use super::sweep::Axis;
 use std::collections::BTreeSet;
 
-/// Largest number of cells of a study of which all cells are checked before the run. Of larger studies, only a sample
-/// is checked.
+/// Limit for the size of a study, in cells. Up to this limit, all cells of the study are checked before the run. Of
+/// larger studies, only a sample of the cells is checked.
 const MOST_WHOLE: usize = 10_000;
-/// Largest number of rows of a sweep axis that are all in the sample of the study's cells. Of longer axes, only some
-/// rows are in it.
+/// Limit for the length of a sweep axis, in rows. Up to this limit, all rows of the axis are in the sample of the
+/// study's cells. Of longer axes, only some rows are in the sample.
 const MOST_ROWS: usize = 1000;
 /// Number of cells in a sample that are spread evenly over all cells of the study.
 const SPREAD: usize = 2000;
@@ -97,8 +97,9 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
     few.into_iter().collect()
 }
 
-/// Maps the numbers 0, 1, 2 and so on to whole numbers below `count`. These cover the range evenly, and successive
-/// results are far apart. They are the fractional parts of multiples of the golden ratio, multiplied by `count`.
+/// Maps the numbers 0, 1, 2 and so on to whole numbers below `count`. The results cover the range evenly, and
+/// successive results are far apart. They are the fractional parts of multiples of the golden ratio, multiplied by
+/// `count`.
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((u128::from(fraction) * count as u128) >> 64) as usize

@@ -44,8 +44,8 @@ pub(super) fn schema_of<T: JsonSchema>() -> Json {
     schema
 }
 
-/// The alternatives (`oneOf`) in a schema: the schemas of all kinds of a table, or of all words that a value may be. If
-/// the schema has no alternatives, the result is the schema itself.
+/// The variants (`oneOf`) in a schema: the schemas of all kinds of a table, or of all words that a value may be. If the
+/// schema has no variants, the result is the schema itself.
 pub(super) fn variants(schema: &Json) -> &[Json] {
     schema["oneOf"]
         .as_array()
