@@ -1,4 +1,4 @@
-//! Tables that contain maps of estimated curvature.
+//! Tables of curvature maps. A map contains the estimated curvature at many points of a surface, one row per point.
 
 use palpate_ep2::MapPoint;
 use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -35,7 +35,7 @@ pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
     MapTable::new(columns(unit, of_study))
 }
 
-/// Adds one point to a table of maps. In columns for values that the estimator does not compute, the cells stay empty.
+/// Adds the row of one point to a table of maps. A field stays empty if the estimator does not compute its value.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

@@ -11,7 +11,8 @@ use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf, Stat
 /// A method that estimates curvature from glides, with its settings.
 #[derive(Clone, Debug)]
 pub enum GlideMethod {
-    /// A method that fits a graph over a plane. All contacts must be on one side of the object.
+    /// A method that fits the surface as a height function over a plane. All contacts must be on one side of the
+    /// object, because the fitted surface has only one height at each point of the plane.
     Graph(GlideFit),
     /// A fit of a simple shape. The contacts may be on all sides of the object.
     Shape(ShapeSettings),
@@ -80,12 +81,12 @@ fn noise(noise: StatedNoise) -> Noise {
     }
 }
 
-/// A method that fits a graph over a plane, with its settings.
+/// A method that fits the surface as a height function over a plane, with its settings.
 #[derive(Clone, Debug)]
 pub enum GlideFit {
     /// A penalised spline that is fitted to all contacts.
     Penalised(Penalised),
-    /// The two-pass method of the 1996 paper.
+    /// The two-pass method of Charlebois, Gupta and Payandeh (1996).
     TwoPass(TwoPass),
     /// A single quadric that is fitted to all contacts.
     Quadric(Quadric),

@@ -12,8 +12,8 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step of a disc's depth, as a share of the sensor's radius. The derivatives with respect to the depth are computed
-/// from finite differences with this step.
+/// Step of a disc's depth, as a share of the sensor's radius. With this step, finite differences compute the
+/// derivatives with respect to the depth.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
@@ -30,14 +30,16 @@ pub struct ImageFitSetup<'a> {
     pub sphere: &'a MarkerSphere<'a>,
     /// The markers under the skin.
     pub markers: &'a Markers,
-    /// The nominal camera and markers. The fit does not use the misalignments of these markers.
+    /// The camera and the markers with their nominal parameters. The fit ignores the misalignments between the two
+    /// discs of these markers.
     pub optics: &'a Optics,
-    /// Standard deviations of the differences between the sensor's parameters and their values in `optics`.
+    /// Standard deviation of each difference between a parameter of the sensor and its nominal value in `optics`.
     pub stds: [f64; Departure::NUMBERS],
-    /// Joint prior of the differences between the sensor's parameters and their values in `optics`; `None` if no joint
-    /// covariance is given.
+    /// Joint prior of the differences between the sensor's parameters and their nominal values in `optics`. `None` if
+    /// the covariance matrix of these differences is not stated.
     pub departure_prior: Option<DeparturePrior>,
-    /// Function that builds bonded layers of a given thickness, one layer for each of the given depths.
+    /// Function that builds a bonded layer from its thickness and from a list of depths. It returns one body per depth,
+    /// which computes the displacements at this depth.
     pub layers: &'a Layers<'a>,
 }
 
@@ -104,7 +106,8 @@ impl ImageFitSetup<'_> {
     }
 }
 
-/// Standard deviation of each value of a [`Departure`].
+/// Standard deviation of each value of a [`Departure`], which is the difference between a parameter of the sensor and
+/// its nominal value.
 pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     let SensorNoise {
         centre_px,

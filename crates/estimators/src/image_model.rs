@@ -5,9 +5,9 @@ use palpate_chromatouch::{Departure, DiscMotion, MarkerMotion, Optics, SeenMarke
 use palpate_press::{MarkerDisplacement, PictureSlopes, Seen, SensorState, Steps, View};
 use palpate_tracking::{Marker, MarkerErrors};
 
-/// Computes the images of markers for optics whose parameters differ from their nominal values. An image consists of
-/// the centroid (px), the hue (turns) and the logarithm of the size (px²). The deviations in a [`Departure`] are the
-/// same for all markers.
+/// Computes the images of markers in a camera whose parameters differ from their nominal values. An image consists of
+/// the centroid (px), the hue (turns) and the logarithm of the size (px²) of a marker. A [`Departure`] contains the
+/// differences of the parameters, which are the same for all markers.
 #[derive(Clone, Debug)]
 pub struct ImageModel {
     /// Camera and markers of the sensor with its nominal parameters.

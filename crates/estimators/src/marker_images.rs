@@ -19,7 +19,7 @@ pub struct MarkerImages {
     pub pressed: Vec<Option<Seen>>,
 }
 
-/// The fit to marker images, and the images at rest that all trials share.
+/// Estimates presses by a fit to marker images. All trials share the images of the markers at rest.
 #[derive(Clone, Debug)]
 pub struct ImageEstimator {
     fit: ImageFit,
@@ -108,7 +108,8 @@ impl ImageEstimator {
         then(rest)
     }
 
-    /// Parameters of the sensor, which are estimated from the images at rest that all trials share.
+    /// The estimated parameters of the sensor. They are estimated only once, from the images at rest that all trials
+    /// share.
     pub fn rest(&self) -> Result<&Rest, PressError> {
         let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
         fitted.as_ref().map_err(|error| *error)
@@ -130,9 +131,9 @@ pub fn pressed_images(
         .collect()
 }
 
-/// Table with one row per marker. The row contains the marker's position and hues at rest. If the marker is new in the
-/// press, the row contains its position and hues in the press instead. If the marker was tracked, the row also contains
-/// the changes from rest to press. Values that were not measured are left empty.
+/// Table with one row per marker. The row contains the marker's position and hues at rest. If the marker is visible
+/// only in the pressed frame, the row contains its position and hues in this frame instead. If the marker was tracked,
+/// the row also contains the changes between the two frames. Values that were not measured are left empty.
 pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
     let mut table = Table::new([
         Column::count("marker"),

@@ -7,7 +7,7 @@ use palpate_study::config::{
     DiscColour, DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
 };
 
-/// Path of the markers' layout in a config.
+/// Path of the config field that describes the layout of the markers.
 pub const LAYOUT: &str = "scene.probe.layout";
 
 /// A soft sphere with markers under its skin. If the radius is infinite, the sensor is a flat pad.
@@ -167,7 +167,7 @@ fn layout_error(error: &LayoutError) -> FieldError {
     }
 }
 
-/// Converts an error of the markers or the camera to an error that names the wrong field of the config.
+/// Converts an error of the markers or the camera to an error that names the invalid field of the config.
 pub fn optics_error(error: &OpticsError) -> FieldError {
     if let OpticsError::BadSetting(bad) = error
         && bad.setting == "turn_rad"

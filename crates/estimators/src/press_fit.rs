@@ -19,14 +19,15 @@ pub struct PressFitSetup<'a> {
     /// Thickness of the bonded layer `body` if the fit can reuse the precomputed tables of this layer; otherwise
     /// `None`.
     pub shared: Option<f64>,
-    /// Function that builds a layer with its tables, from its thickness and the depth of the markers.
+    /// Function that builds a bonded layer and its precomputed tables. Its arguments are the thickness of the layer and
+    /// the depth of the markers (lengths).
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
     /// The markers under the skin.
     pub markers: &'a Markers,
     /// Depth of the markers under the skin (length).
     pub marker_depth: f64,
-    /// Indentation (length) of the press on a plane that calibrates the width c of the Gaussian model. `None` if the
-    /// indentation is not stated.
+    /// Indentation (length) of the simulated press on a plane from which the width c of the Gaussian model is
+    /// calibrated. `None` if this indentation is not stated.
     pub calibrated_at: Option<f64>,
     /// Whether the estimator receives the indentation as an input instead of fitting it.
     pub knows_indentation: bool,
@@ -136,7 +137,8 @@ pub const fn baseline(config: Baseline) -> Prior {
     }
 }
 
-/// Prior of a factor with the expected value 1 and the standard deviation `std`; exact if `std` is 0.
+/// Prior of a factor with the expected value 1 and the standard deviation `std`. If `std` is 0, the factor is exactly
+/// 1.
 pub fn within(std: f64) -> Prior {
     if std > 0.0 {
         Prior::Within(std)
@@ -161,7 +163,7 @@ pub fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), Fiel
     Err(FieldError::at(path, message))
 }
 
-/// Converts an error of the soft body to an error that names the wrong field of the config.
+/// Converts an error of the soft body to an error that names the invalid field of the config.
 pub fn body_error(table: &str, error: PressError) -> FieldError {
     match error {
         PressError::BadSetting(BadSetting {

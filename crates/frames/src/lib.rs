@@ -1,6 +1,7 @@
-//! Image files: decodes frames with their lossy compression, and encodes images as PNG.
+//! Reads and writes image files: decodes camera frames, reports their lossy compression, and encodes images as PNG.
 //!
-//! The code of `image` that runs for each pixel is compiled with full optimisation only in this crate.
+//! Only this crate uses functions of the crate `image` that run for each pixel. They are generic, so they are compiled
+//! here, with full optimisation.
 
 use std::io::Cursor;
 
@@ -22,7 +23,8 @@ const FORMATS: [(ImageFormat, &str); 5] = [
     (ImageFormat::WebP, "WebP"),
 ];
 
-/// Byte sequences in a JPEG file: the marker of a scan and the marker of the image's end.
+/// Byte sequences in a JPEG file: the marker at the start of a scan (the compressed pixels) and the marker at the end
+/// of the image.
 const SCAN: &[u8] = b"\xff\xda";
 const END: &[u8] = b"\xff\xd9";
 
@@ -127,12 +129,13 @@ pub fn png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
     Ok(bytes.into_inner())
 }
 
-/// Reduces an image to another size, px. A reduced pixel has the mean colour of the pixels that it covers.
+/// Reduces an image to `width` by `height` pixels. A pixel of the result has the mean colour of the pixels that it
+/// covers.
 pub fn reduced(image: &RgbImage, [width, height]: [u32; 2]) -> RgbImage {
     thumbnail(image, width, height)
 }
 
-/// Lossy compression of a frame, which moves and colours the edges of markers.
+/// Lossy compression of a frame. It shifts the edges of markers and changes their colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compression {
     /// Name of the format, such as JPEG.

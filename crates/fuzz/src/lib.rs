@@ -204,8 +204,8 @@ fn text(bytes: &[u8]) -> Result<&str, String> {
     with_message(std::str::from_utf8(bytes))
 }
 
-/// Returns the first of the outcomes in which a reader could read the input. If no reader could read it, returns the
-/// last outcome.
+/// Returns the first outcome of a reader that could read the input. If no reader could read it, returns the last
+/// outcome.
 fn first_read<const N: usize>(outcomes: [Outcome; N]) -> Outcome {
     outcomes.into_iter().reduce(Outcome::or).unwrap_or(Ok(()))
 }

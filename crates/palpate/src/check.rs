@@ -88,8 +88,8 @@ pub enum Rungs {
         cell: usize,
         /// The models with their errors, cheapest first.
         ladder: Ladder,
-        /// Index and computing time of the chosen model, of the next cheaper model, and of the next more exact model.
-        /// A time is `None` if it was not measured.
+        /// Indices and computing times of the chosen model and of its neighbours in the list: all models from the next
+        /// cheaper to the next more exact model that can compute the scene. A time is `None` if it was not measured.
         times: Vec<(usize, Option<EvaluationTime>)>,
     },
 }

@@ -7,7 +7,7 @@ use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
 use palpate_study::config::{LengthUnit, SceneConfig};
 use palpate_sweep::Clock;
 
-/// Total time of the repeated measurements of one model's computing time.
+/// Duration for which the computing time of one model is measured again and again.
 const TIMING: Duration = Duration::from_millis(12);
 /// Largest number of measurements of one model's computing time.
 const MAX_MEASUREMENTS: usize = 100_000;
@@ -18,8 +18,8 @@ const MAX_TRIALS_PER_READING: u64 = 64;
 /// only make a measurement longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EvaluationTime {
-    /// Seconds per trial of a roll, without the statistics. Every trial uses the model to compute the path of the
-    /// contact.
+    /// Seconds per trial of a roll, without the time for the statistics of the results. Every trial uses the model to
+    /// compute the path of the contact.
     EachTrial(f64),
     /// Seconds to set up a glide or a press. The model is used only during the set-up, because all trials have the
     /// same true values.
@@ -34,8 +34,9 @@ impl EvaluationTime {
     }
 }
 
-/// Index and computing time of three models: the next cheaper usable model, the chosen model, and the next more exact
-/// usable model. A time is `None` if there was no time to measure it before `deadline`.
+/// Indices and computing times of all models from the next cheaper usable model to the next more exact usable model,
+/// with the chosen model between them. A time is `None` if the model is not usable, or if there was no time to measure
+/// it before `deadline`.
 pub(crate) fn neighbour_times(
     scene: (&SceneConfig, LengthUnit, u64),
     ladder: &Ladder,

@@ -89,9 +89,9 @@ fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), Conf
     let mut plot = plot.clone();
     let all = plot.where_.len();
     plot.where_.retain(|path, _| is_swept(path));
-    // The check runs before the results exist, so it draws the plot from a table with placeholder results, without the
-    // filters by results. With real results, such a filter may leave only one row per point. Therefore a message about
-    // several rows is ignored below.
+    // The results do not exist yet, so the plot is drawn from invented results, and filters by results are omitted.
+    // With real results, such a filter may leave only one row per point of the plot. Therefore, if a filter was
+    // omitted, an error about several rows per point is ignored below.
     let filters_results = plot.where_.len() < all;
     let filters: Vec<(&str, Vec<String>)> = plot.filters().collect();
     let cells = table(study, &study.star(&filters))?;

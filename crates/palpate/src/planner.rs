@@ -264,8 +264,8 @@ impl Planner<'_> {
             return None;
         }
         let cells: Vec<&dyn Trial> = random.iter().map(|&cell| &trials[cell] as _).collect();
-        // The pilot consists of the trials before the run. If no target error is stated, the pilot runs as many trials
-        // as the budget allows, as it does for a tiny target error.
+        // The pilot is a small run before the actual run. If no target error is stated, use a tiny one, so that the
+        // pilot runs as many trials as the budget allows.
         let target = self.goal.target_error.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(self.runner, &cells, target, most, MAX_FOR_TARGET);
         Some(pilot)

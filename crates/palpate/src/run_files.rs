@@ -54,8 +54,8 @@ pub(crate) fn states_bounds(study: &Study) -> bool {
             })
 }
 
-/// Indices of the swept fields that have their own column in the tables. A swept number of trials has none, because
-/// the column `trials` already contains it.
+/// Indices of the swept fields that have their own column in the tables. A swept number of trials has no own column,
+/// because the column `trials` already contains this number.
 fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
     (0..study.paths.len()).filter(|&place| Statistic::named(&study.paths[place]).is_none())
 }

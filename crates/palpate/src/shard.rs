@@ -52,7 +52,7 @@ impl ShardTasks {
         }
     }
 
-    /// Number of trials of the first `tasks` tasks of this shard, limited to the largest `u64`.
+    /// Number of trials of the first `tasks` tasks of this shard (each cell is one task), limited to the largest `u64`.
     pub(crate) fn trials_before(&self, study: &Study, tasks: u64) -> u64 {
         if !study.paths.iter().any(|path| path == "trials") {
             let of_each = self.cells.first().map_or(0, |&cell| trials(study, cell));

@@ -26,8 +26,8 @@ pub(crate) use cell_setup::CellTruth;
 /// Largest number of cells for which every cell is set up, and so checked, before the first trial. In a larger study,
 /// only a sample of cells is checked.
 const MAX_CHECKED: u64 = 10_000;
-/// Number of scenes that stay in memory from the check until their trials. All other scenes are set up twice, so that
-/// a study with many cells does not need much memory.
+/// Number of scenes that stay in memory from the check until their trials. To save memory, all other scenes are set up
+/// twice: for the check and for their trials.
 const MAX_CACHED: usize = 64;
 
 /// Simulation of some or all cells of a study.
@@ -65,7 +65,7 @@ pub struct Simulation<'a> {
     arch: Arch,
     tasks: ShardTasks,
     states_bounds: bool,
-    /// Table of maps, with its columns but without rows; `None` if the config requests no maps.
+    /// Empty table for the curvature maps of the cells, with its columns; `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
     /// Whether the simulation also outputs one row for each observation of each trial.
@@ -185,7 +185,8 @@ impl<'a> Simulation<'a> {
         self.tasks.trials_before(self.study, self.tasks.tasks())
     }
 
-    /// Number of trials of the first `tasks` tasks. It is an upper limit, as in [`Simulation::trials`].
+    /// Number of trials of the first `tasks` tasks. Each cell is one task. The number is an upper limit, as in
+    /// [`Simulation::trials`].
     pub fn trials_before(&self, tasks: u64) -> u64 {
         self.tasks.trials_before(self.study, tasks)
     }
@@ -201,7 +202,7 @@ impl<'a> Simulation<'a> {
         self.tasks.tasks() > MAX_CHECKED
     }
 
-    /// Number of tasks of all shards together.
+    /// Number of tasks of all shards together. Each cell is one task.
     pub fn all_tasks(&self) -> u64 {
         self.tasks.cells.len() as u64
     }

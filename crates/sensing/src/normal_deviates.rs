@@ -47,7 +47,7 @@ fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
 /// Radius r = √(−2 ln u) of a pair of normal numbers, for the uniform number u = (k + ½) / 2³¹.
 #[inline(always)]
 fn radius(k: u32) -> f32 {
-    // Convert k as a signed integer, because processors convert signed integers with one instruction.
+    // Convert k to a floating-point number as a signed integer, because processors have one instruction for this.
     let bits = (k as i32 as f32 + 0.5).to_bits() as i32;
     // Decompose the number: k + ½ = 2^power (1 + x) / (1 − x). The fraction (1 + x) / (1 − x) is between √½ and √2.
     let power = (bits - (0.5 * SQRT_2).to_bits() as i32) >> 23;

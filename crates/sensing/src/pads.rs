@@ -16,11 +16,11 @@ const FINEST: f64 = 1e-15;
 /// The pattern in which pads tile the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadLayout {
-    /// A square grid in arc lengths on the fingertip, as in the 1996 paper. On the sphere, the pads become narrower
-    /// with the distance from the middle of the array.
+    /// A square grid, as in the 1996 paper. Its coordinates are arc lengths on the fingertip, along great circles from
+    /// the middle of the array. Therefore pads far from the middle are narrower on the sphere.
     Square,
-    /// Hexagons in arc lengths on the fingertip, with a row of neighbouring pads along x. On the sphere, the hexagons
-    /// are distorted in the same way as the square grid.
+    /// Hexagons in the same coordinates as the square grid, with rows of neighbouring pads along x. Therefore hexagons
+    /// far from the middle of the array are also narrower on the sphere.
     Hexagonal,
     /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per area of pitch².
     Uniform,
@@ -136,9 +136,9 @@ impl Pads {
         self.pitch
     }
 
-    /// Two ratios that compare these pads with square pads of the same pitch: the ratio of the standard deviations of
-    /// the position error (per axis), and the ratio of the largest position errors (along an axis). The position error
-    /// is that at the start or at the end of a shift.
+    /// Errors of a contact position that these pads report, divided by the errors of square pads with the same pitch.
+    /// The first ratio is for the standard deviation per axis, the second for the largest error along an axis. A shift
+    /// has such an error at its start and at its end.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
             // A reading of a hexagonal pad has the error variance 5/72 pitch² per axis; of a square pad, 1/12 pitch².

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// Joint encoders, which round the rotation at the end of a roll to the nearest encoder step. The start of the roll is
-/// known exactly, and lies between two encoder steps at a random position that is different for every roll.
+/// Joint encoders, which round the rotation at the end of a roll to the nearest encoder step. The start of the roll has
+/// no error. It lies between two encoder steps, at a random position that is different for every roll.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -63,7 +63,8 @@ pub struct AngularVelocityError {
 }
 
 impl AngularVelocityError {
-    /// An error whose size is the share `fraction` of the angular speed |ω|.
+    /// An error in proportion to the angular speed |ω|. `fraction` is the bound (uniform) or the standard deviation
+    /// (Gaussian) of the error, divided by |ω|.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the fraction is from 0 to 1e150.
@@ -81,7 +82,8 @@ impl AngularVelocityError {
         self.distribution
     }
 
-    /// Size of the error of the angular velocity, relative to the angular speed |ω|.
+    /// Bound (uniform) or standard deviation (Gaussian) of the error of the angular velocity, divided by the angular
+    /// speed |ω|.
     pub const fn fraction(&self) -> f64 {
         self.fraction
     }

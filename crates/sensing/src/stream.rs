@@ -10,10 +10,10 @@ use crate::normal_deviates::{PAIRS, normals};
 
 /// The random numbers of one channel in one trial. These numbers depend only on seed, trial and channel.
 ///
-/// The generator is SplitMix64 (Steele, Lea and Flood, 2014), whose start is a hash of seed, trial and channel. Word k
-/// is `mix(key + k STEP)`, so words can be computed in parallel. All streams are parts of one cycle of 2^64 words.
-/// Streams of one seed and channel start at different words. The probability that any two of n streams with w words
-/// each overlap is about `n² w / 2^64`: 1e-4 for ten million trials of 16 words.
+/// The generator is SplitMix64 (Steele, Lea and Flood, 2014). Its start, `key`, is a hash of seed, trial and channel.
+/// Word k is `mix(key + k STEP)`, so words can be computed in parallel. All streams are parts of one cycle of 2^64
+/// words. Streams of one seed and channel start at different words. The probability that any two of n streams with w
+/// words each overlap is about `n² w / 2^64`: 1e-4 for ten million trials of 16 words.
 ///
 /// ```
 /// use palpate_sensing::{Channel, Stream};

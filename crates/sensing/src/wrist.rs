@@ -46,8 +46,8 @@ impl Wrist {
     }
 
     /// The displacement (length) that the sensor infers for a true `displacement` (length, finite) from the first
-    /// contact. Even for large errors, the result is at most half a turn of the fingertip. Without noise, the error of
-    /// the result is at most 1e-15 of the radius.
+    /// contact. Even for large errors, the result is at most half the circumference of the fingertip. Without noise,
+    /// the error of the result is at most 1e-15 of the radius.
     pub fn read(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
         let error = self.std / self.radius;
         let mut infer = |contact: Vector3<f64>| {

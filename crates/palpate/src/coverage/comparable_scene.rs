@@ -1,5 +1,6 @@
 //! Converts the fields of a scene to a comparable form. All lengths are divided by one length of the scene: the radius
-//! of the probe, or for glides the distance between the outermost fingers. Each quantity has only one name.
+//! of the probe, or for glides the distance between the outermost fingers. Each quantity has only one name. Therefore
+//! equal scenes have equal fields, even if their configs describe them differently.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +12,7 @@ use serde_json::{Value as Json, json};
 pub(super) type Fields = BTreeMap<String, Json>;
 
 /// Beginnings of the paths of fields that are not compared. These fields do not affect readings and estimates, or the
-/// random scenes contain all their values.
+/// random scenes cover all values of these fields.
 const IGNORED: [&str; 8] = [
     "scene.model.tolerance",
     "scene.evaluate",
@@ -35,7 +36,7 @@ pub(super) fn unit_length(scene: &SceneConfig) -> f64 {
     }
 }
 
-/// Fields of a scene in comparable form. All lengths are also multiplied by `factor`.
+/// Fields of a scene in comparable form: all lengths are divided by [`unit_length`] and multiplied by `factor`.
 pub(super) fn comparable_fields(scene: &SceneConfig, factor: f64) -> Fields {
     let mut json = json!(in_unit(scene, factor / unit_length(scene)));
     match scene {
@@ -119,8 +120,8 @@ fn name_roll(roll: &mut Json) {
 }
 
 /// Makes the fields of a glide comparable. The number of fingers replaces their positions, and standard deviations
-/// replace the other descriptions of noise. If the noise that the estimator assumes is the simulated noise, only this
-/// fact is compared.
+/// replace the other descriptions of noise. If the estimator assumes exactly the simulated noise, the entry `noise =
+/// "stated"` replaces its noise settings.
 fn name_glide(glide: &mut Json) {
     let motion = &mut glide["motion"];
     let fingers = motion["finger_positions"].as_array().map_or(0, Vec::len);
@@ -158,8 +159,9 @@ fn name_glide(glide: &mut Json) {
     }
 }
 
-/// Makes the fields of a press comparable. The curvature replaces a round object, and averaged noise replaces the
-/// number of averaged frames. Of the estimator's settings, only those that differ from the simulated soft body remain.
+/// Makes the fields of a press comparable. The curvature replaces a round object. The noise of the mean of several
+/// frames replaces the noise of one frame and the number of frames. Settings of the estimator that equal the simulated
+/// soft body are removed.
 fn name_press(press: &mut Json, poisson: f64) {
     // Replace only round objects by a ball of the same curvature. A cylinder or an ellipsoid has no single curvature.
     if !["cylinder", "ellipsoid"]

@@ -5,11 +5,9 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Longest duration that a measurement of [`seconds_per_trial`] is required to have (upper limit of its argument
-/// `long_enough`).
+/// Upper limit of the argument `long_enough` of [`seconds_per_trial`], which is the required duration of a measurement.
 const LONGEST: Duration = Duration::from_millis(10);
-/// Shortest duration that a measurement of [`seconds_per_trial`] is required to have (lower limit of its argument
-/// `long_enough`).
+/// Lower limit of the argument `long_enough` of [`seconds_per_trial`], which is the required duration of a measurement.
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement of trials that takes longer than this time is not repeated: the delay of waking the threads is then
 /// negligible.
@@ -64,8 +62,9 @@ impl Pace {
         sum / threads + longest * (1.0 - 1.0 / threads)
     }
 
-    /// Largest number of trials per random cell, up to `most`, for which a run takes at most `seconds`. A cell that is
-    /// not random runs one trial. `None` if even a run with one trial per cell takes longer.
+    /// Largest number of trials, up to `most`, for which a run takes at most `seconds`. Each cell with random numbers
+    /// runs this number of trials; each other cell runs one trial. `None` if even a run with one trial per cell takes
+    /// longer.
     pub(super) fn most_trials(
         &self,
         is_random: &[bool],

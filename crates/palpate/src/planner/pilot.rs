@@ -12,8 +12,8 @@ use palpate_sweep::{Batches, CellStatistics, Growth, Runner, Trial};
 
 /// Safety margin for the relative variance v of a squared error: this number of standard errors of v is added to v.
 const MARGIN: f64 = 2.0;
-/// If the relative standard error of v exceeds this value, the estimate of v is called rough: a few trials with very
-/// large errors determine it. Here v is the relative variance of a squared error.
+/// Limit for the relative standard error of v, which is the relative variance of a squared error. Above this limit, the
+/// estimate of v is called rough: a few trials with very large errors determine it.
 const MAX_RELATIVE_ERROR: f64 = 0.5;
 /// Number of trials of a cell in the pilot (a small run before the actual run), as a share of the number of trials that
 /// the run needs.
@@ -56,7 +56,7 @@ pub(super) struct Figure {
 pub(super) struct Need {
     pub(super) cell: usize,
     pub(super) quantity: usize,
-    /// Number of trials that are needed. Trials that will probably fail are included.
+    /// Number of trials that are needed, including the trials that are expected to fail.
     pub(super) trials: f64,
     pub(super) is_rough: bool,
 }
@@ -64,8 +64,8 @@ pub(super) struct Need {
 impl Pilot {
     /// Runs a pilot to predict how many trials are needed for a relative standard error of `target`. Each cell starts
     /// with twice the number of trials that Gaussian errors would need, but with at least 64 and at most 1,024 trials.
-    /// A cell that needs many trials then runs more: up to a sixteenth of the needed number, and at most `most`. A cell
-    /// that needs more than `hopeless` trials runs no further trials.
+    /// A cell that needs many trials then runs more trials: at least a sixteenth of the needed number, but at most
+    /// `most`. A cell that needs more than `hopeless` trials runs no further trials.
     pub(super) fn for_error(
         runner: &Runner,
         cells: &[&dyn Trial],

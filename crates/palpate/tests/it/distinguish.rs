@@ -26,8 +26,8 @@ fn the_probability_is_that_of_single_trials() {
         (&pairs[0]["first"], &pairs[0]["second"]),
         (&"50 mm".into(), &"40 mm".into())
     );
-    // Compute the share of trials in the right order also from a run, with other pairs of trials than `palpate
-    // distinguish`.
+    // Also compute the share of trials in the right order from a run. This computation pairs the trials in another way
+    // than `palpate distinguish`.
     desk.palpate("run c.toml --trials 4000 --out run --trials-out trials.csv")
         .printed();
     let table = desk.table("trials.csv");

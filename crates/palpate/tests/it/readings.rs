@@ -65,8 +65,8 @@ fn proposed(message: &str, form: &Form) -> Vec<Form> {
     forms
 }
 
-/// The estimate from a table with the format `form`. Each setting that its messages propose must change the message,
-/// and name columns of the file.
+/// The estimate from a table with the format `form`. If a message proposes a setting, an estimate with this setting
+/// must not fail with the same message, and the setting must name columns of the file.
 fn estimated(form: Form, estimate: impl Fn(Form) -> Estimated) -> Estimated {
     let found = estimate(form.clone());
     let message = match &found {

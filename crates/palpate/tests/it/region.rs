@@ -95,8 +95,8 @@ fn the_best_value_is_that_of_the_kinder_noise() {
 
 #[test]
 fn the_grid_closes_in_on_the_best_value() {
-    // Without noise, the estimated mean curvature of a ball is the inverse of its radius, whatever the radius of the
-    // probe is. So the largest ball with a mean curvature of at least 0.05 /mm has a radius of 20 mm.
+    // Without noise, the estimated mean curvature of a ball is the inverse of its radius, for every radius of the
+    // probe. So the largest ball with a mean curvature of at least 0.05 /mm has a radius of 20 mm.
     let question = "design c.toml --target mean(mean_curvature)>=0.05 --vary scene.object.radius=1..100 \
                     --vary scene.probe.radius=1..30 --maximise scene.object.radius --gap 0.01";
     let desk = Desk::with(&noiseless());

@@ -209,7 +209,7 @@ fn write(
     Ok(())
 }
 
-/// Prints an answer as JSON or as lines of text. The last line is the directory with the answer's files.
+/// Prints an answer as JSON or as lines of text. The last line names the directory with the answer's files.
 fn print(
     args: &AnswerArgs,
     mut lines: Vec<String>,

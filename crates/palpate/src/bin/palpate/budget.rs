@@ -15,8 +15,8 @@ use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
 use crate::failure::Failure;
 
-/// A study, after its number of trials and its model were chosen. `lines` describe this choice to the user. `warnings`
-/// are the warnings that the planning produced.
+/// A study with the number of trials and the model that the program chose. `lines` describe this choice to the user.
+/// `warnings` are the warnings that the planning produced.
 pub(crate) struct Allowed {
     pub(crate) study: Study,
     pub(crate) lines: Vec<String>,
@@ -48,7 +48,7 @@ pub(crate) fn choose(
     }))
 }
 
-/// Runner with the requested number of threads, but with at most one thread per processor.
+/// Runner, which runs trials in the requested number of threads, but in at most one thread per processor.
 pub(crate) fn runner(asked: Option<NonZeroUsize>) -> Result<Runner, Failure> {
     let processors = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = asked.map_or(processors, |asked| asked.min(processors));

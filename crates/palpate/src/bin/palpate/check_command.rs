@@ -15,8 +15,8 @@ use crate::{output, progress};
 
 /// A progress bar appears only if the check takes longer than this time.
 const QUIET_TIME: Duration = Duration::from_secs(2);
-/// At most this many groups (cells that need the same models) are printed one by one. The other groups are only
-/// counted.
+/// Largest number of groups that are printed one by one; the other groups are only counted. The cells of a group need
+/// the same models.
 const MAX_GROUPS: usize = 50;
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
@@ -107,9 +107,9 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// Groups the measured coverages of 95 % intervals by kind: measured, outside the measured scenes, or not measured.
-/// Returns for each kind the number of its cells, the number of its coverages without the lowest one, and the lowest
-/// coverage.
+/// Groups coverages by kind: measured, outside the measured scenes, or not measured. A coverage is the share of 95 %
+/// intervals that contain the true value. Returns three values for each kind: the number of its cells, the number of
+/// its coverages minus one, and its lowest coverage.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,
@@ -134,8 +134,8 @@ fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     groups
 }
 
-/// Two texts. The first is about the measured coverage of the intervals; the second is about the random scenes in which
-/// this coverage was measured.
+/// Returns two texts about a coverage. The first states the measured coverage, or the reason why it was not measured.
+/// The second states the coverage in the most similar random scenes, if the scene itself is outside of these scenes.
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
@@ -180,7 +180,8 @@ fn rungs(rungs: &Rungs) -> Vec<String> {
     }
 }
 
-/// Text about the errors in the list of models: what they measure, and by which length they are divided.
+/// Text that explains the errors in the list of models: the quantity that has the error, and the length by which the
+/// error is divided.
 fn errors_of(ladder: &Ladder) -> &'static str {
     match ladder.taken().model {
         ModelConfig::Roll(_) => {

@@ -241,8 +241,8 @@ pub(crate) struct MergeArgs {
     /// Directories of the shards, or directories that contain the directories of the shards.
     #[arg(required = true, value_name = "DIR")]
     pub(crate) dirs: Vec<PathBuf>,
-    /// Where to write the results [default: the single directory in DIRS if it contains the shards, otherwise out/ and
-    /// the name of the study].
+    /// Where to write the results [default: DIR, if only one DIR is given and it contains the directories of the
+    /// shards; otherwise out/ and the name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Format of the tables.
@@ -458,8 +458,8 @@ pub(crate) struct SlurmTime {
     pub(crate) minutes: u64,
 }
 
-/// Parses a time in Slurm's format: minutes, minutes:seconds, hours:minutes:seconds, or days-hours with :minutes and
-/// :seconds.
+/// Parses a time in Slurm's format: minutes, minutes:seconds, hours:minutes:seconds, days-hours, days-hours:minutes, or
+/// days-hours:minutes:seconds.
 fn slurm_time(text: &str) -> Result<SlurmTime, String> {
     let wrong = || "is not a time in Slurm's format; write minutes, 2:00:00 or 1-12:00".to_owned();
     let (days, rest) = match text.split_once('-') {

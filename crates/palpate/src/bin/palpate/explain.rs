@@ -15,7 +15,7 @@ use crate::output;
 /// Width of a printed line, in characters.
 const WIDTH: usize = 100;
 
-/// Parts of a scene of which several kinds exist. For example, an object may be a sphere or a cylinder.
+/// Parts of a scene that have several kinds. For example, an object may be a sphere or a cylinder.
 const PARTS: [&str; 6] = ["probe", "object", "model", "sensor", "noise", "estimator"];
 /// The word for which `palpate explain` prints the table of kinds of scenes.
 const SCENES: &str = "scenes";

@@ -14,7 +14,7 @@ pub(crate) enum Failure {
     Usage(Error),
     /// The work failed or the readings are bad: status 1.
     Work(Error),
-    /// A signal stopped the work; the number is the exit status.
+    /// A signal stopped the work; the second value is the exit status.
     Stopped(Error, u8),
 }
 

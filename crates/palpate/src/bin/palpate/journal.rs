@@ -1,8 +1,9 @@
 //! Journal of a run: a file with the results of finished cells. With its journal, a killed run resumes at the next
 //! cell. `palpate merge` combines the journals of shards.
 //!
-//! A journal consists of [`MAGIC`] and a sequence of frames. A frame contains the length of a record, its CRC-32, and
-//! the record (in postcard format). A reader ignores the first incomplete or damaged frame and everything after it.
+//! A journal consists of [`MAGIC`] and a sequence of frames. A frame contains the length of a record, its checksum
+//! (CRC-32), and the record in the binary format of the crate `postcard`. A reader ignores the first incomplete or
+//! damaged frame and everything after it.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -37,7 +38,7 @@ pub(crate) struct Header {
     pub(crate) request: RunRequest,
     /// Warnings of the planning, and warnings of the cells that were checked before the run.
     pub(crate) warnings: Warnings,
-    /// Number of tasks of this run; if the run is a shard, number of tasks of this shard.
+    /// Number of tasks of this run; if the run is a shard, number of tasks of this shard. Each cell is one task.
     pub(crate) tasks: u64,
     pub(crate) all_tasks: u64,
 }

@@ -75,7 +75,7 @@ pub(crate) struct DesignArgs {
         allow_negative_numbers = true
     )]
     pub(crate) gap: f64,
-    /// Largest number of trials of each cell at one tried value of the varied fields.
+    /// Largest number of trials that each cell may run for one tried value of the varied fields.
     #[arg(long, value_name = "N", default_value = "4194304")]
     pub(crate) most_trials: NonZeroU64,
     /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first values
@@ -116,7 +116,7 @@ pub(crate) struct SensitivityArgs {
     /// Quantity whose rms error is compared [default: object_curvature of a press, else mean_curvature].
     #[arg(long, value_name = "NAME")]
     pub(crate) quantity: Option<String>,
-    /// Relative change of each field in both directions; whole numbers change by at least 1.
+    /// Share by which each field is increased and decreased; whole numbers change by at least 1.
     #[arg(
         long,
         value_name = "SHARE",

@@ -120,9 +120,10 @@ impl LockedDir {
         self.write::<&[u8]>(&[], None)
     }
 
-    /// Writes files of a study, each given by name and contents, as [`Self::write`] does. Also removes two kinds of
-    /// files if palpate wrote them: files of other studies, and tables in the other format (CSV or Parquet). Returns
-    /// one line of text for each file that was not removed because a user wrote or edited the file.
+    /// Writes files of a study, each given by name and contents, as [`Self::write`] does. Also removes outdated files
+    /// that palpate wrote: files of other studies, tables in the other format (CSV or Parquet), and warnings of an
+    /// earlier run. Returns one line of text for each file that was not removed because a user wrote or edited the
+    /// file.
     pub(crate) fn replace(
         &mut self,
         files: Vec<(&str, Contents<'_>)>,

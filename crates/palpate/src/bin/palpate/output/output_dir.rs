@@ -16,8 +16,8 @@ use crate::failure::Failure;
 /// Directory into which a command writes. The command overwrites only files that palpate wrote, except with `--force`.
 pub(crate) struct OutputDir {
     pub(crate) dir: PathBuf,
-    /// Manifest of the directory. If the directory has a run's config but no manifest, the manifest is made here: it
-    /// lists all files in the directory that have a file name of palpate.
+    /// Manifest of the directory. If the directory has a run's config but no manifest, the manifest is made here. It
+    /// then lists each file in the directory whose name is a name of a palpate output file.
     pub(crate) manifest: Option<Manifest>,
     guard: Guard,
 }
@@ -29,8 +29,8 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// Creates the guard of a command that reads the files `inputs`. Without `force`, the command must not overwrite
-    /// these files.
+    /// Creates the guard of a command, which protects files from being overwritten. The command reads the files
+    /// `inputs`, and may overwrite them only with `force`.
     pub(crate) fn new<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Self {
         let inputs = inputs.into_iter().cloned().collect();
         Self { inputs, force }
@@ -186,8 +186,8 @@ fn head_of(contents: &[u8]) -> Option<&[u8]> {
     (is(b"#") || line.contains(&b',')).then_some(line)
 }
 
-/// Makes a manifest for a directory that has a run's config but no manifest. The manifest lists all files in the
-/// directory that have a file name of palpate.
+/// Makes a manifest for a directory that has a run's config but no manifest. The manifest lists each file in the
+/// directory whose name is a name of a palpate output file.
 fn known_files(dir: &Path) -> Option<Manifest> {
     let config = dir.join(names::CONFIG);
     if !names::is_run_config(&config) {

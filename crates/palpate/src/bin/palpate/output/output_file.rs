@@ -20,8 +20,8 @@ pub(crate) struct OutputFile {
 }
 
 impl OutputFile {
-    /// Output file at the path that the command-line option `option` states. Rejects a path that cannot be written,
-    /// and an existing file that is write-protected or an input of the command.
+    /// Output file at `path`. Error messages contain `option`, the command-line option that states this path. Rejects a
+    /// path that cannot be written, and an existing file that is write-protected or an input of the command.
     pub(crate) fn new(option: &str, path: &Path, guard: Guard) -> Result<Self, Failure> {
         if path == Path::new("-") || path == Path::new("/dev/stdout") {
             return Ok(Self { path: None, guard });
