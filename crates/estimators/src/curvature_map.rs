@@ -6,8 +6,9 @@ use palpate_study::config::LengthUnit;
 use palpate_study::{Column, MapTable, Unit};
 
 /// Columns of a table of curvature maps: positions, curvatures with their standard errors, principal curvatures and
-/// directions, class, region, and the probability of each class. For the maps of a study (`of_study`), the first column
-/// is `cell`, the number of the grid point, and there is a column for the true class.
+/// directions, shape class, number of the region (an area of one shape class), and the probability of each class. For
+/// the maps of a study (`of_study`), the first column is `cell`, the number of the grid point, and there is a column
+/// for the true class.
 fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
     let cell = of_study.then(|| Column::count("cell"));
     let true_class = of_study.then(|| Column::text("true_class"));

@@ -19,7 +19,7 @@ const UNITS: [(&str, &str); 7] = [
 pub enum Values {
     /// Numbers. An empty field is NaN.
     Numbers(Vec<f64>),
-    /// Texts. A column has texts if its known type is text, or if at least one of its fields is not a number.
+    /// Texts. A column contains texts if its stated type is text, or if at least one of its fields is not a number.
     Texts(Vec<String>),
 }
 

@@ -20,7 +20,7 @@ use comparable_scene::{Fields, comparable_fields, unit_length};
 /// curvature, which is negative for a dish.
 const CURVATURE: &str = "scene.object.curvature";
 
-/// File names and contents of the tables of families of random scenes.
+/// Name and CSV text of each table of families of random scenes.
 pub const FAMILY_TABLES: [(&str, &str); 4] = [
     ("roll", include_str!("coverage/roll.csv")),
     ("glide", include_str!("coverage/glide.csv")),
@@ -109,10 +109,10 @@ pub fn coverage(scene: &SceneConfig, unit: LengthUnit) -> Coverage {
     }
 }
 
-/// Config of one random scene of a family. `cells` is the row of the family in its table: for each column, the header
-/// and the text. Columns that are not fields of a scene are ignored.
+/// Config of one random scene of a family. `cells` is the family's row of the table: a pair of column name and text for
+/// each column. Columns that are not fields of a scene are ignored.
 ///
-/// The text is a value, a range `low..high`, or `factor * field`. `draw` chooses a number from a range. `factor *
+/// Each text is a value, a range `low..high`, or `factor * field`. `draw` chooses a number from a range. `factor *
 /// field` is a multiple of the number in the earlier column `field`.
 ///
 /// # Errors

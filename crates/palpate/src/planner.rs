@@ -41,7 +41,7 @@ pub(crate) trait Plannable: Sized {
 
     fn cells(&self) -> usize;
 
-    /// Sets up the simulated experiment of a cell, from which trials can be run.
+    /// Sets up the simulated experiment of a cell. Its trials can then be run.
     ///
     /// # Errors
     /// Reason why the cell cannot be run.
@@ -82,13 +82,12 @@ pub struct Plan {
     pub chooses_model: bool,
     /// Whether at least one cell uses random numbers. A cell without random numbers needs only one trial.
     pub is_random: bool,
-    /// Number of trials of each cell with random numbers that the target error requires. `None` without a target error,
+    /// Number of trials that the target error requires in each cell with random numbers. `None` without a target error,
     /// or if there was no time for a pilot (a small run before the actual run).
     pub by_target: Option<NonZeroU64>,
-    /// Number of trials of each cell with random numbers that the budget allows; `None` without a budget.
+    /// Number of trials that the budget allows in each cell with random numbers; `None` without a budget.
     pub by_budget: Option<NonZeroU64>,
-    /// Largest relative standard error that the run is expected to have for any rms error; `None` if it could not be
-    /// estimated.
+    /// Expected relative standard error of the least precise rms error of the run; `None` if it could not be estimated.
     pub expected_error: Option<f64>,
     /// Index of the cell and name of the quantity that require the most trials; `None` unless the errors of this
     /// quantity have heavy tails. With heavy tails, a few trials with very large errors determine the rms error.

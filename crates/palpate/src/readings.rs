@@ -4,8 +4,8 @@ use image::RgbImage;
 use palpate_recorded::{Frame, RecordedFile};
 use palpate_study::{Column, Table};
 
-/// Makes a table of readings from columns of numbers, in the form that the functions of [`recorded`](crate::recorded)
-/// accept. Error messages use `file` as the file's name.
+/// Makes a table of readings from the column names in `header` and from rows of numbers, in the form that the functions
+/// of [`recorded`](crate::recorded) accept. Error messages use `file` as the file's name.
 ///
 /// ```
 /// use palpate::recorded::parse_press;

@@ -207,7 +207,8 @@ pub(crate) fn trial_columns() -> Vec<Column> {
         .collect()
 }
 
-/// Adds the rows of a trial to a CSV text: one row per observation, or one row with the kind of the failure.
+/// Adds the rows of a trial to a CSV text: one row per estimate or, if the trial failed, one row with the kind of the
+/// failure.
 pub(crate) fn push_trial(
     text: &mut String,
     (cell, trial): (usize, u64),

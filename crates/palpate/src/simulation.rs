@@ -68,7 +68,7 @@ pub struct Simulation<'a> {
     /// Empty table for the curvature maps of the cells, with its columns; `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
-    /// Whether the simulation also outputs one row for each observation of each trial.
+    /// Whether the simulation also outputs the table of trials, with one row for each estimate of each trial.
     has_trials: bool,
     /// Scenes that were set up for the check, by cell number. They are used again for the trials.
     cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,

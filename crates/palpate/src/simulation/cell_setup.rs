@@ -69,12 +69,13 @@ pub(crate) struct CellTruth {
     pub(crate) quantities: &'static [Quantity],
     /// True value of each quantity; `None` if the true value differs from point to point of a patch.
     pub(crate) truths: Vec<Option<f64>>,
-    /// Lower bound on the standard deviation of an unbiased estimate of each quantity; `None` if no bound is known.
+    /// Lower bound on the standard deviation of an unbiased estimate of each quantity; `None` if there is no such
+    /// bound.
     pub(crate) std_bounds: Vec<Option<f64>>,
 }
 
 impl CellTruth {
-    /// Data of a cell that is not set up: the swept values are known, but all true values and bounds are `None`.
+    /// Data of a cell that is not set up. They contain the swept values, but all true values and bounds are `None`.
     pub(crate) fn unknown(cell: &Cell, quantities: &'static [Quantity]) -> Self {
         let none = vec![None; quantities.len()];
         Self {

@@ -14,7 +14,7 @@ use super::frames::{frame, write};
 const TABLE: &str = include_str!("hostile.txt");
 /// Number of bytes at the beginning of a file that are compared. The length of the file is compared too.
 const MOST_BYTES: u64 = 1 << 24;
-/// Smallest expected number of calls in the table. If there are fewer, the table was not read completely.
+/// Smallest expected number of command lines in the table. If there are fewer, the table was not read completely.
 const LEAST: usize = 250;
 const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nquantity = \
                     \"normal_curvature_u\"\n";
@@ -127,7 +127,7 @@ fn user_files(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u
     found
 }
 
-/// Runs a call, and returns a report if the result is not as expected.
+/// Runs a command line of the table, and returns a report if its result is not as expected.
 fn find_fault(call: &Call, shell: &str) -> Option<String> {
     let desk = Desk::with(&(STUDY.to_owned() + PLOT));
     let before = desk.shell(&format!("{shell}{}", call.before));

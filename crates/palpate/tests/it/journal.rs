@@ -29,8 +29,8 @@ fn start_run(desk: &Desk, arguments: &str) -> Child {
 }
 
 /// Starts a run that writes into `o`, and stops it when its journal exceeds `bytes`. If the run ends earlier, tries
-/// again with a study that is four times as long. `arguments` makes the command's arguments for a given length of the
-/// study.
+/// again with a study that is four times as long. The function `arguments` makes the command's arguments from the
+/// length of the study (`times` of [`slow_study`]).
 fn interrupt_run(
     bytes: u64,
     arguments: impl Fn(u32) -> String,

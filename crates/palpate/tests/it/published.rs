@@ -2,8 +2,8 @@
 
 use super::desk::{Desk, assert_close};
 
-/// The angular velocity of each of eight probes has an error of 1 %. The mean relative errors of the normal curvature
-/// are compared with an independent simulation.
+/// Tests the mean relative errors of the normal curvature if the angular velocity of each of eight probes has an error
+/// of up to 1 %. The expected numbers are from an independent simulation.
 #[test]
 fn monte_carlo_reference() {
     let desk = Desk::with(

@@ -37,7 +37,7 @@ fn file(contents: impl AsRef<[u8]>, form: Form) -> RecordedFile {
     RecordedFile::new("r.csv", contents.as_ref().to_vec()).written(form)
 }
 
-/// Table formats with the settings that a message proposes.
+/// Copies of the table format `form`, each with one setting that a message proposes.
 fn proposed(message: &str, form: &Form) -> Vec<Form> {
     let mut forms = Vec::new();
     for part in message.split("setting `").skip(1) {

@@ -76,7 +76,7 @@ pub(crate) struct CellRecord {
     pub(crate) trials: u64,
     /// Each kind of failure of the cell, with the number of trials that failed in this way.
     pub(crate) kinds: Vec<(String, u64)>,
-    /// Warnings of the cell that are not in the header.
+    /// Warnings of the cell that are not in the header of the journal.
     pub(crate) warnings: Vec<Warning>,
 }
 

@@ -78,8 +78,8 @@ pub(crate) struct DesignArgs {
     /// Largest number of trials that each cell may run for one tried value of the varied fields.
     #[arg(long, value_name = "N", default_value = "4194304")]
     pub(crate) most_trials: NonZeroU64,
-    /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first values
-    /// and the verification always run.
+    /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first
+    /// values are always tried, and the answer is always verified.
     #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, default_value = "60s")]
     pub(crate) budget: Duration,
 }

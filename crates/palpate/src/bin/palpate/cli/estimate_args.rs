@@ -330,7 +330,8 @@ pub(crate) struct SensorArgs {
     pub(crate) estimator: Settings<PressEstimatorConfig>,
 }
 
-/// Format of a table of readings, for properties that palpate cannot detect in the table itself.
+/// Options that state the format of a table of readings. They are needed if palpate cannot detect this format from the
+/// table.
 #[derive(Debug, Args)]
 pub(crate) struct FormArgs {
     /// Names of columns in the file that differ from palpate's names, such as x=Finger X [m],y=Finger Y [m]. Put a pair

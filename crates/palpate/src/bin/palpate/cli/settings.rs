@@ -26,7 +26,7 @@ pub(crate) trait Flagged:
     Default + Serialize + DeserializeOwned + JsonSchema + 'static
 {
     const GROUP: &'static str;
-    /// Keys that have no flag of their own, because the command already has another flag with this name.
+    /// Keys that have no flag of their own, for example because the command already has another flag with this name.
     const NO_FLAGS: &'static [&'static str] = &[];
 }
 

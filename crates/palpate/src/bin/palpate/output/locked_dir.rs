@@ -91,8 +91,8 @@ impl LockedDir {
         Draft::new(&self.output.dir.join(name)).map_err(Failure::work)
     }
 
-    /// Writes the config at the start of a run. If the directory has the tables or the config of another run, these
-    /// files stay until this run is finished. Until then, the new config has the file name [`NEXT_CONFIG`].
+    /// Writes the config at the start of a run. If the directory has the tables or the config of an earlier run, these
+    /// files stay until the new run is finished. Until then, the new config has the file name [`NEXT_CONFIG`].
     pub(crate) fn begin(&mut self, config: &str, study: &StudyId) -> Result<(), Failure> {
         let dir = &self.output.dir;
         let has_others = Format::found_in(dir).is_some() || dir.join(CONFIG).exists();

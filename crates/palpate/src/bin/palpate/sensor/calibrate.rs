@@ -75,8 +75,8 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     out.print(&lines.join("\n"))
 }
 
-/// Reads a frame from an image file. If `srgb` is true, its sRGB pixels are converted to pixels that are linear in the
-/// light.
+/// Reads a frame from an image file. If `srgb` is true, its sRGB pixels are converted to values that are proportional
+/// to the light.
 pub(super) fn read_frame(path: &Path, srgb: bool) -> Result<Frame, Failure> {
     let frame = RecordedFile::read(path).and_then(|file| parse_frame(&file));
     let frame = frame.map_err(Failure::work)?;
@@ -92,7 +92,8 @@ fn is_frame(path: &Path) -> bool {
     )
 }
 
-/// Whether the inputs are camera frames (true) or tables. Rejects options that have no effect on this kind of input.
+/// Whether the inputs are camera frames (true) or tables (false). Rejects options that have no effect on this kind of
+/// input.
 fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     let refuse = |message: String| Err(Failure::Usage(anyhow!(message)));
     let frames = args.inputs.iter().filter(|path| is_frame(path)).count();

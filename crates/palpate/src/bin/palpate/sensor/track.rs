@@ -89,8 +89,8 @@ fn summary(counts: &TrackCounts, out: &Path) -> String {
     )
 }
 
-/// Chooses how the pressed frame is evaluated: by a fit to its pixels, or with a calibration. `None` if the arguments
-/// state neither.
+/// Chooses how the pressed frame is evaluated: by a fit to the images of its markers, or by displacements that follow
+/// from a calibration. `None` if the arguments choose neither.
 fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     let like = Like::of(&args.sensor.like)?;
     let study = like.as_ref().map(|like| &like.config);
