@@ -18,8 +18,8 @@ use crate::planner::{Pace, spread};
 
 /// Time limit for setting up cells completely, that is, including the camera if a camera reads the press.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for setting up the remaining cells without their cameras. They are not set up if the study is so large
-/// that only a sample of its cells is checked.
+/// Time limit for setting up the remaining cells without their cameras. The remaining cells are set up only if all
+/// cells of the study are checked. In a large study, only a sample of the cells is checked.
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
 /// Time limit for running a few trials to measure the time per trial.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);
@@ -195,7 +195,7 @@ impl CellScene {
 }
 
 /// Sets up the scenes of the study's sample, until the time limit. If the sample is the whole study, the remaining
-/// presses are then set up without their camera; this finds invalid fields, but returns no scene.
+/// presses are then set up without their camera. This finds their invalid fields, but their scenes are not returned.
 fn scenes(
     study: &Study,
     clock: &Clock<'_>,
@@ -276,8 +276,8 @@ fn groups(
             group.rungs = Rungs::AsIn(*other);
             continue;
         }
-        // It takes as long as a trial to measure the error and the time of one roll model. If a trial is slow, the
-        // models are not measured.
+        // To measure the error and the time of one roll model takes as long as a trial. Therefore, if a trial is slow,
+        // the models are not measured.
         let is_roll = matches!(one.config.scene, SceneConfig::Roll(_));
         let is_long = is_roll && pace.seconds_per_trial(place) > MAX_TRIAL_TIME.as_secs_f64();
         let in_time = clock() < deadline && !is_long;

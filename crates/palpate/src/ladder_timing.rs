@@ -109,8 +109,8 @@ fn run(roll: &RollScene, trials: u64) {
     }
 }
 
-/// Calls `measured`, which measures a time, again and again for about [`TIMING`], but at least once. Returns the
-/// shortest measured time.
+/// Calls the function `measured` again and again for about [`TIMING`], but at least once. Each call measures a time.
+/// Returns the shortest of these times.
 fn least(mut measured: impl FnMut() -> Option<f64>, clock: &Clock<'_>) -> Option<f64> {
     let start = clock();
     let mut least = measured()?;

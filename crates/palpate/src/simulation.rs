@@ -26,8 +26,8 @@ pub(crate) use cell_setup::CellTruth;
 /// Largest number of cells for which every cell is set up, and so checked, before the first trial. In a larger study,
 /// only a sample of cells is checked.
 const MAX_CHECKED: u64 = 10_000;
-/// Number of scenes that stay in memory from the check until their trials. To save memory, all other scenes are set up
-/// twice: for the check and for their trials.
+/// Number of scenes that stay in memory after the check of the cells until their trials run. To save memory, all other
+/// scenes are set up twice: for the check and for their trials.
 const MAX_CACHED: usize = 64;
 
 /// Simulation of some or all cells of a study.
@@ -70,7 +70,7 @@ pub struct Simulation<'a> {
     warnings: Warnings,
     /// Whether the simulation also outputs the table of trials, with one row for each estimate of each trial.
     has_trials: bool,
-    /// Scenes that were set up for the check, by cell number. They are used again for the trials.
+    /// Scenes that were set up when the cells were checked, by cell number. The trials use these scenes again.
     cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,
     /// Models that several scenes share, so that each model is set up only once.
     parts: SharedModels,
@@ -169,8 +169,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// Returns this simulation with an additional output: the rows of the table of trials. [`Simulation::stream`]
-    /// passes the rows of a cell's trials on before the result of the cell, and [`Simulation::run`] returns a table of
-    /// all trials.
+    /// outputs the rows of a cell's trials before the result of the cell. [`Simulation::run`] returns a table of all
+    /// trials.
     #[must_use]
     pub fn with_trials(self) -> Self {
         Self {
@@ -212,7 +212,8 @@ impl<'a> Simulation<'a> {
         self.tasks.cell(task)
     }
 
-    /// Warnings from the check, for example that the contact model or the estimator is not valid in a cell.
+    /// Warnings from the check of the cells before the run, for example that the contact model or the estimator is not
+    /// valid in a cell.
     pub fn check_warnings(&self) -> &Warnings {
         &self.warnings
     }
@@ -310,7 +311,8 @@ impl<'a> Simulation<'a> {
         self.study.estimable_scene_of(number, cell, &self.parts)
     }
 
-    /// Returns a cell that is ready for its trials. Uses the scene from the check if it is still in memory.
+    /// Returns a cell that is ready for its trials. Uses the scene that was set up when the cell was checked, if this
+    /// scene is still in memory.
     fn set_up(&self, number: usize) -> Result<CellSetup, ConfigError> {
         let cached = lock(&self.cached).remove(&number);
         let (cell, scene) = match cached {

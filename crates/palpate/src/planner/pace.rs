@@ -50,8 +50,8 @@ impl Pace {
         self.seconds[cell]
     }
 
-    /// Upper bound on the time of a run with these numbers of trials in each cell, s. It is Graham's bound (1966) for
-    /// jobs that are started one after another as soon as a thread is idle.
+    /// Upper bound on the time of a run, s. `trials` contains the number of trials of each cell. The bound is Graham's
+    /// bound (1966) for jobs that are started one after another as soon as a thread is idle.
     pub(crate) fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
         let (mut sum, mut longest) = (0.0, 0.0_f64);
         for (&trials, &seconds) in trials.iter().zip(&self.seconds) {

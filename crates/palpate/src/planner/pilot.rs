@@ -35,7 +35,8 @@ pub(super) struct CellPilot {
     pub(super) trials: u64,
     /// Kind of the first failure, if a trial failed.
     pub(super) kind: Option<&'static str>,
-    /// Rms error of each quantity of the cell, with its precision; `None` if no trial estimated the quantity.
+    /// Rms error of each quantity of the cell, with the relative variance of the squared error; `None` if no trial
+    /// estimated the quantity.
     pub(super) figures: Vec<Option<Figure>>,
 }
 

@@ -61,9 +61,9 @@ fn intervals_use_students_t_unless_the_noise_is_stated() {
         assert_close(0.5 * (low + high), number_at(quantity, "/value"), 1e-12);
         (high - low) / (2.0 * number_at(quantity, "/std"))
     };
-    // The half-width of the 95 % interval, in standard deviations, is a quantile. Without stated noise, it is a
-    // quantile of Student's t distribution with five degrees of freedom; with stated noise, it is a quantile of the
-    // normal distribution.
+    // The half-width of the 95 % interval, divided by the standard deviation, is a quantile of a distribution. Without
+    // stated noise, it is Student's t distribution with five degrees of freedom; with stated noise, it is the normal
+    // distribution.
     assert_close(half_width(""), 2.570_582, 1e-6);
     assert_close(half_width("--shift-std 0.1"), 1.959_964, 1e-6);
 }
@@ -89,8 +89,8 @@ fn standard_errors_are_estimated_from_the_residuals() {
     // there are 5 degrees of freedom.
     let residual = (4.0 * 0.1_f64.powi(2) / 5.0).sqrt();
     assert_close(number_at(&json, "/residual_rms/value"), residual, 1e-9);
-    // Two rolls of 0.5 rad determine the travel t of the contact per radian, which is 8 mm. The curvature contains 1/t,
-    // so its standard deviation contains 1/t² = 1/64.
+    // Two rolls of 0.5 rad determine the travel t = 8 mm of the contact per radian. The curvature contains 1/t, so its
+    // standard deviation contains the derivative 1/t² = 1/64.
     let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
     assert_close(number_at(&json, "/normal_curvature_u/std"), std, 1e-9);
 }

@@ -83,7 +83,7 @@ fn duplicates_and_one_finger() {
     let bowl = bowl();
     let rows = || bowl.lines().skip(1);
     let doubled: String = rows().map(|row| format!("{row}\n{row}\n")).collect();
-    // A single finger that moves back and forth over the patch results in the same estimate.
+    // A single finger that moves back and forth over the patch results in the same estimate as several fingers.
     let one: String = rows().map(|row| format!("9{}\n", &row[1..])).collect();
     for (rows, fingers) in [(doubled, 6), (one, 1)] {
         let json = estimate(&format!("{BARE}\n{rows}"), "");

@@ -76,7 +76,7 @@ fn a_run_writes_cells_trace_and_maps() {
     assert_eq!(map.text(middle, "true_class"), "minimal");
     assert_eq!((map.text(0, "cell"), map.text(49, "cell")), ("0", "1"));
 
-    // A run of the resolved config writes the same bytes.
+    // A run of the config `run.toml`, which contains all defaults, writes the same bytes.
     let again = desk.palpate("run o/run.toml --out again --threads 1");
     assert_eq!(again.status, Some(0), "{again:?}");
     for name in names {

@@ -139,7 +139,7 @@ fn a_run_writes_cells_trace_and_profiles() {
         0.1,
     );
 
-    // A run of the resolved config writes the same bytes.
+    // A run of the config `run.toml`, which contains all defaults, writes the same bytes.
     desk.palpate("run o/run.toml --out again --threads 1");
     for name in names {
         assert_eq!(
@@ -223,7 +223,8 @@ fn normal_displacements_alone_or_of_one_row_are_enough() {
     );
     let desk = Desk::with(&row);
     desk.palpate("trace c.toml --out t").printed();
-    // The file states positions in another unit, which differs by the factor 2.19. `--radial-scale` corrects this.
+    // The positions in this file are too small by the factor 2.19, as if they were in another unit. `--radial-scale`
+    // multiplies them by this factor.
     let readings = desk.table("t/readings.csv");
     let mut text = "radial_position_mm,normal_displacement_mm\n".to_owned();
     for one in 0..readings.rows.len() {
@@ -428,7 +429,7 @@ fn scenes_may_have_a_flat_pad() {
         );
     };
     run("run c.toml --out o");
-    // The config that the run wrote describes the same pad.
+    // The config that this run wrote describes the same flat pad, so another run with it prints the same numbers.
     run("run o/run.toml --out again");
     desk.palpate("trace c.toml --cell 0 --trial 0 --out t")
         .printed();

@@ -92,7 +92,7 @@ fn frames_calibrate_and_are_tracked() {
             "{x} {y}: {normal} is not {expected}"
         );
     }
-    // `estimate press` results in the same estimate from the readings that were written.
+    // `estimate press` computes the same estimate from the readings that `sensor track` wrote.
     let again =
         desk.json("estimate press o/readings.csv --sensor-radius 20 --depth 2 --indentation 1");
     assert_eq!(again["effective_radius"], json["effective_radius"]);

@@ -41,7 +41,8 @@ fn notes_abbreviate_long_lists() {
     );
 }
 
-/// Users edit values in the examples. A value that a sweep replaces would have no effect, so no example may have one.
+/// Users edit values in the examples. A value that a sweep replaces would have no effect, so no example may contain
+/// such a value.
 #[test]
 fn the_examples_do_not_set_fields_that_they_sweep() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");

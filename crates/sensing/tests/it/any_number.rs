@@ -149,8 +149,8 @@ proptest! {
         let due = Vector3::new(cos * libm::sin(angle), sin * libm::sin(angle), libm::cos(angle));
         prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
-        // Near the point opposite the start, a small error of the direction changes the displacement much. Therefore
-        // the bound of the error grows there.
+        // Near the point opposite the start, a small error of the direction causes a large error of the displacement.
+        // Therefore the bound is larger there.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
         prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
         if far.iter().all(|&x| is_tame(x)) {

@@ -74,8 +74,8 @@ fn draws_of_a_trial_its_neighbours_and_its_channels_are_not_correlated() {
             }
         }
         // For independent draws, the products of draws have the variance (1/3)², and the products of their centred
-        // squares have the variance (4/45)². `spread` is the factor from the standard deviation of a product to that of
-        // the sum.
+        // squares have the variance (4/45)². `spread` is the standard deviation of a sum of products, divided by the
+        // standard deviation of one product.
         let spread = (TRIALS as f64).sqrt();
         for (i, (products, squares)) in products.iter().zip(&squares).enumerate() {
             for (j, (product, square)) in products.iter().zip(squares).enumerate() {

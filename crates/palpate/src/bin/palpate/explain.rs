@@ -109,8 +109,8 @@ pub(crate) fn glossary() -> Result<(), Failure> {
     output::print(text.trim_end())
 }
 
-/// Kinds of scenes, each with its parts. The text of a part lists the kinds of the part; a part without kinds lists
-/// its keys.
+/// Kinds of scenes, each with its parts, such as the object. The text of a part lists the kinds of this part or, if it
+/// has no kinds, its keys.
 fn scenes() -> Vec<(String, Vec<(&'static str, String)>)> {
     let schema = schema();
     let text = |value: &Value| value.as_str().map(str::to_owned);

@@ -133,7 +133,7 @@ pub(crate) struct CalibrateArgs {
     /// Inward displacement of the marker under the contact, one number per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) normal: Option<Vec<f64>>,
-    /// Displacement along the skin of the marker under the contact, one number per pressed frame.
+    /// Displacement (along the skin) of the marker under the contact, one number per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) tangential: Option<Vec<f64>>,
     /// Property of a marker from which its normal displacement is computed.
