@@ -44,8 +44,8 @@ impl<'a> MarkerSphere<'a> {
         }
     }
 
-    /// Positions (x, y) of the markers on the skin (length). A marker lies in the direction (x, y) from the apex, at the
-    /// distance √(x² + y²) along the skin.
+    /// Positions (x, y) of the markers on the skin (length). A marker lies in the direction (x, y) from the apex, at
+    /// the distance √(x² + y²) along the skin.
     pub fn places(&self) -> Result<Vec<[f64; 2]>, FieldError> {
         self.layout
             .places(self.radius)

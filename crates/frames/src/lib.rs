@@ -1,7 +1,7 @@
 //! Reads and writes image files: decodes camera frames, reports their lossy compression, and encodes images as PNG.
 //!
-//! Only this crate uses functions of the crate `image` that run for each pixel. They are generic, so they are compiled
-//! here, with full optimisation.
+//! The crate `image` has functions that process each pixel. Only this crate compiles these functions with full
+//! optimisation.
 
 use std::io::Cursor;
 
@@ -73,12 +73,12 @@ pub enum FrameError {
     Transparent,
 }
 
-/// Decodes an image as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. Transparent pixels are an
-/// error, because they have no colour. An alpha channel without transparent pixels is allowed.
+/// Decodes an image as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. Transparent pixels are
+/// an error, because they have no colour. An alpha channel without transparent pixels is allowed.
 ///
 /// # Errors
-/// [`FrameError`] if the bytes are no PNG, JPEG, BMP, TIFF or WebP image, if the image is broken or truncated, if a side
-/// is longer than 8192 px, or if a pixel is transparent.
+/// [`FrameError`] if the bytes are no PNG, JPEG, BMP, TIFF or WebP image, if the image is broken or truncated, if a
+/// side is longer than 8192 px, or if a pixel is transparent.
 pub fn decode(bytes: &[u8]) -> Result<Decoded, FrameError> {
     if bytes.is_empty() {
         return Err(FrameError::Empty);

@@ -1,4 +1,4 @@
-//! Checks the outputs that a study requests: its plots, its claims and its stop rule.
+//! Checks the outputs that a study requests: its plots, its claims and its stopping rule.
 
 use palpate_report::{Files, figure, is_claim};
 use palpate_scene::quantities_of;
@@ -9,7 +9,7 @@ use crate::run_files::{self, Row};
 use crate::simulation::CellTruth;
 
 /// Rejects a study that requests an impossible output. For example, a plot cannot be drawn from the study's table, or a
-/// claim does not exist. Another example is a stop rule for a quantity that the study does not have.
+/// claim does not exist. Another example is a stopping rule for a quantity that the study does not have.
 ///
 /// In a long sweep, only some values are checked. Faults that depend on the results of trials are found only when the
 /// plot is drawn.
@@ -33,7 +33,7 @@ use crate::simulation::CellTruth;
 /// ```
 ///
 /// # Errors
-/// [`ConfigError`] at the impossible plot, claim or stop rule.
+/// [`ConfigError`] at the impossible plot, claim or stopping rule.
 pub fn check_outputs(study: &Study) -> Result<(), ConfigError> {
     for (place, &claim) in study.config.claims.iter().enumerate() {
         if !is_claim(claim) {

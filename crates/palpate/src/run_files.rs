@@ -275,8 +275,8 @@ pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
     table
 }
 
-/// Contents of `run.toml`: the config of a study with all defaults, and the version of palpate. If `run.toml` is used as
-/// the config of a new run, this run writes the same tables, byte for byte.
+/// Contents of `run.toml`: the config of a study with all defaults, and the version of palpate. If `run.toml` is used
+/// as the config of a new run, this run writes the same tables, byte for byte.
 ///
 /// ```
 /// let text = r#"

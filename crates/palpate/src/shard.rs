@@ -63,7 +63,7 @@ impl ShardTasks {
     }
 }
 
-/// Number of trials of a cell. If the study has a stop rule, this is the largest possible number.
+/// Number of trials of a cell. If the study has a stopping rule, this is the largest possible number.
 fn trials(study: &Study, cell: usize) -> u64 {
     let stop = study.config.stop.as_ref();
     stop.map_or_else(|| study.trials_of(cell), |stop| stop.max_trials)

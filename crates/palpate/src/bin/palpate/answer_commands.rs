@@ -171,8 +171,8 @@ fn failure(error: AnswerError) -> Failure {
     }
 }
 
-/// Opens the directory for the answer's files, if `--out` names one. It is opened before the work, so that an
-/// unwritable directory causes an error early.
+/// Opens the directory for the files of the answer, if `--out` names a directory. It is opened before the answer is
+/// computed, so that an unwritable directory causes an error early.
 fn open_dir(args: &AnswerArgs) -> Result<Option<LockedDir>, Failure> {
     let guard = Guard::new([&args.config], args.force);
     let out = args.out.as_ref();

@@ -200,7 +200,8 @@ fn study_of(args: &RunArgs) -> Result<Study, Failure> {
 
 /// Loads a study, and replaces its seed and its number of trials by the arguments `seed` and `trials`, if these are
 /// given. `chosen_by` is the name of another argument that chooses the number of trials, if the user gave it. If the
-/// study has a stop rule, both arguments are errors, because the rule determines the number of trials.
+/// study has a stopping rule, `trials` and the argument `chosen_by` are errors, because this rule determines the number
+/// of trials.
 pub(crate) fn overridden(
     config: &Path,
     seed: Option<u64>,
