@@ -106,8 +106,8 @@ impl ImageFitSetup<'_> {
     }
 }
 
-/// Standard deviation of each value of a [`Departure`], which is the difference between a parameter of the sensor and
-/// its nominal value.
+/// Standard deviation of each value of a [`Departure`]. Such a value is the difference between a parameter of the
+/// sensor and its nominal value.
 pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     let SensorNoise {
         centre_px,

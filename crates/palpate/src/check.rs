@@ -276,7 +276,7 @@ fn groups(
             group.rungs = Rungs::AsIn(*other);
             continue;
         }
-        // To measure the error and the time of one roll model takes as long as a trial. Therefore, if a trial is slow,
+        // Measuring the error and the time of one roll model takes as long as a trial. Therefore, if a trial is slow,
         // the models are not measured.
         let is_roll = matches!(one.config.scene, SceneConfig::Roll(_));
         let is_long = is_roll && pace.seconds_per_trial(place) > MAX_TRIAL_TIME.as_secs_f64();

@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Upper limit of the argument `long_enough` of [`seconds_per_trial`], which is the required duration of a measurement.
+/// Largest value of `long_enough`, the required duration of a measurement in [`seconds_per_trial`].
 const LONGEST: Duration = Duration::from_millis(10);
-/// Lower limit of the argument `long_enough` of [`seconds_per_trial`], which is the required duration of a measurement.
+/// Smallest value of `long_enough`, the required duration of a measurement in [`seconds_per_trial`].
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement of trials that takes longer than this time is not repeated: the delay of waking the threads is then
 /// negligible.

@@ -48,7 +48,8 @@ pub(crate) fn choose(
     }))
 }
 
-/// Runner, which runs trials in the requested number of threads, but in at most one thread per processor.
+/// Creates a runner, which runs trials in parallel. It uses the requested number of threads, but at most one thread per
+/// processor.
 pub(crate) fn runner(asked: Option<NonZeroUsize>) -> Result<Runner, Failure> {
     let processors = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = asked.map_or(processors, |asked| asked.min(processors));

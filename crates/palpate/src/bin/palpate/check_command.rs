@@ -107,9 +107,8 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// Groups coverages by kind: measured, outside the measured scenes, or not measured. A coverage is the share of 95 %
-/// intervals that contain the true value. Returns three values for each kind: the number of its cells, the number of
-/// its coverages minus one, and its lowest coverage.
+/// Groups the values of [`Coverage`] by kind: measured, outside the measured scenes, or not measured. Returns one tuple
+/// for each kind: its number of cells, its number of values besides the lowest one, and its lowest value.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,

@@ -30,27 +30,27 @@ pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
 /// File names of a run's warnings, as lines of text and as JSON. A run without warnings does not write these files.
 pub(crate) const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// Name of the main table that `palpate design` writes. The next constants are its other files: the table of a region,
-/// the text, the config, and the figure without its extension.
+/// File name of the main table that `palpate design` writes. The next constants are the names of its other files: the
+/// table of a region, the text, the config, and the figure (without extension).
 pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_REGION: &str = "region.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
 pub(crate) const DESIGN_CONFIG: &str = "design.toml";
 pub(crate) const DESIGN_FIGURE: &str = "design";
-/// Name of the table that `palpate distinguish` writes. The next constants are its text and its figure without the
-/// extension.
+/// File name of the table that `palpate distinguish` writes. The next constants are the names of its text file and of
+/// its figure (without extension).
 pub(crate) const DISTINGUISH: &str = "distinguish.csv";
 pub(crate) const DISTINGUISH_WORDS: &str = "distinguish.txt";
 pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
-/// Name of the table that `palpate sensitivity` writes. The next constants are its text and its figure without the
-/// extension.
+/// File name of the table that `palpate sensitivity` writes. The next constants are the names of its text file and of
+/// its figure (without extension).
 pub(crate) const SENSITIVITY: &str = "sensitivity.csv";
 pub(crate) const SENSITIVITY_WORDS: &str = "sensitivity.txt";
 pub(crate) const SENSITIVITY_FIGURE: &str = "sensitivity";
 /// File name of the table with the scores of the papers' claims.
 pub(crate) const CLAIMS: &str = "claims.csv";
-/// Name of the table with the true values of a traced trial. The next constants are the other files of the trace: the
-/// readings, the tracked markers, and two camera frames.
+/// File name of the table with the true values of a traced trial. The next constants are the names of the other files
+/// of the trace: the readings, the tracked markers, and two camera frames.
 pub(crate) const TRACE: &str = "trace.csv";
 pub(crate) const READINGS: &str = "readings.csv";
 pub(crate) const MARKERS: &str = "markers.csv";

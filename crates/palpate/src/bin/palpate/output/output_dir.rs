@@ -17,7 +17,7 @@ use crate::failure::Failure;
 pub(crate) struct OutputDir {
     pub(crate) dir: PathBuf,
     /// Manifest of the directory. If the directory has a run's config but no manifest, the manifest is made here. It
-    /// then lists each file in the directory whose name is a name of a palpate output file.
+    /// then lists the files in the directory that have the name of an output file of palpate.
     pub(crate) manifest: Option<Manifest>,
     guard: Guard,
 }
@@ -186,8 +186,8 @@ fn head_of(contents: &[u8]) -> Option<&[u8]> {
     (is(b"#") || line.contains(&b',')).then_some(line)
 }
 
-/// Makes a manifest for a directory that has a run's config but no manifest. The manifest lists each file in the
-/// directory whose name is a name of a palpate output file.
+/// Makes a manifest for a directory that has a run's config but no manifest. The manifest lists the files in the
+/// directory that have the name of an output file of palpate.
 fn known_files(dir: &Path) -> Option<Manifest> {
     let config = dir.join(names::CONFIG);
     if !names::is_run_config(&config) {
