@@ -1,5 +1,5 @@
-//! Arrays of pads on a fingertip. The pad nearest to the contact reports its own centre as the reading (1996 paper,
-//! section 4.1.3).
+//! Arrays of pads on a fingertip. The pad nearest to the contact reports its own centre as the reading (Charlebois,
+//! Gupta and Payandeh 1996, section 4.1.3).
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
@@ -16,8 +16,9 @@ const FINEST: f64 = 1e-15;
 /// The pattern in which pads tile the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadLayout {
-    /// A square grid, as in the 1996 paper. Its coordinates are arc lengths on the fingertip, along great circles from
-    /// the middle of the array. Therefore pads far from the middle are narrower on the sphere.
+    /// A square grid, as in the paper of Charlebois, Gupta and Payandeh (1996). Its coordinates are arc lengths on the
+    /// fingertip, along great circles from the middle of the array. Therefore pads far from the middle are narrower on
+    /// the sphere.
     Square,
     /// Hexagons in the same coordinates as the square grid, with rows of neighbouring pads along x. Therefore hexagons
     /// far from the middle of the array are also narrower on the sphere.

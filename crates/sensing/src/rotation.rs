@@ -54,8 +54,8 @@ impl Encoder {
     }
 }
 
-/// Independent errors of the components ω_x and ω_y of the angular velocity, in proportion to the angular speed (1996
-/// paper, section 4.1.1).
+/// Independent errors of the components ω_x and ω_y of the angular velocity, in proportion to the angular speed
+/// (Charlebois, Gupta and Payandeh 1996, section 4.1.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularVelocityError {
     distribution: Distribution,

@@ -15,8 +15,8 @@ const MARGIN: f64 = 2.0;
 /// Limit for the relative standard error of v, which is the relative variance of a squared error. Above this limit, the
 /// estimate of v is called rough: a few trials with very large errors determine it.
 const MAX_RELATIVE_ERROR: f64 = 0.5;
-/// Number of trials of a cell in the pilot (a small run before the actual run), as a share of the number of trials that
-/// the run needs.
+/// Number of trials that a cell runs in the pilot, as a share of the number that the run needs. The pilot is a small
+/// run before the actual run.
 const PILOT_SHARE: f64 = 1.0 / 16.0;
 /// Smallest number of trials of a cell in the first step of a pilot (a small run before the actual run).
 const MIN_FIRST: u64 = 64;

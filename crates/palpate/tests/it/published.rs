@@ -1,4 +1,5 @@
-//! Compares results of the program with numbers of the 1996 paper.
+//! Compares results of the program with numbers of Charlebois, Gupta and Payandeh (1996), or of an independent
+//! simulation.
 
 use super::desk::{Desk, assert_close};
 

@@ -23,8 +23,8 @@ const JOBS: &str = "jobs.txt";
 const SHARDS: &str = "shards";
 const LOGS: &str = "logs";
 
-/// Jobs with a time limit of at most this many minutes get no signal before their end, because one minute would be a
-/// large part of their time. Longer jobs get a signal one minute before their end.
+/// Largest time limit (minutes) of a job that gets no signal before its end. Longer jobs get a signal one minute before
+/// their end. For a short job, one minute would be a large part of its time.
 const SHORT_MIN: u64 = 3;
 
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
