@@ -120,8 +120,8 @@ fn name_roll(roll: &mut Json) {
 }
 
 /// Makes the fields of a glide comparable. The number of fingers replaces their positions, and standard deviations
-/// replace the other descriptions of noise. If the estimator assumes exactly the simulated noise, the entry `noise =
-/// "stated"` replaces its noise settings.
+/// replace the other descriptions of noise. If the estimator assumes exactly the simulated noise, the word `stated`
+/// replaces its noise settings.
 fn name_glide(glide: &mut Json) {
     let motion = &mut glide["motion"];
     let fingers = motion["finger_positions"].as_array().map_or(0, Vec::len);
