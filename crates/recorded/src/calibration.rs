@@ -66,8 +66,8 @@ const MARKER: Column = column("marker", Measure::Plain);
 /// file has only some of these columns.
 const COLUMNS: [Column; 7] = [NORMAL, TANGENTIAL, HUE, GROWTH, SHIFT, SERIES, MARKER];
 
-/// Largest change of a marker's hue, turns. A larger change would be ambiguous, because hues that differ by a whole
-/// turn are equal.
+/// Largest accepted change of a marker's hue, turns. A larger change is ambiguous: hues that differ by a whole turn are
+/// equal.
 const MAX_TURN: f64 = 0.5;
 
 /// Reads a table of stated displacements and measured changes of a marker's image. For normal displacements, the
@@ -172,7 +172,7 @@ pub struct KnownDisplacements {
     pub px_per_rad: Option<f64>,
 }
 
-/// Calibration points measured in frames, and the number of markers in the frame at rest.
+/// Returns the calibration points that were measured in frames, and the number of markers in the frame at rest.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if a frame has no markers, has another size than the frame at rest or comes from another
@@ -301,9 +301,9 @@ pub fn calibrate(
     })
 }
 
-/// Number of calibration points that repeat an earlier point. The points of normal and of tangential displacements are
-/// counted separately, and the larger number is returned. If less than half of the points of a kind are repeated, their
-/// number counts as 0.
+/// Number of calibration points that repeat an earlier point: the larger of two numbers, one for the points of normal
+/// displacements and one for the points of tangential displacements. A number counts as 0 if less than half of the
+/// points of its kind are repeated.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);
@@ -369,8 +369,9 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         Self { points, sources }
     }
 
-    /// Number of points whose `numbers` equal those of an earlier point of the same series. Points at rest, whose first
-    /// four numbers are 0, are not counted. The result is 0 if less than half of all points are repeated.
+    /// Number of points that repeat an earlier point of the same series. `numbers` returns the values of a point that
+    /// are compared. Points at rest, whose first four values are 0, are not counted. The result is 0 if less than half
+    /// of all points are repeated.
     fn copies(&self, numbers: impl Fn(&P) -> [f64; 5]) -> usize {
         let all = self.points.iter().zip(&self.sources);
         let moved = all.filter_map(|(point, (_, series, _))| {

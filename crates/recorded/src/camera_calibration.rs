@@ -51,8 +51,9 @@ pub fn calibrate_camera(
     Ok(camera)
 }
 
-/// Text of a likely cause and the remedy if the camera and the frame at rest contradict each other. `None` if the colours
-/// of the frame are not subsampled.
+/// Text for errors and warnings that the camera and the frame at rest contradict each other: a likely cause is that
+/// JPEG stores the colours of the frame with fewer pixels (subsampled). `None` if the frame's colours are not
+/// subsampled.
 pub(super) fn compressed(rest: &Frame) -> Option<String> {
     let compression = rest.compression.filter(|one| one.subsamples_colours)?;
     Some(format!(

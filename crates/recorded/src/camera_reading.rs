@@ -153,9 +153,9 @@ fn linearised(
 /// pixels are encoded by sRGB, the hue of a marker with two discs differs by about 0.03 turns.
 const MAX_HUE_DIFFERENCE: f64 = 0.01;
 
-/// Compares the hue of the markers at rest with the hue in the calibration. If only the linearised frames have this
-/// hue, the function returns the tracks of the linearised frames, and a warning. Returns `None` if the original frames
-/// already have this hue, or if the calibration states no hue.
+/// Compares the hue of the markers at rest with the hue in the calibration. If the hues agree only after the pixels are
+/// converted from sRGB to linear values, returns the tracks of the converted frames, and a warning. Returns `None` if
+/// the hues of the original frames agree, or if the calibration states no hue.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if the hue differs and the calibration uses hues.
@@ -231,8 +231,8 @@ pub(super) struct CameraReading {
 pub struct TrackedPress {
     frames: TrackCounts,
     /// Mean tangential displacement of the markers within the contact, positive away from the marker with the largest
-    /// normal displacement. `null` if tangential displacements are not calibrated, or if no other marker was displaced
-    /// inward.
+    /// normal displacement. `null` if tangential displacements are not calibrated, or if only this marker was displaced
+    /// into the skin.
     outward_displacement: Option<Value>,
     #[serde(flatten)]
     object: PressReport,
@@ -309,8 +309,8 @@ impl CameraReading {
         })
     }
 
-    /// Readings of the markers' displacements, which a fit to the images computed. They are in the order of the tracks.
-    /// `radius` is the radius of the skin.
+    /// Readings from `displaced`, the markers' displacements that a fit to the images computed. They are in the order
+    /// of the tracks. `radius` is the radius of the skin.
     pub(super) fn of(
         frames: &FramePair,
         displaced: &[Displaced],
@@ -421,7 +421,7 @@ impl CameraReading {
 
 fn source(frames: &FramePair, file: Option<String>) -> ReadingSource {
     file.map_or_else(ReadingSource::arrays, |name| {
-        // The markers are in the lines from 2 on, because line 1 of the file is the header.
+        // Line 1 of the file is the header, so the first marker is in line 2.
         let lines = (2..frames.tracks.len() + 2).collect();
         ReadingSource::new(&name, lines)
     })

@@ -71,8 +71,8 @@ impl<'a> DelimitedText<'a> {
         Ok((table, header))
     }
 
-    /// Calls `take` for every row that is not blank. Each row is one line, because a quotation mark that is still open
-    /// at the end of a line was rejected before.
+    /// Calls `take` for every row that is not blank. Each row is one line, because the table was rejected earlier if a
+    /// quoted field continues in the next line.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let (mut fields, mut before) = (StringRecord::new(), None);
         for (row, line) in self.text.rows_after(0).skip(self.heading) {
@@ -100,15 +100,15 @@ impl<'a> DelimitedText<'a> {
     }
 }
 
-/// Whether a first line contains numbers instead of names. The whole numbers 0, 1, 2, … count as names, because pandas
-/// writes them as the names of an array's columns.
+/// Whether the first line of a table contains numbers instead of names. The whole numbers 0, 1, 2, … count as names,
+/// because pandas uses them as column names if an array has none.
 fn has_numbers(fields: &StringRecord) -> bool {
     let mut numbers = fields.iter().map(|field| tidy(field).parse::<f64>());
     let counts = |(field, column): (&str, usize)| tidy(field).parse() == Ok(column);
     !fields.iter().zip(0..).all(counts) && numbers.all(|number| number.is_ok())
 }
 
-/// Names in a header. NumPy writes the header text without changes, so commas may separate the names while spaces
+/// Names of the columns in a header line. In files that NumPy wrote, commas may separate the names although spaces
 /// separate the numbers below.
 fn names(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
     match delimiter {
@@ -151,8 +151,8 @@ pub(super) fn tidy(field: &str) -> &str {
     unquoted.unwrap_or(field)
 }
 
-/// Finds the delimiter from the header and the rows. A table with a single column needs no delimiter; the result is
-/// then the comma.
+/// Finds the delimiter from the header and the rows. For a table with a single column, which needs no delimiter, the
+/// result is the comma.
 fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimiter, String> {
     let fields = |line: &str, delimiter| split(text, line, delimiter).len();
     let rows = || text.rows_after(header_line).map(|(row, _)| row);
@@ -215,8 +215,8 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     is_row.then_some(units)
 }
 
-/// Number (from 1) of the first line with an unpaired quotation mark; `None` if there is none. Quotation marks are
-/// paired if they surround a field.
+/// Number (from 1) of the first line with a quotation mark that opens a field but does not close it; `None` if there is
+/// none.
 fn unclosed_quote(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
     #[derive(PartialEq)]
     enum At {

@@ -62,8 +62,8 @@ impl RecordedError {
     }
 }
 
-/// Adds a reference to `palpate explain` to a message, but not to a message about an invalid setting, which needs no
-/// explanation.
+/// Adds a reference to the command `palpate explain` to a message about an error of the kind `kind`. A message about an
+/// invalid setting needs no explanation and stays unchanged.
 pub(super) fn explained(message: String, kind: &str) -> String {
     match kind {
         "bad-setting" => message,

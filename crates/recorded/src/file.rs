@@ -55,7 +55,7 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// The same file, whose table is read with the settings `form` (such as the delimiter).
+    /// Returns the same file with the settings `form` (such as the delimiter), with which its table is read.
     #[must_use]
     pub fn written(self, form: Form) -> Self {
         Self { form, ..self }

@@ -6,10 +6,10 @@ use palpate_statistics::Number;
 /// A step (from one contact to the next) can separate two fingers only if it is at least this many times as long as the
 /// median of all steps.
 const MIN_JUMP: f64 = 3.0;
-/// Steps separate the fingers only if the shortest step between two fingers is at least this many times as long as the
-/// longest step within a finger.
+/// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger. If the ratio
+/// is smaller, the steps do not separate the fingers.
 const MIN_JUMP_RATIO: f64 = 1.5;
-/// Advice at the end of notes on how contacts were assigned to fingers, because the assignment may be wrong.
+/// Advice to the user if the assignment of contacts to fingers is wrong. It ends every note about the assignment.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
 
 /// Returns the index of the finger of each contact, and a note on how the fingers were determined. If the file has

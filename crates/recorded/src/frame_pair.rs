@@ -112,8 +112,8 @@ pub struct TrackCounts {
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
-    /// Whether enough markers of the frame at rest were found in the pressed frame. If not, the frames come from two
-    /// different sensors.
+    /// Whether at least half of the markers of the frame at rest were found in the pressed frame. If not, the frames
+    /// probably come from two different sensors.
     const fn are_of_one_sensor(&self) -> bool {
         2 * self.tracked >= self.at_rest
     }
@@ -135,14 +135,13 @@ impl TrackCounts {
 
 /// Smallest common shift of the markers (median, px) for which a warning states that all markers moved in the same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// The warning that all markers moved in the same way also requires that their median shift, divided by the scatter of
-/// their shifts, exceeds this value.
+/// Smallest ratio of the markers' common shift (median) to the scatter of their shifts (median deviation from the
+/// common shift) for which a warning states that all markers moved in the same way.
 const MIN_COMMON_RATIO: f64 = 2.5;
 /// A motion that all markers have in common is only computed from at least this number of markers.
 const MIN_MARKERS: usize = 8;
 
-/// In a difference image, a difference of this number of green levels (0 to 255) between the two frames has the full
-/// colour.
+/// Difference between the green levels (0 to 255) of the two frames that has the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
@@ -291,8 +290,8 @@ impl FramePair {
         self.tracks.iter().filter_map(Track::change)
     }
 
-    /// The median shift of the markers and the median distance between neighbouring markers. `None` unless the shift
-    /// exceeds a quarter of this distance.
+    /// The median shift of the markers and the median distance between neighbouring markers, both in px. `None` if the
+    /// shift is at most a quarter of the distance.
     fn moved_together(&self) -> Option<(f64, f64)> {
         let shifts = self.changes().map(|change| {
             let [x, y] = change.shift_px;
@@ -352,9 +351,9 @@ impl FramePair {
         })
     }
 
-    /// Tests whether the two frames are probably swapped: whether the marker whose diameter changed most shrank, and
-    /// its change is clearly larger than the changes of the other markers. Returns the change of the logarithm of its
-    /// diameter, and `None` if the frames are probably not swapped.
+    /// Tests whether the two frames are probably swapped. They are if the marker whose diameter changed most became
+    /// smaller, and its change is clearly larger than those of the other markers. Returns the change of the logarithm
+    /// of this marker's diameter; `None` if the frames are probably not swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

@@ -277,8 +277,9 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
-    /// Goodness of fit and misfits of a fitted graph (height over a plane). Outliers are identified by their row number
-    /// in the recording. The second result is the reason why the test is impossible; `None` if it is possible.
+    /// Tests the goodness of fit of a fitted graph (height over a plane), and finds misfits. Outliers are identified by
+    /// their row number in the recording. The second result is the reason why the test is impossible; `None` if the
+    /// test is possible.
     fn misfit(&self) -> (MisfitTest, Option<String>) {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
@@ -307,7 +308,7 @@ impl<'r> GlideFitResult<'r> {
     }
 
     /// Warnings about the contacts, including warnings about `misfits`. `unknown_fit` is the reason why the goodness of
-    /// fit could not be tested, if it could not.
+    /// fit could not be tested; `None` if it was tested.
     fn warnings(&self, misfits: &[Misfit], unknown_fit: Option<String>) -> Vec<Warning> {
         let (recorded, used, unit) = (&self.recorded, &self.used, self.unit);
         let (source, contacts) = (&recorded.source, &used.contacts);
@@ -317,8 +318,8 @@ impl<'r> GlideFitResult<'r> {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
             Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
         };
-        // If the noise is unknown, there is no uncertainty. The method `two-pass`, which is the only method whose fit
-        // has a status, never computes an uncertainty, so it is excluded here.
+        // A missing uncertainty means that the noise is unknown. The exception is the method `two-pass`, which never
+        // computes an uncertainty. Only its fit has a status.
         let is_unknown = self.centre.curvature.uncertainty.is_none()
             && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {

@@ -38,9 +38,9 @@ pub struct GlideRecording {
 }
 
 impl GlideRecording {
-    /// Contacts at `points` with the outward `normals`, which may have any length. `fingers` contains the number of the
-    /// finger of each contact. If it is `None`, all contacts belong to one finger. The contacts of a finger must be in
-    /// the order of the finger's path. Lengths are in `unit`.
+    /// Builds a recording of contacts at `points` with the outward `normals`, which may have any length. `fingers`
+    /// contains the finger number of each contact. If `fingers` is `None`, all contacts belong to one finger. The
+    /// contacts of a finger must be in the order of the finger's path. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::GlideRecording;
@@ -110,8 +110,8 @@ impl GlideRecording {
         )))
     }
 
-    /// The positive radii in all columns that contain the radius of fingertips, each with the name of its column. They
-    /// are in the unit of the recording.
+    /// The positive radii in all columns for the radius of fingertips, each with the name of its column. The radii are
+    /// in the recording's unit of length.
     fn radii(&self) -> impl Iterator<Item = (&str, Number)> {
         let columns = self.extras.names.iter().enumerate();
         let columns = columns.filter(|(_, name)| is_tip_radius(name));
@@ -230,8 +230,8 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     })
 }
 
-/// The positions of the contacts, in which the search for steps between fingers is made. A gross outlier gets the
-/// position of the previous contact, because a lost reading would otherwise look like a step to another finger.
+/// Returns the positions of the contacts for the search for steps between fingers. A gross outlier gets the position of
+/// the previous contact. Otherwise the outlier would look like a step to another finger.
 fn with_outliers_moved(contacts: &[Contact]) -> Vec<Point3<f64>> {
     let mut places: Vec<_> = contacts.iter().map(|contact| contact.position).collect();
     if let Ok(sound) = SoundContacts::new(contacts) {
@@ -247,7 +247,8 @@ fn with_outliers_moved(contacts: &[Contact]) -> Vec<Point3<f64>> {
 pub(super) const ONE_FINGER: &str = "all contacts belong to one finger, so there is no distance between \
      fingers";
 
-/// Converts the error of a fit. If a single contact caused it, the new error states the line of this contact.
+/// Converts an error of a fit to an error about the recording. If a single contact caused the error, the new error
+/// states the contact's line in the file.
 pub(super) fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     let contact = match error {
         Ep2Error::NotFinite { contact }
@@ -270,8 +271,8 @@ pub(super) fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedEr
     }
 }
 
-/// The error `error` of a fit. The fit counts only the contacts that it uses, so the contact's index in the error is
-/// replaced by the contact's row in the recording.
+/// Replaces the index of a contact in an error of a fit by the contact's row in the recording. The two differ, because
+/// the fit counts only the contacts that it uses. `rows` contains the rows of these contacts.
 pub(super) fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     match error {
         Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {

@@ -58,7 +58,7 @@ pub(super) struct PatchRegion {
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
     /// Direction of the largest curvature, averaged over the points of the region. The opposite direction is
-    /// equivalent. `null` if the region has no such direction.
+    /// equivalent. `null` if the directions at the points differ too much for an average.
     pub(super) direction_of_max: Option<[f64; 3]>,
     /// Agreement of the directions at the points of the region, from 0 (all different) to 1 (all equal to
     /// `direction_of_max`).
@@ -109,8 +109,8 @@ pub struct GlideEstimate {
     pub(super) thresholds: Thresholds,
     /// Noise of the contacts; `null` if the method does not estimate noise.
     pub(super) noise: Option<PatchNoise>,
-    /// Whether the method `two-pass` reached its target, which is a given sum of squared residuals in each pass; `null`
-    /// for other methods. If the method did not reach the target (`knots-exhausted`, `unsettled`), do not use the
+    /// Whether each pass of the method `two-pass` reached its target value for the sum of squared residuals; `null` for
+    /// other methods. If the method did not reach the target (`knots-exhausted`, `unsettled`), do not use the
     /// curvatures.
     pub(super) status: Option<&'static str>,
     /// Effective degrees of freedom of the fitted surface.

@@ -17,9 +17,8 @@ use super::source::ReadingSource;
 /// distance. A larger ratio causes a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
-/// Largest accepted ratio of two distances: for each contact, the distance to its nearest neighbour is computed, and
-/// the largest distance is divided by the second largest. A larger ratio causes a warning that the contact with the
-/// largest distance may be an outlier.
+/// Largest accepted ratio of the largest to the second largest distance between a contact and its nearest neighbour. A
+/// larger ratio causes a warning that the contact with the largest distance may be an outlier.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
 /// The search for a contact that is far from all other contacts is made only up to this number of contacts, because the
 /// search compares all pairs.
@@ -73,8 +72,8 @@ pub(super) fn distant(
 const MAX_NOISE_RATIO: f64 = 1.5;
 
 /// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. A contact of the
-/// patch may be the mean of several contacts. `ratios` contains two ratios, for positions and for normals: the standard
-/// deviation of such a mean, divided by the standard deviation of a single contact.
+/// patch may be the mean of several contacts and then has less noise. `ratios` contains the standard deviation of such
+/// a mean divided by that of a single contact, for positions and for normals.
 pub(super) fn stated_noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
@@ -97,7 +96,7 @@ pub(super) fn stated_noise(
         Some(found.position_std / ratios[0]),
         found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
-    // `left` is the number of degrees of freedom of the fit, divided by the number of its equations.
+    // Ratio of the fit's degrees of freedom to the number of its equations.
     let left = 1.0 - unknowns / patch.equations() as f64;
     let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
     let all = stated.into_iter().zip(found).zip(kinds);
@@ -170,8 +169,8 @@ pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
 
 /// Smallest number of contacts for which signs and columns of the normals are checked.
 const MIN_CONTACTS: usize = 8;
-/// Largest number of contacts for which the directions of the normals are compared. If there are more contacts, an
-/// evenly spaced selection of them is used.
+/// Largest number of contacts with which the directions of the normals are checked. If there are more contacts, only an
+/// evenly spaced selection is used.
 const MAX_CONTACTS: usize = 2000;
 
 /// A warning is shown if the error of a fit to contacts and normals decreases by more than this factor when components

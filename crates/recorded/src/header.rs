@@ -1,4 +1,4 @@
-//! Finds, by their names in the header of a table, the columns that palpate reads.
+//! Finds the columns that palpate reads, by their names in the header of a table.
 
 use palpate_study::readings::{Column, ColumnNames, ColumnUnit, Measure, QUATERNION, spelt};
 
@@ -76,8 +76,8 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Value for the setting `columns` with which palpate reads the file's columns `columns` as the columns `others`.
-    /// It consists of pairs of names, separated by commas.
+    /// Value for the setting `columns` that assigns the file's columns `columns` to palpate's columns `others`. The
+    /// value consists of pairs of names, separated by commas.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
         let pairs = columns
             .iter()
@@ -86,7 +86,7 @@ impl<'a> Header<'a> {
         pairs.collect::<Vec<_>>().join(",")
     }
 
-    /// Indices of the columns whose names are similar to those of rotation vectors in `columns`.
+    /// Indices of the file's columns whose names are similar to the names of the rotation vectors in `columns`.
     pub(super) fn angles(&self, columns: &[Column]) -> Vec<usize> {
         let is_angle =
             |column: &&Column| column.measure == Measure::Angle && column.stem() != "angle";
@@ -101,8 +101,8 @@ impl<'a> Header<'a> {
         columns.iter().any(|column| self.assigned(column).is_some())
     }
 
-    /// Places of the columns `columns` in the file; all of them are required. `may` contains optional columns, which
-    /// the error message also considers.
+    /// Finds the places of the required columns `columns` in the file. `may` contains optional columns, which only the
+    /// error message uses.
     ///
     /// If columns are missing, the message lists the missing columns and the columns of the file. It proposes a value
     /// of the setting `columns`, which assigns names in the file to missing columns.
@@ -137,7 +137,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of a column whose name in the file is palpate's own name; `None` if the file has no such column.
+    /// Place of the file's column that has palpate's name of `column`; `None` if the file has no such column.
     fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
         let is_assigned = |heading: &Heading<'_>| {
             let mut names = self.names.values();
@@ -300,7 +300,8 @@ impl<'a> Header<'a> {
         if let Some(mut pairs) = self.proposed(missing, &mut rest) {
             let mut others = rest.clone();
             let other = self.proposed(missing, &mut others);
-            // If there are more than two groups, each setting reads only one of them.
+            // If more than two groups of columns are similar to the missing columns, do not list them all. The setting
+            // `columns` assigns only one of them.
             if self.proposed(missing, &mut others).is_some() {
                 message +=
                     "; several groups of columns are alike, and a setting reads only one of them";
@@ -346,8 +347,8 @@ impl<'a> Header<'a> {
         })
     }
 
-    /// Proposed assignments for optional columns, as pairs of names. A quantity may have several columns, one per axis.
-    /// Its columns are assigned only if the file has an unused column with a similar name for each of them.
+    /// Proposed assignments for optional columns, as pairs of names. A quantity may have one column per axis. Its
+    /// columns are assigned only together: for each, the file must have an unused column with a similar name.
     fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<String> {
         let quantity = |column: &Column| match column.stem().rsplit_once('_') {
             Some((quantity, axis)) if axis.len() == 1 => quantity,
@@ -390,8 +391,8 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Pairs of names that assign the unused columns of the file to the missing columns, one by one in the order of the
-    /// file. `None` if the unit of an unused column does not fit.
+    /// Pairs of names that assign the unused columns of the file to the missing columns, in the order of the file.
+    /// `None` if the unit of an unused column does not fit.
     fn only_pairs(&self, missing: &[Column], free: &[usize]) -> Option<Vec<String>> {
         let pairs = missing.iter().zip(free).map(|(column, &index)| {
             let heading = &self.headings[index];

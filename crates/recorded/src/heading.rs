@@ -98,8 +98,8 @@ pub(super) fn has_unit(word: &str) -> bool {
     .any(|measure| measure.unit(word).is_some())
 }
 
-/// Whether a column that contains this kind of quantity may have no unit. Lengths without a unit then have the unit of
-/// other columns or of a setting. Times need no unit, because they are only compared with each other.
+/// Whether a column of this quantity may lack a unit. Lengths without a unit have the unit of other columns or of a
+/// setting. Times need no unit, because they are only compared with each other.
 pub(super) const fn has_no_need(measure: Measure) -> bool {
     matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
 }
@@ -203,11 +203,11 @@ fn is_label(label: &str, words: &[&str]) -> bool {
     }
 }
 
-/// Whether a column whose name consists of these words may be a position. Words that are units, axes or indices do not
-/// matter.
+/// Whether a column whose name consists of `words` may contain a position. Units, axes and indices among the words do
+/// not matter.
 fn may_be_position(words: &[&str]) -> bool {
-    // The name of a position may have the prefix p, and that of a contact the prefix c. Any other single letter denotes
-    // another quantity.
+    // The name of a position may contain the letter p, and the name of a contact the letter c. Any other single letter
+    // denotes another quantity.
     let is_letter =
         |word: &str| word.len() == 1 && !"cpxyz".contains(word) && word.parse::<u8>().is_err();
     let is_other = |word: &str| OTHERS.split(' ').any(|other| is_start(word, other));
@@ -217,16 +217,16 @@ fn may_be_position(words: &[&str]) -> bool {
     words.all(|word| !is_letter(word) && !is_other(word))
 }
 
-/// Whether `whole` begins with the word `word`, after the s of a plural was removed from `word`. Words of fewer than
-/// three letters do not count.
+/// Whether `whole` begins with `word`. A final s (plural) of `word` is ignored. The result is false if `word` has fewer
+/// than three letters without this s.
 fn is_start(word: &str, whole: &str) -> bool {
     let word = word.strip_suffix('s').unwrap_or(word);
     word.len() > 2 && whole.starts_with(word)
 }
 
-/// Whether a name in the file means the quantity and the axis of the column `column`. The axis may be a letter or an
-/// index. For example, `px` and `position.0` are an x coordinate, `rx` is a rotation about x, and `du` and `u` are
-/// shifts.
+/// Whether a name in the file, which consists of `words`, means the quantity and the axis of `column`. The axis may be
+/// a letter or an index. For example, `px` and `position.0` are an x coordinate, `rx` is a rotation about x, and `du`
+/// and `u` are shifts.
 fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     let (quantity, axis) = match column.stem().rsplit_once('_') {
         Some((quantity, axis)) => (quantity, axis),
@@ -283,6 +283,6 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     says(quantity) || (rest.is_empty() && letters.contains(&letter))
 }
 
-/// Words for quantities that have axes but are not measured positions.
+/// Words in column names for quantities that have axes, as positions do, but are not measured positions.
 const OTHERS: &str = "normal rotation shift tangential force torque velocity acceleration linear angular twist \
     wrench gyro euler quaternion orientation error std cmd commanded desired target goal setpoint reference";

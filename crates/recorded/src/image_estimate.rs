@@ -36,9 +36,9 @@ const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all mark
 /// each tracked marker. The tracker states the errors of these features. `tracked` is the tracking result of the two
 /// frames. `file` is the name of the readings in messages; `None` if the readings are not in a file.
 ///
-/// If the scatter of the markers is larger than these errors explain, all uncertainties are multiplied by the same
-/// factor, and a warning states this. Misfits, p-value and reduced χ² of a press are computed with the errors that
-/// explain the scatter at rest.
+/// If the residuals of the markers are larger than these errors explain, all uncertainties are multiplied by the same
+/// factor, and a warning states this. Misfits, p-value and reduced χ² of a press are computed with errors that are only
+/// as large as the residuals at rest require.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if the frames have another size, layout or colours than the study, are under-exposed or
@@ -123,8 +123,8 @@ struct Matched {
 }
 
 impl Matched {
-    /// A marker at rest has the same index as its track, because the first tracks belong to the markers at rest, in the
-    /// same order.
+    /// The first tracks belong to the markers at rest, in the same order. So the index of a marker at rest is also the
+    /// index of its track.
     fn of(tracks: Vec<Option<usize>>, tracked: &FramePair) -> Self {
         let is_tracked = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
@@ -161,8 +161,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Converts the error of a fit. If the scatter of the markers at rest is large, the message names it as a possible
-    /// cause.
+    /// Converts an error of a fit to an error about the pressed frame. If `scatter` (the factor on the stated errors
+    /// that explains the residuals at rest) is above 1, the message names the frame at rest as a possible cause.
     fn refused(&self, error: &PressError, scatter: f64) -> RecordedError {
         let [rest, pressed] = self.frames;
         let message = match error {
@@ -286,10 +286,11 @@ impl Scene<'_> {
 struct ScaledFit {
     method: ImageEstimator,
     pictures: MarkerImages,
-    /// The estimate. Its goodness of fit is computed with the stated errors multiplied by the scatter at rest only.
+    /// Estimate of the press. Its goodness of fit is computed with the stated errors multiplied by the scatter at rest,
+    /// not by the scatter in the press.
     estimate: PressEstimate,
     /// Contradictions between the images and the model. Their tests use the stated errors multiplied by the scatter at
-    /// rest only.
+    /// rest, not by the scatter in the press.
     misfits: Vec<Misfit>,
     /// Scatter at rest, and scatter in the press. The scatter is the factor on the stated errors that explains the
     /// residuals; 1 if the stated errors are large enough.
@@ -297,8 +298,8 @@ struct ScaledFit {
 }
 
 impl ScaledFit {
-    /// Fits the press to the markers at rest and pressed. All stated errors are multiplied by `of_jpeg`, which is above
-    /// 1 for JPEG frames.
+    /// Fits the press to the images of the markers at rest and in the press. All stated errors are multiplied by
+    /// `of_jpeg`, which is above 1 for JPEG frames and otherwise 1.
     ///
     /// # Errors
     /// The error of the fit, together with the scatter of the markers at rest.

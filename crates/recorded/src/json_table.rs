@@ -20,15 +20,16 @@ use super::text_table::{Record, RowResult, Text};
 /// Maximum number of columns of a table; a row may lack some of these columns.
 const MAX_KEYS: usize = 1_000;
 
-/// Maximum number of fingers whose readings are in one row that states no time.
+/// Maximum number of fingers whose readings are side by side in a row without a time. A longer list is a series of
+/// readings.
 pub(super) const MAX_FINGERS: usize = 5;
 
 /// Maximum number of components of a vector or a quaternion.
 const MAX_COMPONENTS: usize = 4;
 
 enum Rows<'a> {
-    /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows. If `names` is not
-    /// `None`, each item is a list of the values of the columns with these names.
+    /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows. If `names`
+    /// contains column names, each item is a list with one value per name.
     Sequence {
         text: Text<'a>,
         names: Option<Vec<String>>,
@@ -156,8 +157,8 @@ impl<'a> JsonTable<'a> {
         Ok(())
     }
 
-    /// For each column, the place of its value in a row that is a list. `None` if rows have no such value. `names` are
-    /// the names of the values; without names, a column is named by the place.
+    /// For each column, the index of its value in a row that is a list. `names` contains the names of the values in a
+    /// row. Without `names`, the name of a column is this index. `None` if a column has no value in the rows.
     fn places(&self, names: Option<&[String]>) -> Option<Vec<usize>> {
         let place = |name: &String| match names {
             Some(names) => names.iter().position(|one| one == name),
@@ -166,8 +167,8 @@ impl<'a> JsonTable<'a> {
         self.names.iter().map(place).collect()
     }
 
-    /// Values of a row that contains exactly the columns of the table, without lists and objects; otherwise `None`.
-    /// `places` contains the places of the columns in a row that is a list.
+    /// Values of a row. `None` if the row lacks a column of the table, has additional values, or contains lists or
+    /// objects. `places` contains the indices of the columns in a row that is a list.
     fn plain_values<'v>(
         &self,
         row: &'v str,
@@ -216,7 +217,7 @@ fn split<'a>(file: &RecordedFile, text: Text<'a>) -> Result<Option<Rows<'a>>, Re
         #[serde(borrow)]
         data: &'a RawValue,
     }
-    // A list of two rows would also be accepted as this structure.
+    // Only an object is a table in this form, but the parser would also accept a list of two rows.
     let object = text.all.trim_start().starts_with('{');
     let parsed = object.then(|| serde_json::from_str::<Split<'_>>(text.all).ok());
     let Some(Split { columns, data }) = parsed.flatten() else {
@@ -252,8 +253,8 @@ fn texts<'a>(
     })
 }
 
-/// The value of a row. If `names` are the names of its values, it is an object. Returns an error if the row has another
-/// number of values than there are names.
+/// Parses a row. If `names` contains the names of its values, the result is an object with these keys. Returns an error
+/// if the row does not have one value per name.
 fn value(
     file: &RecordedFile,
     names: Option<&[String]>,
@@ -281,9 +282,9 @@ fn is_within(key: &str, name: &str) -> bool {
     part.is_some_and(|part| part.starts_with('.'))
 }
 
-/// Whether the first row of a table contains a series of readings. A list of objects or vectors, or the numbers along
-/// one axis, are a series if they have more items than a hand has fingers and the row states no time. Otherwise, the
-/// items are fingers at one time.
+/// Whether the first row of a table contains a series of readings. A row that is a list of lists or objects is a
+/// series. In a row that is an object without a time, a long list of vectors or objects, or of numbers along one axis,
+/// is a series. Long means more items than a hand has fingers; a shorter list contains the fingers at one time.
 fn has_series(row: &Json) -> bool {
     let is_list = |items: &[Json]| items.iter().all(|item| item.is_array() || item.is_object());
     let is_long = |(name, value): (&String, &Json)| {
@@ -297,9 +298,9 @@ fn has_series(row: &Json) -> bool {
     }
 }
 
-/// Rows of a table, if the object contains a single list of objects (the rows), or if its lists have the same length
-/// and one of them contains a vector for each row. The single values of the object are added to each row. `None` for
-/// other objects.
+/// Rows of the table in a JSON object. Either the object contains a single list of objects, which are the rows. Or its
+/// lists have the same length, with one item per row, and the items of at least one list are vectors. The single values
+/// of the object are added to each row. `None` for other objects.
 ///
 /// # Errors
 /// An error if the object contains several lists of objects.
@@ -380,8 +381,8 @@ fn columns<'a>(
         let Some(column) = column.ok().filter(is_column) else {
             return Ok(None);
         };
-        // A long list is a column. A short list may instead be a vector in a table with a single row, unless its name
-        // denotes one axis.
+        // A long list is a column. A short list is a column only if its name denotes one axis; otherwise it may be a
+        // vector in a table with a single row.
         let is_long = value.get().starts_with('[') && column.len() > MAX_COMPONENTS;
         is_table |= is_of_axis(&name) || is_long;
         names.push(name);
@@ -443,7 +444,7 @@ fn records(object: &Map<String, Json>) -> Option<Vec<Json>> {
         return object.contains_key("schema").then(|| rows.clone());
     }
     let row = |(number, row): (&String, &Json)| {
-        // If this is a column instead of a row, its keys are the numbers of the rows.
+        // An object whose keys are all numbers is a column, not a row.
         let keys = row.as_object()?.keys();
         let has_names = keys.into_iter().any(|key| key.parse::<u64>().is_err());
         let number = number.parse::<u64>().ok().filter(|_| has_names)?;

@@ -37,11 +37,11 @@ const ROUNDS: usize = 4;
 /// centroid coordinates (px), hue (turns), and logarithm of the size. These values are large, because the misalignments
 /// of the discs are still unknown.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
-/// Two limits for the final round of matching: the smallest share of the layout's markers that must be found, and the
-/// largest share of found markers that do not belong to the layout.
+/// Two limits for the final round of matching, as shares of the number of markers in the layout: the smallest share
+/// that must be found, and the largest accepted share of other shapes in the frame.
 const SHARES: [f64; 2] = [0.66, 0.2];
-/// Two limits for the rough rounds of matching, which come before the final round: the smallest share of the layout's
-/// markers that must be found, and the largest share of found markers that do not belong to the layout.
+/// Two limits for the rough rounds of matching (before the final round), as shares of the number of markers in the
+/// layout: the smallest share that must be found, and the largest accepted share of other shapes in the frame.
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 /// Largest accepted median difference (turns) between the measured and the nominal hues of the markers.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
@@ -57,7 +57,7 @@ const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// differences from their nominal values.
 const HEIGHT: usize = 9;
 const CAUSES: &str = "possible causes: the frame is from another layout or camera; its pixels are encoded by sRGB (then use setting `srgb`); the camera differs from `place`, `turn_deg` or `field_deg` of the study's `scene.sensor`; or the discs are misaligned by more than `scene.probe.discs.misalignment`";
-/// Maximum number of fits. Each fit starts at the result of the previous fit.
+/// Maximum number of fits of the camera to the markers at rest. Each fit starts at the result of the previous fit.
 const MAX_FITS: usize = 12;
 /// The fit is repeated until χ² decreases by less than this value.
 const MIN_DECREASE: f64 = 1e-3;
@@ -279,7 +279,7 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera parameters. All standard errors of the fit are first multiplied by `widened`.
+    /// Covariance of the camera parameters, computed from the standard errors of the fit multiplied by `widened`.
     fn covariance(
         &self,
         nominal: &NominalSensor<'_>,
@@ -300,8 +300,8 @@ impl Matched {
     }
 }
 
-/// Factor by which the stated errors of the markers are multiplied: the square root of the reduced χ² if it is above
-/// `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
+/// Factor by which the stated errors of the markers are multiplied: the square root of `reduced` (the reduced χ² of the
+/// fit) if `reduced` is above `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
 pub(super) fn scatter(reduced: f64) -> f64 {
     match reduced > MAX_REDUCED_CHI_SQUARED {
         true => reduced.sqrt(),
@@ -309,9 +309,9 @@ pub(super) fn scatter(reduced: f64) -> f64 {
     }
 }
 
-/// Repeats the fit, where each fit starts from the optics of the previous fit. Changes of the lens coefficients k3 and
-/// k5, the scale and the camera's height almost compensate each other. Therefore a single fit from distant start values
-/// stops before it reaches the smallest χ².
+/// Repeats the fit of the camera; each fit starts at the optics of the previous fit. A single fit from distant start
+/// values stops before it reaches the smallest χ². The reason is that changes of the lens coefficients k3 and k5, the
+/// scale and the camera's height almost compensate each other.
 fn settled(
     nominal: &NominalSensor<'_>,
     (mut rest, mut optics): (Rest, Optics),
@@ -336,8 +336,8 @@ fn other_layout(error: impl std::fmt::Display) -> String {
     format!("does not show the layout: {error}; {CAUSES}")
 }
 
-/// Images of the markers at rest as the model predicts them. The sensor is the estimated sensor in `rest` or, without
-/// `rest`, the nominal sensor. `None` for a marker that the predicted frame does not contain.
+/// Images of the markers at rest that the model predicts, for the sensor that was estimated in `rest` or, without
+/// `rest`, for the nominal sensor. `None` for a marker outside of the frame.
 fn law(fit: &ImageFit, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
     let markers = fit.markers.places().len();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
@@ -389,8 +389,8 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
     pictures.iter().map(centroid).collect()
 }
 
-/// Number of missing markers of the layout. Returns an error if too many markers of the layout are missing, if too many
-/// markers were found that do not belong to the layout, or if the colours differ.
+/// Number of markers of the layout that are missing in the frame. Returns an error if too many are missing, if too many
+/// found markers do not belong to the layout, or if the hues differ too much from the expected hues.
 fn missing_markers(
     expected: &[Option<[f64; 4]>],
     images: &[Option<Seen>],
@@ -427,9 +427,9 @@ fn missing_markers(
     Ok((wanted - there).saturating_sub(cut))
 }
 
-/// Matches found markers with expected positions. Each found marker belongs to the expected position that is nearest to
-/// it. For each expected position, returns the index of the nearest marker that belongs to it; `None` if no marker
-/// belongs to it.
+/// Matches found markers with expected positions. Each found marker is assigned to the nearest expected position. For
+/// each expected position, returns the index of the nearest of its assigned markers; `None` if no marker was assigned
+/// to the position.
 pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Option<usize>> {
     let mut nearest = vec![None; expected.len()];
     let mut distances = vec![f64::INFINITY; expected.len()];

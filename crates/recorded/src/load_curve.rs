@@ -195,8 +195,8 @@ pub fn estimate_force(
     };
     let slope_std = std / information.sqrt();
 
-    // The exponent n of the law F = q δ^n is fitted to first order, with the derivative of q δ^n with respect to n. The
-    // part of this derivative that is proportional to δ^(3/2) is removed, because it changes only q.
+    // Fit the exponent n of the law F = q δ^n by one linear step from n = 3/2. The step uses the derivative of q δ^n
+    // with respect to n, without its part that is proportional to δ^(3/2), because this part changes only q.
     let log = |[load, depth, _]: &[f64; 3]| match *depth > 0.0 {
         true => load * libm::log(*depth),
         false => 0.0,

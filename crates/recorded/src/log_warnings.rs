@@ -13,8 +13,8 @@ use super::glide_options::DEFAULT_OUTWARD;
 use super::glide_recording::GlideRecording;
 
 const LISTED_ROWS: usize = 10;
-/// A warning is shown if, because of correlated noise, at least this number of consecutive contacts counts as one
-/// independent contact.
+/// Correlated noise reduces several consecutive contacts to one independent contact. A warning is shown if more than
+/// this number of contacts counts as one.
 const MIN_CORRELATION: f64 = 1.5;
 const MIN_PROBABILITY: f64 = 0.9;
 /// If the p-value of the fit of a stated shape is below this value, there is a warning.
@@ -59,10 +59,10 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
     })
 }
 
-/// Warning that the sign of a curvature rests on an assumption, because the contacts have no normals. Either a fitted
-/// shape is assumed to be convex, or the object is concave and its outer side is assumed to face the default outward
-/// direction. The curvature along a single stroke also rests on an assumption: its size depends on the outer side.
-/// `None` if the curvature rests on no assumption.
+/// Warning that the estimated curvature depends on an assumption, because the contacts have no normals. There are three
+/// cases: a fitted shape is assumed to be convex; the estimate is concave if the outer side faces the default outward
+/// direction, as assumed; or a single stroke was recorded, and its curvature depends on the assumed outer side. `None`
+/// if the curvature depends on no assumption.
 pub(super) fn assumed_side(
     surface: Option<&ShapeFit>,
     stroke: Option<&StrokeCurvature>,
@@ -112,8 +112,8 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups, and the gap between the groups is wider than the gaps within each group.
-/// Two single strokes may be farther apart, because they may belong to two fingers.
+/// Warning if the contacts form two groups with a gap that is clearly wider than the gaps within each group. If a group
+/// is a single stroke, a wider gap is accepted, because two strokes may belong to two fingers.
 pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warning> {
     let place = |contact: &Contact| contact.position.coords;
     let farthest = |from: Vector3<f64>| {

@@ -13,8 +13,8 @@ use super::roll_recording::RollRecording;
 use super::roll_series::LeftOutProbe;
 use super::roll_warnings::units;
 
-/// A contact shift of zero counts as lost if the shift that the other rolls predict is larger than this multiple of
-/// their root mean square residual.
+/// A contact shift of zero counts as a lost reading if the other rolls predict a shift that is larger than this
+/// multiple of their root mean square residual.
 const MIN_RESIDUALS: f64 = 8.0;
 /// Relative tolerance in the test whether the shifts of the contacts are multiples of the pads' pitch. A tolerance is
 /// needed because files contain rounded numbers.
@@ -84,8 +84,8 @@ impl RollRecording {
         Ok(left_out)
     }
 
-    /// Whether the rolls with a shift of zero are lost readings. They are lost if, according to the other rolls, the
-    /// contact moved in each of them by more than pads or noise can hide.
+    /// Whether the rolls with a shift of zero are lost readings. They are if the other rolls predict, for each of them,
+    /// a shift that is too large to be hidden by the pads or by noise.
     fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses);
         let sound: Vec<ProbeReading> = sound

@@ -26,8 +26,8 @@ pub(super) const TERMS: [usize; 2] = [19, 20];
 /// Prior standard deviations of disc parameters, used if the study states none: depth (as a share of the sensor's
 /// radius), diameter (relative) and colours (relative).
 const DISC_STDS: [f64; 3] = [0.002, 0.02, 0.03];
-/// Number of simulated frames over which the effect of uneven light and blur on markers' images is averaged. The
-/// average reduces the influence of pixel noise.
+/// Number of simulated frames from which the effect of uneven light and blur on markers' images is computed. The
+/// average over several frames reduces the influence of pixel noise.
 const BLEMISHED_FRAMES: u64 = 4;
 
 #[derive(Clone)]
@@ -57,7 +57,7 @@ pub(super) struct CameraGeometry {
 }
 
 impl<'a> NominalSensor<'a> {
-    /// The nominal sensor of a press. The effect of uneven light and blur on the images is not computed yet.
+    /// The nominal sensor of a press. It does not contain the effect of uneven light and blur on the images.
     ///
     /// # Errors
     /// [`FieldError`] if the sensor has no camera or no discs.
@@ -147,9 +147,9 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Images of the markers at rest in several simulated frames with the imperfections `blemishes`; `None` for a
-    /// marker that is not found. The pixel noise of a frame does not depend on the imperfections, so that results with
-    /// different imperfections can be compared.
+    /// Images of the markers at rest in several simulated frames with the imperfections `blemishes` (uneven light and
+    /// blur); `None` for a marker that is not found. Frames with different imperfections have the same pixel noise, so
+    /// that the noise does not affect their difference.
     fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, FieldError> {
         let optics = self.optics_with(&self.geometry()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];

@@ -247,8 +247,7 @@ impl<'a> NumpyTable<'a> {
             ));
         }
         for element in 0..count {
-            // `indices` are the indices of this element in all dimensions after the first. The last index varies
-            // fastest.
+            // Compute the indices of this element in all dimensions after the first. The last index varies fastest.
             let mut rest = element;
             let mut indices = vec![0; within.len()];
             for (index, length) in indices.iter_mut().zip(within).rev() {
@@ -384,8 +383,8 @@ impl<'a> Array<'a> {
     }
 }
 
-/// Returns an error for arrays whose columns are ambiguous: several series side by side, of which each axis may be the
-/// time, and a grid beside the coordinates along its axes.
+/// Returns an error for arrays whose columns are ambiguous. There are two cases: an array with several series, whose
+/// first or second axis may be the time; and a grid with two separate arrays for the coordinates along its axes.
 fn ambiguous(arrays: &[(String, Array<'_>)]) -> Result<(), String> {
     let lines = arrays.iter().filter(|(_, array)| array.shape.len() == 1);
     let lines: Vec<_> = lines.map(|(name, array)| (name, array.shape[0])).collect();

@@ -61,7 +61,7 @@ pub fn estimate_press(
     if !misfits.iter().any(is_other) {
         misfits.extend(half_space_instead(&fit, &reading, &estimate, options));
     }
-    // A contact that is too wide is an error, unless a warning already states the cause.
+    // A contact area that is too wide for the object is an error, unless a warning already states the cause.
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -98,8 +98,9 @@ pub fn estimate_press(
 
 /// Compares the fit of a layer with the fit of a half-space, which has the same unknowns. Returns a misfit if the
 /// readings are much more probable with the half-space. The p-value is an upper bound: if the layer is right, the
-/// likelihood ratio exceeds 1/p with a probability of at most p. The comparison is made only if the noise is estimated:
-/// the fit of a wrong body may then reject the markers at the contact and estimate the noise from the other markers.
+/// likelihood ratio exceeds 1/p with a probability of at most p. The comparison is made only if the noise is estimated.
+/// In this case, the fit of a wrong body may reject the markers at the contact and take its noise from the other
+/// markers, so its residuals do not show the wrong body.
 fn half_space_instead(
     fit: &ForwardFit,
     reading: &Reading<'_>,
@@ -121,8 +122,8 @@ fn half_space_instead(
     (p_value < SIGNIFICANCE_LEVEL).then_some(Misfit::OtherBody { p_value })
 }
 
-/// Returns two fits: the fit that the options state, and a fit that estimates the indentation from the displacements
-/// alone. If the first fit is a Gaussian, the second fit uses the elastic body of the sensor instead.
+/// Returns two fits: the fit that the options state, and a fit for estimates of the indentation from the displacements
+/// alone. If the first fit is a Gaussian, the second uses the elastic body of the sensor.
 fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], PressError> {
     let model = options.model.reference();
     let body = sensor_body(&model, options.depth(), Body::bonded_layer)?;
@@ -188,8 +189,9 @@ pub(super) fn force_and_pressure(
 pub(super) const GIVE_INDENTATION: &str =
     "state setting `indentation` if the indentation is measured";
 
-/// Converts the error of a fit. If a single marker is wrong, the message states its line. The message also states a
-/// possible cause: a stated indentation that contradicts the readings, or a likely mistake of sign or unit.
+/// Converts an error of a fit to an error about the recording. If a single marker is wrong, the new error states the
+/// marker's line. Its message also states a possible cause: a stated indentation that contradicts the readings, or a
+/// likely mistake of sign or unit.
 fn refused(
     recorded: &PressRecording,
     options: &PressOptions,

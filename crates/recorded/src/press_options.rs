@@ -262,8 +262,8 @@ impl PictureOptions {
     }
 }
 
-/// The estimator and its elastic model. The estimator `gaussian` has neither a thickness nor a Poisson's ratio, but the
-/// elastic model that calibrates it has one of the two.
+/// The estimator and its elastic model, from the settings `given`. The settings `thickness` and `poisson` are not
+/// settings of the estimator `gaussian` itself, but of the elastic model that calibrates it. They exclude each other.
 fn estimator(
     given: &Map<String, Json>,
     base: &PressOptions,

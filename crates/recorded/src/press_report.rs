@@ -118,7 +118,8 @@ impl PressReport {
         let value = |estimated, power| Value::of(&estimated, power, unit);
         let std = |std: f64| Value::bare(std, unit.as_str());
         let curvature = estimate.object_curvature();
-        // The radius is the inverse of the curvature of the best fit, because `object_curvature` is corrected for bias.
+        // Compute the radius from the curvature of the best fit, not from `object_curvature`, which is corrected for
+        // bias.
         let most_likely = Estimated {
             value: estimate.most_likely_object_curvature(),
             ..curvature
@@ -191,8 +192,8 @@ impl Radius {
     fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
         let [low, high] = [curvature.interval.low, curvature.interval.high];
-        // If the interval of the curvature is unbounded, the radius may be arbitrarily small, so the lower end of its
-        // interval is 0.
+        // If the interval of the curvature is unbounded, the radius may be arbitrarily small, so the lower end of the
+        // radius's interval is 0.
         let sharpest = |end: Option<f64>| end.map_or(Some(0.0), |end| finite(end.recip().abs()));
         let flattest = |end: Option<f64>, is_beyond: bool| {
             end.filter(|_| is_beyond)

@@ -12,8 +12,8 @@ use super::press_recording::PressRecording;
 use super::press_report::Row;
 use super::source::ReadingSource;
 
-/// If an indentation is stated without a standard deviation, this standard deviation, relative to the indentation, is
-/// assumed.
+/// Assumed standard deviation of an indentation that is stated without a standard deviation, relative to the
+/// indentation.
 const INDENTATION_SHARE: f64 = 0.02;
 
 /// The stated indentation with its standard deviation. If the standard deviation is not stated, it is assumed, and the
@@ -33,8 +33,8 @@ pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured,
     (Measured { value, std }, Some(warning))
 }
 
-/// Converts the result `checked` of comparing a stated indentation with the readings. Returns a misfit, a warning that
-/// the comparison was impossible, or neither.
+/// Converts `checked`, the result of the comparison of a stated indentation with the readings. Returns a misfit if they
+/// contradict each other, a warning if the comparison was impossible, or neither.
 pub(super) fn indentation_check(
     checked: Result<Option<Misfit>, PressError>,
 ) -> (Option<Misfit>, Option<Warning>) {
@@ -159,8 +159,7 @@ const MIN_R_SQUARED: f64 = 0.5;
 
 /// Smallest normal displacement whose sign is checked, as a share of the largest displacement.
 const MIN_SIGNED: f64 = 0.2;
-/// Smallest share of outward displacements, among all displacements whose sign is checked, that causes a warning about
-/// the sign.
+/// A warning about the sign is shown if at least this share of the displacements whose sign is checked points outward.
 const MIN_OUTWARD: f64 = 0.9;
 
 /// Smallest accepted extent of the markers, relative to the sensor's radius. If the extent is smaller, there is a

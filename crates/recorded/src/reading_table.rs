@@ -137,7 +137,8 @@ impl ReadingTable {
         })?;
         let mut source = ReadingSource::new(&table.file.name, lines);
         let unread = header.unread(may, &places);
-        // A setting `columns` would read only one finger of a wide table.
+        // In a wide table (several fingers per row), omit the proposed setting `columns`, because it reads only one
+        // finger.
         let notes = [table.note(), unread.filter(|_| !table.is_wide())];
         let notes = notes.into_iter().flatten();
         source
@@ -189,8 +190,8 @@ impl ReadingTable {
 struct Labels(HashMap<String, usize>);
 
 impl Labels {
-    /// Index of the name `text` of a finger or probe. `None` if the field is empty, or if the first row of the table
-    /// had no name.
+    /// Index of the finger or probe with the name `text`. `None` if `text` is empty, or if the label in the first row
+    /// of the table is no name, such as a number.
     fn place(&mut self, text: &str, row: usize) -> Option<f64> {
         let is_word = !text.is_empty() && text.parse::<f64>().is_err();
         if self.0.is_empty() && !(row == 0 && is_word) {

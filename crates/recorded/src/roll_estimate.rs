@@ -25,7 +25,7 @@ use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
-/// Source of the thresholds of the shape classes, as the output states it.
+/// Text in the output that states how the thresholds of the shape classes are computed.
 const THRESHOLDS_FROM: &str = "the mean arc length: the mean threshold of the 1996 paper on its patch of 3 x 3, \
                                scaled to twice this length, and its square";
 
@@ -198,10 +198,10 @@ impl RollEstimate {
         QUANTITIES.into_iter().map(bounds).collect()
     }
 
-    /// Thresholds of the shape classes. The threshold of the mean curvature is that of the 1996 paper, scaled to a patch
-    /// as wide as two rolls in opposite directions. The threshold of the Gaussian curvature is its square, so that a
-    /// ball above the one threshold is also above the other. `None` if all rolls have the same direction, or if no
-    /// contact moved.
+    /// Thresholds of the shape classes. The threshold of the mean curvature is the threshold of the 1996 paper, scaled
+    /// to a patch as wide as two rolls in opposite directions. The threshold of the Gaussian curvature is the square of
+    /// this value, so that a ball exceeds either both thresholds or neither. `None` if all rolls have the same
+    /// direction, or if no contact moved.
     fn thresholds(&self) -> Option<ShapeThresholds> {
         let mean = of_size([2.0 * self.estimate.arc_length; 2])?.mean();
         let thresholds = ShapeThresholds::new(mean * mean, mean).ok();
@@ -436,9 +436,8 @@ pub fn estimate_roll(
     let covariance = fitted.covariance(&estimate);
     let single_direction = single.map(|(angle, mut fitted)| {
         fitted.pop();
-        // Use the fitted readings: in them, the component of the rotations across the single direction is 0. In the
-        // measured readings, this component is so small that it does not determine the curvature across the single
-        // direction.
+        // From here on, use the fitted readings, in which the rotations have no component across the single direction.
+        // In the measured readings, this component is too small to determine the curvature across that direction.
         recorded.readings = fitted;
         let half_width = half_width(noise_freedom);
         DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)
@@ -464,8 +463,8 @@ pub fn estimate_roll(
 const MAX_CACHED: usize = 64;
 
 /// Half-width of the 95 % interval, as a number of standard errors. `freedom` is the number of degrees of freedom from
-/// which the noise was estimated; `None` if it was not estimated. The result for a small number is stored, because its
-/// computation takes longer than the estimate from a few rolls.
+/// which the noise was estimated; `None` if it was not estimated. For few degrees of freedom, the result is stored,
+/// because its computation takes longer than the estimate from a few rolls.
 fn half_width(freedom: Option<usize>) -> f64 {
     static CACHE: [OnceLock<f64>; MAX_CACHED] = [const { OnceLock::new() }; MAX_CACHED];
     let Some(freedom) = freedom else {

@@ -35,9 +35,9 @@ pub struct RollRecording {
 }
 
 impl RollRecording {
-    /// Readings of probes: `rotations` contains the rotation vector of each probe, and `shifts` the shift of its
-    /// contact. A rotation may have a third component about the normal, which does not move the contact. Lengths are in
-    /// `unit`.
+    /// Builds a recording of rolls, one reading per probe. `rotations` contains the rotation vector of each probe
+    /// (rad), and `shifts` the shift of its contact. A rotation may have a third component about the normal, which does
+    /// not move the contact. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::{RollOptions, RollRecording, estimate_roll};
@@ -76,9 +76,9 @@ impl RollRecording {
         })
     }
 
-    /// Rolls as time series, one row per sample: time (s), rotation vector of the probe since the start of its roll,
-    /// and position of the contact. A new roll starts where the time does not increase. If `has_pads`, the positions
-    /// are centres of active pads.
+    /// Builds a recording of rolls as time series, one row per sample: time (s), rotation vector of the probe since the
+    /// start of its roll, and position of the contact. A new roll starts where the time does not increase. If
+    /// `has_pads`, the positions are centres of active pads.
     ///
     /// # Errors
     /// The errors of [`RollRecording::new`].
@@ -127,9 +127,9 @@ impl RollRecording {
         })
     }
 
-    /// Leaves out rolls that repeat an earlier roll, if these are at least half of all rolls, and returns a warning;
-    /// `None` if no roll was left out. No roll is left out if some rolls have equal rotations but different shifts,
-    /// because the repetitions may then be due to a coarse sensor.
+    /// Leaves out rolls that repeat an earlier roll, if at least half of all rolls are repetitions. Returns a warning;
+    /// `None` if no roll was left out. If some rolls have equal rotations but different shifts, no roll is left out:
+    /// the equal readings may then come from a coarse sensor.
     pub(super) fn leave_out_copies(&mut self) -> Option<String> {
         let readings = &self.readings;
         let is_repeated = |(place, one)| readings[..place].contains(one);

@@ -56,9 +56,9 @@ impl RotationForm {
         Self::AxisAngle,
     ];
 
-    /// The form in which a table states rotations. If the table has all columns of a form, it is this form. Otherwise,
-    /// it is the form whose column names resemble names in the table or, if there is none, a form with at least one
-    /// column in the table.
+    /// The form in which a table states rotations. The first form that meets one of three criteria is used, in this
+    /// order: the table has all columns of the form; names in the table resemble all columns of the form; the table has
+    /// at least one column of a form with more than three columns. Otherwise, the form is a rotation vector.
     pub(super) fn of(header: &Header<'_>) -> Self {
         let has = |column: &Column| header.has(column);
         let find = |fits: &dyn Fn(&[Column]) -> bool| {
@@ -144,13 +144,13 @@ pub(super) fn between(
     rotation.scaled_axis()
 }
 
-/// Orders in which a file may list the components of a quaternion. A list contains the positions of x, y, z and w. In
-/// the first order, the scalar part w is last; in the second, it is first.
+/// Orders in which a file may list the components of a quaternion. Each constant contains the positions of x, y, z and
+/// w in the file. With `SCALAR_LAST`, the scalar part w is last; with `SCALAR_FIRST`, it is first.
 pub(super) const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
 pub(super) const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
 
-/// Value of the setting `columns` that assigns the file's column names `names` to the components of a quaternion in
-/// this order.
+/// Value of the setting `columns` that assigns the file's columns `names` to the components of a quaternion. `order`
+/// contains the positions of x, y, z and w in `names`.
 pub(super) fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
     let pairs = QUATERNION.iter().zip(order);
     let pairs: Vec<String> = pairs
@@ -162,9 +162,9 @@ pub(super) fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
 /// Rotation vector of a roll, and the shift of its contact.
 pub(super) type Turned = (Vector3<f64>, [f64; 2]);
 
-/// Limits for rotations and shifts that count as rolls. `MAX_SPIN` is the largest ratio of the rotations about the
-/// normal to the other rotations. `MIN_CORRELATION` is the smallest correlation between the shifts and the shifts that
-/// the same rotations cause on a plane.
+/// Two limits for readings that count as rolls. `MAX_SPIN` is the largest ratio of the rotation about the normal to the
+/// rotation about the tangents (root mean squares). `MIN_CORRELATION` is the smallest correlation between the measured
+/// shifts and the shifts that the same rotations cause on a plane.
 const MAX_SPIN: f64 = 0.3;
 const MIN_CORRELATION: f64 = 0.5;
 

@@ -131,7 +131,8 @@ pub(super) fn estimate_of_series(
     let radius = options.probe_radius;
     let fit = |method| estimate_series(method, radius, &places, &series.noise, &readings.rolls);
     let mut estimate = fit(method);
-    // Readings that do not determine how the curvature changes may still bound a constant curvature.
+    // If the readings do not determine how the curvature changes along the roll, they may still bound a constant
+    // curvature.
     if estimate.is_err() && chosen_because.is_some() && has_pads {
         (name, estimate) = ("pad-edge", fit(SeriesMethod::PadEdge));
     }

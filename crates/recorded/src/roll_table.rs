@@ -27,11 +27,11 @@ use super::text_table::TextTable;
 
 use super::roll_recording::{RollRecording, reading, sample};
 
-/// Reads recorded rolls: one row per probe, or a time series per probe. The shift of a time series depends on its
-/// columns. With columns `pad_u,pad_v`, it is the last row. With columns `contact_u,contact_v`, it is the difference
-/// between the last row and the first row. The rotation may be a vector, a unit quaternion, a matrix, or an axis with
-/// an angle. If there is no column `probe`, each row or series counts as a probe. A new series starts after a blank
-/// line or where the time does not increase.
+/// Reads recorded rolls: one row per probe, or a time series per probe. In a time series, the shift of the contact
+/// depends on the columns. The columns `pad_u,pad_v` state the shift since the start, so the last row is used. The
+/// columns `contact_u,contact_v` state positions, so the first row is subtracted from the last row. The rotation may be
+/// a vector, a unit quaternion, a matrix, or an axis with an angle. If there is no column `probe`, each row or series
+/// counts as a probe. A new series starts after a blank line or where the time does not increase.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -157,8 +157,8 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     let mut notes = sheet.source.notes.clone();
     let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
-    // The file may not state the frame of reference of its orientations. For orientations over time, try both frames:
-    // that of the probe and that of the world.
+    // The file may not state the frame of reference of its orientations. For time series, try both frames: the probe's
+    // frame and the world's frame.
     let frames = match file.form.rotation_frame {
         Some(stated) => vec![stated],
         None if kind == Kind::Rows => vec![RotationFrame::Probe],
@@ -324,8 +324,8 @@ struct Roll<'a> {
 }
 
 impl Roll<'_> {
-    /// Rotation and shift of the roll from its start to its end. The error is the line number of a wrong row, and a
-    /// message.
+    /// Rotation and shift from the start to the end of the roll. The error consists of the line number of a wrong row
+    /// and a message.
     fn relative(
         &self,
         kind: Kind,

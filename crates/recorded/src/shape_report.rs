@@ -1,5 +1,5 @@
-//! Reports about recorded contacts. There are reports about a fitted plane, sphere or cylinder, about a single stroke,
-//! and about contacts that were left out.
+//! Reports about a fitted plane, sphere or cylinder, about a single stroke, and about contacts that were left out of
+//! the fit.
 
 use std::collections::BTreeMap;
 
@@ -86,7 +86,8 @@ pub(super) struct ShapeReport {
 }
 
 impl ShapeReport {
-    /// Report of the fitted shape. `is_open` states that the contacts do not determine the size of the shape.
+    /// Report of the fitted shape. `is_open` states whether the contacts do not determine the size of the shape; the
+    /// sizes are then `null`.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
         let size = |size: &SizeEstimate, power: Unit| match is_open {
             true => Value::open(power, unit),

@@ -27,8 +27,8 @@ pub struct DirectedCurvature {
 }
 
 /// If all rolls have one direction, returns the angle of the contact's path (from u towards v), and readings for a fit.
-/// The readings for the fit contain one artificial roll, because the fit would be impossible without it. The artificial
-/// roll is perpendicular to the recorded rolls, and its shift is the shift of a roll on a plane.
+/// The readings for the fit contain one artificial roll, because the recorded rolls alone do not determine the fit. The
+/// artificial roll is perpendicular to the recorded rolls. Its shift is that of a roll on a plane.
 ///
 /// Let g be the direction in which the probe is turned (perpendicular to the rotation axis), and b the displacement of
 /// the contact per radian. The relative curvature along b is b·g/(|b|²|g|). This curvature does not depend on the
@@ -45,8 +45,8 @@ pub(super) fn single_direction(
         let drive = drive(&(reading.rotation / largest));
         moment += drive * drive.transpose();
     }
-    // If q is the ratio of the eigenvalues of a 2 × 2 matrix, the determinant of the matrix divided by its squared
-    // trace is q/(1 + q)².
+    // The rolls have a single direction if the ratio q of the eigenvalues is below `RATIO`. For a 2 × 2 matrix, the
+    // determinant divided by the squared trace is q/(1 + q)².
     const RATIO: f64 = MAX_SPREAD * MAX_SPREAD;
     let (trace, determinant) = (moment.trace(), moment.determinant());
     let is_single = determinant * (1.0 + RATIO) * (1.0 + RATIO) < RATIO * trace * trace;
@@ -78,8 +78,8 @@ pub(super) fn single_direction(
 }
 
 impl DirectedCurvature {
-    /// The curvature along a path at the angle `angle` from u. `estimate` is the estimate from the readings that
-    /// [`single_direction`] returns.
+    /// The curvature along a path with the direction `angle` (rad, from u towards v). `estimate` must be computed from
+    /// the readings that [`single_direction`] returns.
     pub(super) fn new(
         angle: f64,
         estimate: &Estimate,

@@ -22,8 +22,9 @@ pub(super) struct Wide {
     pub(super) header: Vec<String>,
 }
 
-/// Names for the `count` columns of a table without a header: the columns in the first list of `orders`, if this list
-/// has `count` columns. Otherwise the error message proposes another list with `count` columns, if there is one.
+/// Names for the `count` columns of a table without a header. If the first list of `orders` has `count` columns, it
+/// contains the names. Otherwise, the error message proposes another list of `orders` with `count` columns, if there is
+/// one.
 pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<String>, String> {
     let names = |order: &[Column]| order.iter().map(|column| column.name.to_owned()).collect();
     if let Some(required) = orders.first().filter(|order| order.len() == count) {
@@ -64,8 +65,8 @@ pub(super) fn is_of_rostopic(header: &[String]) -> bool {
 }
 
 /// Header of a log that `rostopic echo -p` wrote. Fields with the same meaning as a column of palpate get palpate's
-/// names. The second result lists the pairs of names (in the file, and of palpate). Lengths are in metres, as in all
-/// messages of ROS. `None` for other headers.
+/// names. The second result lists the renamed fields as pairs: name in the file, palpate's name. Lengths are in metres,
+/// as in all messages of ROS. `None` for other headers.
 pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<String>, String)> {
     let headings: Vec<Heading<'_>> = header.iter().map(|name| Heading::of(name)).collect();
     let mut free: Vec<usize> = (1..header.len()).collect();
@@ -159,8 +160,8 @@ const FINGER_WORDS: &str = "finger link fingertip f tip digit probe roll trial c
 /// Words that name a finger in a column name.
 const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right";
 
-/// A wide table, if the header has the same columns for several fingers. The first of `columns` must be the column with
-/// the label of the finger; otherwise the result is `None`. Lengths without a unit get the unit `length`.
+/// Recognises a wide table: its header has the same columns for several fingers. `None` for other tables, and if the
+/// first of `columns` is not the column with the label of the finger. Lengths without a unit get the unit `length`.
 pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Option<Wide> {
     let (label, columns) = columns.split_first()?;
     if label.measure != Measure::Plain {
@@ -243,7 +244,8 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         .iter()
         .enumerate()
         .map(|(place, column)| (place, self::words(column.stem())));
-    // In `normal_1_x`, the number is between the words of the column `normal_x`. Move it to the front.
+    // In `normal_1_x`, the number of the finger is between the words of the column `normal_x`. Move the number to the
+    // front.
     for at in 2..words.len() {
         let is_split = |stem: &&Column| *stem.stem() == format!("{}_{}", words[at - 2], words[at]);
         if is_identifier(&words[at - 1]) && columns.iter().any(is_split) {

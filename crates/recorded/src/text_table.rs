@@ -50,9 +50,9 @@ pub(super) struct TextTable<'a> {
 }
 
 impl<'a> TextTable<'a> {
-    /// Recognises the format of a file and reads the header. `orders` contains lists of columns; if the columns of the
-    /// file have no names, they get the names of such a list. The first list contains the required columns. A wide
-    /// table may have the columns of the last list.
+    /// Recognises the format of a file and reads the header. `orders` contains lists of columns. The first list
+    /// contains the required columns; columns without names in the file get these names. A wide table (several fingers
+    /// per row) may have the columns of the last list.
     pub(super) fn of(file: &'a RecordedFile, orders: &[&[Column]]) -> Result<Self, RecordedError> {
         let (format, header, header_line) = match NumpyTable::of(file) {
             Some(table) => {
@@ -295,9 +295,9 @@ impl<'a> Text<'a> {
         Self { all, end, line: 1 }
     }
 
-    /// Returns the text from its header on, and the delimiter if a line `sep=` states it. Excel writes this line before
-    /// the header. Lines that begin with # are comments. If numbers follow the comments, the last comment is the
-    /// header, as in files of NumPy.
+    /// Returns the text without the lines before its header, and the delimiter if a line such as `sep=;` states it.
+    /// Excel writes this line before the header. Lines that begin with # are comments. If numbers follow the comments,
+    /// the last comment is the header, as in files of NumPy.
     fn begun(self) -> (Self, Option<Delimiter>) {
         let (mut start, mut comment, mut stated) = (0, None, None);
         for (line, number) in self.lines().zip(1..) {

@@ -67,7 +67,7 @@ impl Default for Truth {
 }
 
 impl Truth {
-    /// The nominal camera with one difference: its lens has the true coefficients k3 and k5.
+    /// The nominal camera, but with the true coefficients k3 and k5 of its lens.
     fn lens(&self) -> Camera {
         Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
     }
@@ -154,13 +154,14 @@ fn one_frame_locates_the_camera() {
             square += pull * pull;
             count += 1.0;
         }
-        // If the rim of the frame cuts some of the 77 markers, as in the last frame, they do not count as missing.
+        // There must be no warning about missing markers, although the rim of the last frame cuts some of the 77
+        // markers.
         assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
         let used = estimate.residuals_px.len();
         let expected = if seed < 3 { 75..=77 } else { 0..=76 };
         assert!(expected.contains(&used), "{used}");
-        // The frame must determine the camera much better than the priors do, whose standard deviations are 2 mm, 5
-        // degrees and 10 %.
+        // The standard errors must be much smaller than the prior standard deviations, which are 2 mm, 5 degrees and 10
+        // %.
         assert!(
             estimate.place_std.iter().all(|std| *std < 0.3),
             "{estimate:?}"
@@ -296,8 +297,8 @@ fn an_error_names_the_blur_that_hides_all_markers() {
 fn errors_name_unusable_frames() {
     let here = study(20.0);
     let truth = Truth::default();
-    // On this study's sensor, the angular distances of the markers are 1.5 times those in the frame. So the frame must
-    // be rejected.
+    // The frame must be rejected, because the study states another layout: its markers are 1.5 times as far apart (in
+    // angle) as those in the frame.
     let said = refused(truth.frame(1), &study(30.0));
     assert!(
         said.contains("another layout") || said.contains("contradicts"),

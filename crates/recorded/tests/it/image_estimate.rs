@@ -115,7 +115,7 @@ fn warp(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
     }
 }
 
-/// If all markers move in the same way, the camera has moved; a press cannot cause this.
+/// If all markers move in the same way, the camera has moved. A press cannot cause such a motion.
 #[test]
 fn a_camera_that_moved_between_the_frames_causes_a_warning() {
     let study = study();

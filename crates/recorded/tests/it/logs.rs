@@ -187,8 +187,7 @@ fn strokes_along_a_cylinder_are_open_across_it() {
     }
 }
 
-/// The contacts of a finger are not left out only because this finger recorded its contacts farther apart than the
-/// other fingers.
+/// A finger whose contacts are farther apart than those of the other fingers must not lose contacts as outliers.
 #[test]
 fn a_finger_with_long_steps_is_not_beside_its_path() {
     let mut noise = Stream::new(49, 0, Channel::Position);
@@ -377,8 +376,8 @@ fn a_stated_tip_radius_is_compared_with_the_column() {
     }
 }
 
-/// Swapped components of normals cause a warning. Correct normals of contacts on a single arc, on two lines or on three
-/// lines cause none, although arcs and two lines do not determine the surface across them.
+/// Swapped components of normals must cause a warning. Correct normals of contacts on a single arc, on two lines or on
+/// three lines must cause none, although an arc or two lines do not determine the surface across them.
 #[test]
 fn swapped_normals_on_lines_cause_a_warning() {
     let mut noise = Stream::new(1996, 0, Channel::Position);

@@ -15,8 +15,8 @@ fn rows(samples: u32) -> Vec<[f64; 6]> {
     flattening(samples, 4, PITCH, 0.0)
 }
 
-/// Like [`rows`], with `count` rolls on an object whose curvature decreases along the rolls: the contact's travel per
-/// radian grows by the share `growth` times the squared rotation.
+/// Like [`rows`], but with `count` rolls on an object whose curvature decreases along the rolls. At the rotation φ
+/// (rad), the contact's travel per radian is larger than at the start by the share `growth` times φ².
 fn flattening(samples: u32, count: u32, pitch: f64, growth: f64) -> Vec<[f64; 6]> {
     let [probe, object] = RADII;
     let mut rows = Vec::new();
@@ -57,7 +57,8 @@ fn estimate(table: &str, settings: &Value) -> Result<Value, String> {
     Ok(serde_json::to_value(estimate).unwrap())
 }
 
-/// `auto` uses `trajectory`, whose intervals contain the curvature whether it changes or not.
+/// The method `auto` chooses `trajectory`. Its intervals must contain the true curvature, for constant and for changing
+/// curvature.
 #[test]
 fn auto_follows_a_changing_curvature() {
     for (growth, rotation_std) in [(0.05, 0.0), (0.0, 0.001), (0.05, 0.001)] {
@@ -71,7 +72,7 @@ fn auto_follows_a_changing_curvature() {
     }
 }
 
-/// The contact stays on one pad or the next, so the change of the curvature is not determined.
+/// The contact crosses at most one edge between two pads, so the readings do not determine how the curvature changes.
 #[test]
 fn auto_bounds_the_curvature_if_few_edges_are_crossed() {
     let auto = json!({ "kind": "auto", "pitch": 3.0 });

@@ -149,7 +149,7 @@ fn followed(table: &str) -> Value {
     })
 }
 
-/// Rotations beyond half a turn are no rolls in rad, so the hint proposes degrees.
+/// Numbers above π cannot be rotations of a roll in rad, so the error message proposes degrees.
 #[test]
 fn rolls_without_a_unit_may_be_in_degrees() {
     let table = |unit: &str| {
@@ -341,8 +341,8 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let quaternions = table("probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm", None, quaternion);
     let error = roll(&quaternions, "rotation_x_rad=qx,rotation_y_rad=qy", None).unwrap_err();
     assert!(error.contains("which is part of a quaternion"), "{error}");
-    // These rolls do not show which component is the scalar part. The message names both orders, and the table can be
-    // read in each of them.
+    // These rolls do not show whether the scalar part of the quaternion is the first or the last number. The message
+    // must propose both orders, and the table must be readable with each.
     let two =
         "probe,q0,q1,q2,q3,shift_u_mm,shift_v_mm\n0,0.7,0.1,0.1,0.7,1,0\n1,0.7,0.1,-0.1,0.7,0,1\n";
     let error = roll(two, "", None).unwrap_err();

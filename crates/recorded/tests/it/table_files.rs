@@ -125,8 +125,8 @@ fn files_of_other_programs_hold_the_same_contacts() {
         let found = glide(&contents, "").unwrap_or_else(|error| panic!("{error}: {contents}"));
         assert_eq!(found, expected, "{contents}");
     }
-    // The columns of these arrays have no unit. The columns are in an unusual order, or their names consist of two
-    // words. The setting that the message proposes must read them.
+    // The columns of these arrays have no unit, and are in an unusual order or have names of two words. The file must
+    // be readable with the setting that the message proposes.
     let hinted = |contents: &[u8]| {
         let error = glide(contents, "").unwrap_err();
         glide(contents, hint(&error)).unwrap()
@@ -292,7 +292,7 @@ fn wide_tables_hold_several_fingers() {
         };
         format!("{header}\n{}", (0..10).map(row).collect::<String>())
     };
-    // The name of a column: `C` is replaced by the name in `columns`, then `F` by the finger.
+    // Builds the names of all columns from the pattern `name`: `C` is replaced by the column, then `F` by the finger.
     let repeated = |name: &str, fingers: [&str; 3], columns: &[&str]| {
         let of_finger = |finger: &str| -> Vec<String> {
             let name = |column| name.replace('C', column).replace('F', finger);
@@ -449,7 +449,7 @@ fn damaged_files_are_refused_with_the_reason() {
         let error = glide(&contents, "").unwrap_err();
         assert!(error.contains(words), "{words}: {error}");
     }
-    // Each list may be a finger or a time. With its key, each reading has its finger.
+    // Each inner list may contain the readings of several fingers or of several times. This must be an error.
     let list = |item: &str| format!("[{}]", [item; 6].join(","));
     let points = format!("{{\"points\":{}}}", list("[1,2,3]"));
     let axes = ["x", "y", "z"].map(|axis| format!("\"{axis}\":{}", list("1")));
