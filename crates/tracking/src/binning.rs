@@ -1,13 +1,13 @@
-//! A frame at a lower resolution, in which the finder searches for markers. It consists of sums over square bins of
-//! pixels.
+//! A frame at lower resolution, in which the finder searches for markers. Each of its points is the sum over a bin,
+//! which is a square of pixels.
 
 use image::RgbImage;
 
 /// Largest side of a bin, px. The limit ensures that the sum over a bin fits into 16 bits.
 pub(crate) const LARGEST_BIN: usize = 16;
 
-/// Sums of red, green and blue over bins of `bin` by `bin` pixels, row by row. Pixels at the right and bottom edges
-/// that do not fill a complete bin are ignored.
+/// Sums of red, green and blue over bins (squares of `bin` by `bin` pixels), row by row. Pixels at the right and bottom
+/// edges that do not fill a complete bin are ignored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BinnedFrame {
     pub(crate) width: usize,

@@ -84,9 +84,9 @@ impl Calibration {
         self.markers
     }
 
-    /// Checks the number of markers that a sensor shows at rest. The number `found` may differ by 10 % from the number
-    /// in the calibration, because some markers may be hidden. If the calibration uses a separate slope for each
-    /// marker, both numbers must be equal, because the slopes are stored by marker index.
+    /// Checks that `found`, the number of markers in a frame at rest, fits this calibration. The number may differ by
+    /// 10 % from the number in the calibration, because some markers may be hidden. If the calibration uses a separate
+    /// slope for each marker, both numbers must be equal, because the slopes are stored by marker index.
     ///
     /// # Errors
     /// [`CalibrationError::AnotherLayout`] if the number of markers does not fit.
@@ -121,8 +121,8 @@ impl Calibration {
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CalibrationError {
-    /// There are fewer points than a fit of a line needs, or the calibration has neither a normal nor a tangential
-    /// part.
+    /// There are fewer calibration points than a fit of a line needs, or the calibration is for neither normal nor
+    /// tangential displacements.
     #[error("{count} {what}; a calibration needs at least {needed}")]
     TooFewPoints {
         /// Text that states what was counted: calibration points, or parts (normal and tangential) of the calibration.

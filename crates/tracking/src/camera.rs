@@ -63,8 +63,9 @@ impl Equidistant {
         Err(CalibrationError::out_of_range(what, value, needed))
     }
 
-    /// This camera with odd terms in its lens: r = f (θ + k3 θ³ + k5 θ⁵), where r is the distance from the image's
-    /// centre. Image points beyond the angle at which r stops increasing belong to no valid place.
+    /// Returns this camera with odd terms in its lens: r = f (θ + k3 θ³ + k5 θ⁵). Here r is the distance from the
+    /// image's centre, θ the angle from the axis and f the focal length. Image points beyond the angle at which r stops
+    /// increasing show no valid place on the skin.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless `k3` and `k5` lie between -100 and 100.
@@ -88,8 +89,8 @@ impl Equidistant {
         self.px_per_rad
     }
 
-    /// Place on the skin (rad) that the camera shows at an image point. If the point does not belong to a valid place,
-    /// the result is the apex.
+    /// Place on the skin that the camera shows at an image point: two coordinates in rad, which are 0 at the apex. If
+    /// the lens model assigns no place to the point, the result is the apex.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
         self.finite_place(point_px).unwrap_or_default()
     }
@@ -109,11 +110,12 @@ impl Equidistant {
         }
     }
 
-    /// Great-circle displacement (rad) from one image point to another, along the axes at the first place. The
-    /// displacement is 0 if one of the points does not belong to a valid place.
+    /// Great-circle displacement (rad) between the places that the camera shows at two image points, along the axes at
+    /// the first place. The displacement is 0 if the lens model assigns no place to one of the points.
     ///
-    /// In the radial direction of the image, this displacement equals the distance in pixels divided by the focal
-    /// length. In the perpendicular direction, the image is stretched by the factor θ/sin θ.
+    /// In the radial direction of the image, this displacement is the distance in pixels divided by the focal length.
+    /// In the perpendicular direction, it is smaller by the factor θ/sin θ, by which the lens stretches the image at
+    /// the angle θ from its axis.
     fn shift(&self, rest_px: [f64; 2], pressed_px: [f64; 2]) -> [f64; 2] {
         match (self.finite_place(rest_px), self.finite_place(pressed_px)) {
             (Some(rest), Some(pressed)) => great_circle(rest, pressed),
@@ -123,8 +125,8 @@ impl Equidistant {
 
     /// Change of a tracked marker, corrected for the distortion of the lens. The shift (px) is the angle by which the
     /// marker moved, multiplied by the focal length (px per radian). The growth is half the change of ln Ω, where Ω is
-    /// the solid angle of the marker as seen from the camera. `None` unless the marker was tracked, both of its images
-    /// belong to valid places, and all numbers are finite.
+    /// the solid angle of the marker as seen from the camera. `None` unless the marker was tracked, the lens model
+    /// assigns places to both of its images, and all numbers are finite.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;
@@ -145,16 +147,17 @@ impl Equidistant {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Factor by which the lens enlarges areas of the image at the angle `angle` from the camera's axis: the image area
-    /// of a small solid angle, relative to its image area on the axis.
+    /// Factor by which the lens enlarges the image at the angle `angle` (rad) from the camera's axis: the image area of
+    /// a small solid angle, divided by the image area of the same solid angle on the axis.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
         stretching(angle) * (even * slope)
     }
 }
 
-/// Factor θ/sin θ by which an equidistant lens enlarges areas of the image at the angle θ from its axis: the image area
-/// of a small solid angle, relative to its image area on the axis. Beyond a right angle, the factor stays constant.
+/// Factor θ/sin θ by which an equidistant lens enlarges the image at the angle θ (`angle`, rad) from its axis: the
+/// image area of a small solid angle, divided by the image area of the same solid angle on the axis. Beyond a right
+/// angle, the factor stays constant.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(FRAC_PI_2);
     if angle < 1e-8 {
@@ -182,7 +185,7 @@ fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     ]
 }
 
-/// Great-circle displacement (rad) from one place to another (logarithm map), along the axes at `from`.
+/// Great-circle displacement (rad) from the place `from` to the place `to` (logarithm map), along the axes at `from`.
 pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let [start, x_axis, y_axis] = frame(from);
     let [end, ..] = frame(to);
@@ -199,8 +202,8 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Smallest allowed slope dr/dθ of a lens (image distance r over angle θ), relative to its slope on the axis. If the
-/// slope is smaller, angles cannot be determined from distances.
+/// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. Here r is the distance from the image's
+/// centre, and θ the angle from the axis. With a smaller slope, θ cannot be computed accurately from r.
 const MIN_SLOPE: f64 = 0.01;
 /// Maximum number of Newton steps of [`OddTerms::angle`]. A step that would leave the interval of the solution is
 /// replaced by a bisection.
@@ -251,8 +254,8 @@ impl OddTerms {
         [term(1.0, 1.0), term(3.0, 5.0)]
     }
 
-    /// Angle from the axis of the place whose image has a given distance from the image's centre. `scaled` is this
-    /// distance divided by the focal length. `None` if no valid place has this distance.
+    /// Angle (rad) from the camera's axis that belongs to a distance from the image's centre. `scaled` is this distance
+    /// divided by the focal length. `None` if the lens does not reach this distance.
     fn angle(self, scaled: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_angle);
         let distance = |angle: f64| angle * self.stretches(angle)[0];
@@ -300,8 +303,9 @@ mod tests {
         let along = camera.shift(rest, [rest[0] + 2.3, rest[1]]);
         assert_relative_eq!(along[0], 0.01, epsilon = 1e-12);
         assert_relative_eq!(along[1], 0.0, epsilon = 1e-12);
-        // A place at 1 rad from the apex lies on a circle of radius sin 1, but its image lies on a circle of radius 1.
-        // So a pixel in the azimuthal direction corresponds to a smaller angle than a pixel in the radial direction.
+        // A place at 1 rad from the apex lies on a circle of radius sin 1 (on the unit sphere), but its image lies on a
+        // circle with a radius of 1 focal length. So a pixel in the azimuthal direction corresponds to a smaller angle
+        // than a pixel in the radial direction.
         let across = camera.shift(rest, [rest[0], rest[1] - 1e-3]);
         assert_relative_eq!(
             across[1],
@@ -337,8 +341,8 @@ mod tests {
         assert!(camera().with_odd_terms([f64::NAN, 0.0]).is_err());
         assert!(camera().with_odd_terms([0.0, 1e9]).is_err());
         // The slope d(r/f)/dθ = 1 − 3 θ² of this lens decreases to 0.01 at the angle θ = 0.574 rad. At this angle, the
-        // distance from the middle of the image is 0.385 focal lengths. Points farther from the middle are not valid
-        // places.
+        // distance from the middle of the image is 0.385 focal lengths. The lens model assigns no place to points
+        // farther from the middle.
         let folded = camera()
             .with_odd_terms([-1.0, 0.0])
             .expect("terms in range");
@@ -354,7 +358,8 @@ mod tests {
         let back = camera.shift(point, apex);
         for axis in 0..2 {
             assert_relative_eq!(there[axis], camera.place(point)[axis], epsilon = 1e-14);
-            // Axes that are transported along a meridian keep their angle to the meridian.
+            // The displacement back is the reverse of the displacement there, because parallel transport along a
+            // meridian keeps the angle between the axes and the meridian.
             assert_relative_eq!(back[axis], -there[axis], epsilon = 1e-14);
         }
         assert_eq!(camera.shift(point, point), [0.0, 0.0]);
@@ -363,8 +368,8 @@ mod tests {
     #[test]
     fn a_marker_that_only_moves_outward_does_not_grow() {
         let camera = camera();
-        // `marker` returns the image of a marker at the given angle from the axis. The marker's solid angle is the same
-        // at all these angles.
+        // `marker` returns the image of a marker at the angle `angle` from the axis. The marker's solid angle does not
+        // depend on `angle`.
         let marker = |angle: f64| Marker {
             centroid_px: [319.5 + 230.0 * angle, 319.5],
             hue_turns: 0.9,

@@ -17,7 +17,7 @@ pub struct SizesDiffer {
 
 /// Image of the signed difference between the green channels of two frames, as in Fig. 7b of the 2020 paper. A pixel
 /// without a difference is white. A pixel with more green light in the pressed frame is green. A pixel with less green
-/// light is magenta, because magenta absorbs green light. A difference of `full_levels` levels (of 255) or more has the
+/// light is magenta, the complementary colour of green. A difference of `full_levels` levels (of 255) or more has the
 /// full colour.
 ///
 /// ```

@@ -59,8 +59,7 @@ pub enum TrackingError {
         /// Number of connected shapes that were examined.
         shapes: usize,
     },
-    /// The frame has more connected shapes than a sensor has markers. Either it is noisy, or it is not a frame of a
-    /// sensor.
+    /// The frame has more connected shapes than the limit. Either the frame is noisy, or it does not show a sensor.
     #[error("{shapes} shapes differ from the background; at most {most} are allowed")]
     TooMany {
         /// Number of connected shapes in the frame.

@@ -25,7 +25,8 @@ pub enum FieldError {
     /// There are no markers between which a field can be interpolated.
     #[error("a displacement field needs at least one marker, but there is none")]
     NoMarkers,
-    /// A number of a marker is not finite or too large, or the marker is more than half a turn away from the apex.
+    /// A displacement or coordinate of a marker is not finite or too large, or the marker is more than half a turn away
+    /// from the apex.
     #[error(
         "marker {marker} (counting from 0): its displacement is not finite or beyond 1e100, or \
          its position is more than half a turn from the apex"
@@ -186,7 +187,7 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In a very thin triangle, the radius of the circumcircle overflows, and the natural-neighbour weights are
+            // In a very thin triangle, the radius of the circumcircle overflows, and natural-neighbour weights are then
             // not between 0 and 1. In this case, use the barycentric weights of the triangle.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
@@ -217,8 +218,8 @@ impl Field {
         let middle = 0.5 * (low + high);
         match count {
             1 => vec![middle],
-            // Written this way, the linear interpolation returns exactly the smallest and the largest coordinate at its
-            // ends.
+            // This form of the linear interpolation has no rounding error at its ends, which are the smallest and the
+            // largest coordinate.
             _ => (0..count)
                 .map(|step| step as f64 / (count as f64 - 1.0))
                 .map(|share| low * (1.0 - share) + high * share)
@@ -246,10 +247,10 @@ impl Field {
         }
     }
 
-    /// Mean displacement of the skin away from the centre of the contact. The marker with the largest normal
-    /// displacement counts as the centre of the contact. The mean is over all other markers, and their inward
-    /// displacements are the weights. A positive result means that the skin slips on the object, or that the object
-    /// pushes the skin aside. The result is `None` if no other marker was displaced inward.
+    /// Mean displacement of the skin (length) away from the centre of the contact, along the skin. The marker with the
+    /// largest normal displacement counts as the centre of the contact. The mean is over all other markers, weighted by
+    /// their inward displacements. A positive result means that the skin slips on the object, or that the object pushes
+    /// the skin aside. The result is `None` if no other marker was displaced inward.
     pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
         let (centre, largest) = normals.fold((0, f64::NEG_INFINITY), |best, one| {

@@ -15,8 +15,8 @@ use crate::{Ground, Marker, Mask, TrackingError};
 /// The markers that were found in a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The image circle, stated by the caller or found in the frame. If neither is possible, it is a circle around the
-    /// whole frame.
+    /// The image circle (the part of the frame that shows the sensor). It was stated by the caller or found in the
+    /// frame. Otherwise, it is a circle around the whole frame.
     pub mask: Mask,
     /// Whether the background of the markers is bright or dark.
     pub ground: Ground,
@@ -31,7 +31,8 @@ pub struct Found {
 }
 
 impl Found {
-    /// Errors of the features of `marker`; `None` if this is not a completely visible marker of this frame.
+    /// Errors of the features of `marker`; `None` if `marker` is not in the list `markers` of completely visible
+    /// markers.
     pub fn errors_of(&self, marker: &Marker) -> Option<MarkerErrors> {
         let place = self.markers.iter().position(|one| one == marker)?;
         self.errors.get(place).copied()
@@ -40,8 +41,8 @@ impl Found {
 
 const MIN_SIDE: u32 = 16;
 const MAX_SIDE: u32 = 32_768;
-/// Number of bins (squares of pixels) along the diameter of the image circle. With this number, even the smallest
-/// accepted markers cover enough bins to be found.
+/// Approximate number of bins (squares of pixels) along the diameter of the image circle. With this number, even the
+/// smallest accepted markers cover enough bins to be found.
 const BINS_PER_DIAMETER: f64 = 256.0;
 const MAX_SHAPES: usize = 16_384;
 
@@ -72,10 +73,11 @@ pub struct Finder {
 
 impl Finder {
     /// Creates a finder for frames with the image circle `circle` and the background `ground`. If an argument is
-    /// `None`, it is estimated from each frame. The image circle is fitted to the rim of the sensor's image. The part
-    /// of the frame outside of the rim must have the colour of the frame's corners. If the rim is not approximately a
-    /// circle, the whole frame is used. The background is found from the green and blue values of the frame. The
-    /// background is bright if the darkest values are farther from the median than the brightest values.
+    /// `None`, it is estimated from each frame. The image circle is fitted to the rim of the sensor's image. The rim is
+    /// found only if the frame outside of the rim has the colour of the frame's corners. If the rim is not
+    /// approximately a circle, the whole frame is used. The kind of background is estimated from the green and blue
+    /// values of the frame. The background is bright if the darkest values are farther from the median than the
+    /// brightest values.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,

@@ -1,5 +1,6 @@
-//! Finds, in a frame at lower resolution (in bins of pixels), the bins that show the sensor, and the bins that show the
-//! background between the markers. It also computes the top-hat transform of the frame.
+//! Works on a frame at lower resolution, whose points are bins (squares of pixels). Finds the bins that show the
+//! sensor, and the bins that show the background between the markers. Also computes the top-hat transform of the frame,
+//! in which only the markers are bright.
 
 use crate::Mask;
 use crate::binning::BinnedFrame;
@@ -7,15 +8,17 @@ use crate::image_circle::Rim;
 use crate::opening::Opening;
 use crate::selection::Selection;
 
-/// Width of the outer band of the image circle that may contain the rim, relative to the radius of the circle.
+/// Half the width of the band around the edge of the image circle that may contain the rim of the sensor, relative to
+/// the radius of the circle.
 const RIM_BAND: f64 = 0.08;
-/// Smallest accepted contrast of the markers of a frame, in standard deviations of the background in the top-hat
-/// transform.
+/// Smallest accepted contrast between the markers and the background of a frame, in standard deviations of the
+/// background in the top-hat transform.
 const MIN_CONTRAST_STDS: f64 = 4.0;
-/// Smallest accepted contrast of the markers of a frame, in levels (0 to 255).
+/// Smallest accepted contrast between the markers and the background of a frame in the top-hat transform, in levels (0
+/// to 255).
 const MIN_CONTRAST: f64 = 10.0;
-/// A background that is darker than this brightness, in levels (0 to 255), counts as too dark for dark markers to be
-/// found on it.
+/// Smallest brightness of a bright background, in levels (0 to 255). On a darker background, dark markers are not
+/// found.
 const MIN_GROUND_BRIGHTNESS: usize = 12;
 
 /// Brightness of the background between the markers. The markers are darker than a bright background, and brighter than
@@ -44,8 +47,8 @@ pub(crate) struct GroundMask {
 }
 
 impl GroundMask {
-    /// Marks the bins that show the sensor. They are the bins inside the rim; if no rim was found, they are the bins
-    /// inside the image circle `mask`.
+    /// Marks the bins that show the sensor: the bins inside `rim` or, if no rim was found, inside the image circle
+    /// `mask`.
     pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
         let circle = mask.coarse(self.frame.bin);
         let band = RIM_BAND * circle.radius_px;
@@ -175,15 +178,15 @@ impl GroundMask {
     }
 }
 
-/// Returns a function that computes the mean of `pixels` brightness values (one byte each) from their sum.
+/// Returns a function that computes the mean of `pixels` brightness values (0 to 255) from their sum.
 fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     let scale = 65_536_u32.div_ceil(pixels as u32);
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// A table with one factor for each brightness of the background (0 to 255). The factor (in units of 1/65,536) converts
-/// a brightness difference to a share of the background's light (in units of 1/255). The factor is 0 if the background
-/// is too dark.
+/// Table of factors, one for each brightness of the background (0 to 255). The factor, divided by 65,536, converts a
+/// brightness difference to a share of the background's light, in units of 1/255. It is 0 if the background is too
+/// dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < MIN_GROUND_BRIGHTNESS {
@@ -203,9 +206,9 @@ pub(crate) struct Classes {
 }
 
 impl Classes {
-    /// Divides the grey values of a histogram into two classes such that the variance between the classes is largest
-    /// (Otsu, 1979). The limit between the classes is then moved to the middle between the means of the classes. The
-    /// result is `None` if all values are equal.
+    /// Divides the grey values of a histogram into two classes with the largest variance between the classes (Otsu,
+    /// 1979). Then moves the limit between the classes to the middle between their means. The result is `None` if all
+    /// values are equal.
     pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
         let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
         let sum: f64 = weighted(histogram);

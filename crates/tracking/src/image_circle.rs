@@ -14,16 +14,16 @@ pub struct Mask {
 
 /// The rim of the sensor is accepted as a circle only if at least this share of the rim's points lies on one circle.
 const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
-/// The rim must be visible along at least this share of the circle. Parts of the circle outside of the frame do not
-/// count.
+/// The rim of the sensor is accepted as a circle only if it is visible along more than this share of the circle. Parts
+/// of the circle outside of the frame do not count.
 const MIN_VISIBLE: f64 = 0.8;
 /// Length of the arcs into which the image circle is divided, in bins of pixels. The rim is visible along an arc if a
 /// point of the rim lies on this arc.
 const STEP: f64 = 4.0;
-/// Largest accepted distance of a rim point from the fitted circle, in bins: the first number, plus the second number
-/// times the circle's radius.
+/// Largest accepted distance of a rim point from the fitted circle, in bins (squares of pixels): the first number, plus
+/// the second number times the circle's radius.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
-/// Number of circles through three points of the rim that are tried.
+/// Number of circles that are tried in the search for the rim. Each circle passes through three points of the rim.
 const TRIES: usize = 64;
 const MAX_POINTS: usize = 256;
 
@@ -70,7 +70,8 @@ impl Mask {
         }
     }
 
-    /// This circle in the coordinates of bins, which have `bin` pixels a side.
+    /// This circle in the coordinates of a frame at lower resolution, whose points are bins (squares) of `bin` pixels a
+    /// side.
     pub(crate) fn coarse(&self, bin: usize) -> Self {
         let bin = bin as f64;
         Self {
@@ -90,8 +91,8 @@ impl Mask {
         }
     }
 
-    /// The circle on which the rim lies; `None` unless the rim is visible along most of this circle. A ring of markers
-    /// has gaps, so a ring is not accepted as a rim.
+    /// The circle on which the rim of the sensor lies; `None` unless the rim is visible along most of this circle.
+    /// Therefore a ring of markers, which has gaps, is not accepted as a rim.
     pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
@@ -130,8 +131,8 @@ impl Circle {
             return None;
         }
         let near = |circle: &Self| points.iter().filter(|point| circle.holds(point)).count();
-        // Each attempt uses three points that are far apart in the list of points. The points are not chosen at random,
-        // so that every run gives the same result.
+        // Each attempt uses three points that are far apart on the rim. A fixed sequence selects them instead of a
+        // random one, so that the same frame always gives the same result.
         let (_, best) = (0..TRIES)
             .filter_map(|attempt| {
                 let at = |share: f64| points[((share * count as f64) as usize) % count];
@@ -155,8 +156,8 @@ impl Circle {
             < MAX_DISTANCE[0] + MAX_DISTANCE[1] * self.radius
     }
 
-    /// Share of the circle along which the rim is visible, that is, along which there are points of the rim. Parts of
-    /// the circle outside of a frame with the size `size` do not count.
+    /// Share of the circle (0 to 1) along which there are points of the rim. Parts of the circle outside of the frame
+    /// do not count; `size` is the width and the height of the frame.
     fn visible_share(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
         use std::f64::consts::TAU;
         let steps = (TAU * self.radius / STEP).ceil().max(8.0);
@@ -260,7 +261,8 @@ impl Rim {
         beyond(&self.rows[y], x) || beyond(&self.columns[x], y)
     }
 
-    /// Points of the rim, in bins. There are no points where the border of the frame cuts off the sensor.
+    /// Points of the rim, in the coordinates of bins. There are no points where the border of the frame cuts off the
+    /// sensor.
     pub(crate) fn points(&self) -> Vec<[f64; 2]> {
         let across = self.rows.iter().enumerate().filter_map(|(y, ends)| {
             let [left, right] = ends.as_ref()?;
@@ -288,9 +290,9 @@ impl Rim {
     }
 }
 
-/// The colour of the frame's corners, and a limit: a bin has another colour if it differs from the corners' colour by
-/// more than this limit. The limit is computed from the colour differences within the corners. Colour and limit are
-/// sums over the pixels of a bin. `None` unless at least three corners have the same colour.
+/// The colour of the frame's corners, and the largest difference from this colour with which a bin counts as outside of
+/// the sensor. The difference is computed from the colour differences within the corners. Both results are sums over
+/// the pixels of a bin. `None` unless at least three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::binning::BinnedFrame;
 use crate::image_circle::Mask;
 
-/// Powers of x and y in the polynomial, up to a total degree of four.
+/// Exponents of x and y in the terms of the polynomial, up to a total degree of four.
 const POWERS: [(i32, i32); 15] = [
     (0, 0),
     (1, 0),
@@ -27,12 +27,12 @@ const POWERS: [(i32, i32); 15] = [
 /// Side (in bins) of the square patches into which the frame is divided. The mean colour of the background in each
 /// patch is used in the fit of the polynomial.
 const PATCH: usize = 8;
-/// Weight of the regularisation in the fit of the polynomial, relative to the weight of the patches. The regularisation
-/// keeps the polynomial small in areas where no background is visible.
+/// Weight of the regularisation in the fit of the polynomial, relative to the weight of all patches of background. The
+/// regularisation keeps the polynomial small in areas where no background is visible.
 const REGULARISATION: f64 = 1e-7;
-/// Largest accepted deviation of a patch's mean colour from the fitted light, in standard deviations. The standard
-/// deviation is estimated as 1.5 times the median deviation of all patches. Patches with a larger deviation are not
-/// used in the fit.
+/// Largest accepted deviation of the mean colour of a patch (a square part of the frame) from the fitted light, in
+/// standard deviations. The standard deviation is estimated as 1.5 times the median deviation of all patches. Patches
+/// with a larger deviation are not used in the fit.
 const MAX_DEVIATION: f64 = 3.0;
 
 type Terms = SVector<f64, 15>;
@@ -57,8 +57,8 @@ pub(crate) struct Local {
 }
 
 impl Local {
-    /// The brightness of the background along a row, as a polynomial in x: its constant, linear and quadratic
-    /// coefficient. The row is `dy` rows below the place about which the Taylor series of the light is expanded.
+    /// The brightness of the background along a row of pixels, as a polynomial in x: its constant, linear and quadratic
+    /// coefficient. The row is `dy` rows below the point about which the light was expanded as a Taylor series.
     pub(crate) fn row(&self, dy: f64) -> [f32; 3] {
         [
             (self.value + dy * (self.slope[1] + dy * self.bend[2])) as f32,
@@ -75,7 +75,8 @@ struct Patch {
 }
 
 impl Lighting {
-    /// Fits the light of the background to the bins that show the background, for which `ground` is true.
+    /// Fits the polynomial of the light to the bins for which `ground` is true, that is, which show only the
+    /// background.
     pub(crate) fn fit(binned: &BinnedFrame, ground: &[bool], mask: &Mask) -> Self {
         let mut lighting = Self {
             centre: mask.centre_px,
@@ -235,9 +236,9 @@ impl Lighting {
     }
 }
 
-/// Standard deviation of the noise of a pixel. It is computed from the median colour difference between neighbouring
-/// background bins. If the noise of the three colours is independent and normally distributed, this median is 1.5382 √2
-/// standard deviations of one colour.
+/// Standard deviation of the noise of a pixel in one colour, in levels (0 to 255). It is computed from the median
+/// colour difference between neighbouring background bins. If the noise of the three colours is independent and
+/// normally distributed, this median is 1.5382 √2 times the standard deviation of one colour of a bin.
 fn noise(binned: &BinnedFrame, ground: &[bool]) -> f64 {
     let mut differences: Vec<i32> = Vec::new();
     let rows = binned

@@ -2,24 +2,25 @@
 
 use strum::IntoStaticStr;
 
-/// A marker in a frame. Positions are (x, y) in px from the middle of the frame's first pixel; x counts columns to the
-/// right, and y counts rows downward.
+/// A marker in a frame. Positions (x, y) are in px from the middle of the frame's first pixel. x increases to the
+/// right, and y downward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
     /// Centroid of the marker, px. Each pixel is weighted by its contrast to the background.
     pub centroid_px: [f64; 2],
-    /// Hue of the marker, in turns, from 0 (red) to below 1. It is the HSV hue of the sum of the light of its pixels.
+    /// Hue of the marker, in turns, from 0 (red) to below 1. It is the HSV hue of the summed light of the marker's
+    /// pixels.
     pub hue_turns: f64,
     /// Mean of the HSV hues of the marker's pixels, in turns. The mean is arithmetic, not cyclic, although the hues 0
     /// and 1 are both red. Only pixels with a saturation above 1/4 count. If there are no such pixels, the mean is
     /// `hue_turns`.
     pub mean_hue_turns: f64,
-    /// Size of the marker, px²: its total contrast to the background. On a bright background, each pixel contributes
-    /// the absorbed share of green light plus the absorbed share of blue light. A disc that absorbs all light of one of
-    /// these colours has the size of its area. On a dark background, each pixel contributes the light that the marker
-    /// adds to its strongest colour, as a share of full scale.
+    /// Size of the marker, px²: its contrast to the background, summed over its pixels. On a bright background, the
+    /// contrast of a pixel is the absorbed share of green light plus the absorbed share of blue light. So the size of a
+    /// disc that absorbs all light of one of these colours is the disc's area. On a dark background, the contrast is
+    /// the light that the pixel adds in the marker's strongest colour, as a share of full scale.
     pub size_px2: f64,
-    /// Number of pixels of the connected shape from which the marker was found.
+    /// Area (in pixels) of the connected shape as which the marker was found.
     pub pixels: u32,
 }
 

@@ -11,17 +11,17 @@ const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
 /// with a lower relative chroma may be grey dust. The relative chroma is 1 for pure magenta and pure yellow, and 1/2
 /// where magenta and yellow overlap.
 const MIN_CHROMA: f64 = 0.2;
-/// Error of the light of a pixel on a marker's edge: the relative standard deviation of this light, multiplied by the
-/// marker's radius (px). The error has two causes: the edge crosses the pixel grid differently at every place, and the
-/// light of a pixel is assigned to the middle of the pixel. The value was measured on discs with radii of 8 to 26 px,
-/// with pixels that integrate the light over their area.
+/// Error of a pixel on a marker's edge: the standard deviation of the pixel's light, relative to the marker's mean
+/// light and multiplied by the marker's radius (px). The error has two causes: the edge crosses the pixel grid
+/// differently at every place, and the light of a pixel is assigned to the middle of the pixel. The value was measured
+/// on discs with radii of 8 to 26 px, with pixels that integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// The error of a pixel on a marker's edge has two parts: one part is equal in all colours, the other is independent in
-/// each colour. This number is the share of the equal part in the total variance.
+/// Share of a variance: the error of a pixel on a marker's edge has a part that is equal in all colours, and a part
+/// that is independent in each colour. This number is the variance of the equal part, divided by the total variance.
 const COMMON_SHARE: f64 = 0.5;
 
-/// The marker whose pixels have the sums `sums`. `None` if the hue is not the hue of a marker, or if a number is out of
-/// range.
+/// Computes the features of a marker from `sums`, the sums over its pixels. `None` if the hue is not the hue of a
+/// marker, or if a number is out of range.
 pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
@@ -50,13 +50,14 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
 pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     match ground {
         Ground::Bright => [0.0, 1.0, 1.0],
-        // On a dark background, all pixels have the same noise. Therefore weights proportional to the light minimise
-        // the error of the centroid.
+        // On a dark background, the noise is the same in all colours. Therefore weights proportional to the light of
+        // each colour minimise the error of the centroid.
         Ground::Dark => sums.light.map(|light| light.max(0.0)),
     }
 }
 
-/// The HSV hue of the summed light, in turns, and the chroma of this light.
+/// The HSV hue (turns) and the chroma of the summed light `light`, which is absorbed from a bright or added to a dark
+/// background.
 pub(crate) fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
     let sign = match ground {
         Ground::Bright => -1.0,
@@ -111,8 +112,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         }
     });
     let [cx, cy] = [0, 1].map(|axis| marker.centroid_px[axis] - sums.middle[axis]);
-    // `first` contains the sums of the pixels' offsets from the centroid over the window, and `second` the sums of the
-    // products of these offsets.
+    // `first` contains the sums, over the pixels of the window, of the offsets x and y from the centroid. `second`
+    // contains the sums of x², xy and y².
     let first = [x - count * cx, y - count * cy];
     let second = [
         xx - 2.0 * cx * x + count * cx * cx,
@@ -155,8 +156,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         add(2, 2, turn * turn * one);
         add(2, 3, turn * size * one);
         add(3, 3, size * size * one);
-        // `all` contains the changes of centroid, hue and size due to an error that is the same in all pixels of the
-        // window.
+        // `all` contains the derivatives of centroid, hue and size with respect to an error that is the same in all
+        // pixels of the window.
         let all = [numbers[0], numbers[1], turn * count, size * count];
         for row in 0..4 {
             for column in row..4 {
@@ -179,8 +180,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     MarkerErrors { covariance }
 }
 
-/// Mean share of light that a pixel of a marker absorbs or adds. `light` is the sum of these shares over the marker's
-/// pixels, and `radius_px` the radius of the marker.
+/// Mean share of light that a pixel of a marker absorbs or adds, from −1 to 1. `light` is the sum of the pixels'
+/// shares, and `radius_px` is the radius of the marker.
 fn share(light: f64, radius_px: f64) -> f64 {
     (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
 }

@@ -1,23 +1,23 @@
 //! Matches the markers of a frame at rest with the markers of a pressed frame.
 //!
-//! The method is based on the fact that neighbouring markers move similarly. In the first step, a marker at rest and a
-//! pressed marker are matched under two conditions. Each marker must be the nearest to the other in the other frame,
-//! and the distance between them must be less than half the distance between neighbouring markers. The second step
-//! removes matches whose displacement differs from the displacements of the neighbours. It then searches each marker
-//! again at the place that is predicted from the displacements of the marker's matched neighbours. The second step is
-//! repeated until nothing changes.
+//! The method is based on the fact that neighbouring markers move similarly. The first step matches a marker at rest
+//! with a marker of the pressed frame under two conditions. Each of the two must be the nearest marker of its frame to
+//! the other, and the distance between them must be less than half the distance between neighbouring markers. The
+//! second step removes matches whose displacement differs from the displacements of the neighbours. It then searches
+//! each marker again at the place that the displacements of its matched neighbours predict. The second step is repeated
+//! until nothing changes.
 
 use crate::{Marker, Status, Track};
 
-/// Largest accepted distance between matched markers in the first step, relative to the distance between neighbouring
-/// markers.
+/// Largest accepted distance between a marker at rest and its match in the pressed frame, in the first step of the
+/// method, relative to the distance between neighbouring markers.
 const FIRST_GATE: f64 = 0.5;
-/// Largest accepted distance of a marker from its predicted place, relative to the distance between neighbouring
-/// markers.
+/// Largest accepted distance of a pressed marker from the place that its neighbours predict, relative to the distance
+/// between neighbouring markers.
 const GATE: f64 = 0.3;
-/// Number of neighbours from which the place of a marker is predicted.
+/// Maximum number of matched neighbours from which the place of a marker is predicted.
 const PREDICTORS: usize = 6;
-/// Largest number of repetitions of the second step of the method.
+/// Maximum number of iterations of the second step, which matches markers at the places that their neighbours predict.
 const MAX_ITERATIONS: usize = 8;
 /// Largest accepted relative difference between the size of a merged marker and the sum of the sizes of the two markers
 /// that merged.
@@ -63,7 +63,7 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// Distance (px) from each marker to its nearest neighbour, both in the frame at rest.
+    /// Distance (px) from each marker at rest to its nearest neighbour at rest.
     spacing: Vec<f64>,
     around: Vec<Vec<usize>>,
     pairs: Vec<Option<usize>>,
@@ -103,9 +103,9 @@ impl<'a> Matching<'a> {
         self.pair(&places, FIRST_GATE);
     }
 
-    /// Matches each marker at rest with the nearest pressed marker to its expected place in `places`. The distance
-    /// between this place and the pressed marker is at most `gate` times the distance from the marker at rest to its
-    /// nearest neighbour.
+    /// Matches each marker at rest with the pressed marker that is nearest to the marker's expected place in `places`.
+    /// No other expected place may be nearer to the pressed marker. The distance between the two must be less than
+    /// `gate` times the distance from the marker at rest to its nearest neighbour.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
@@ -224,8 +224,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker into which the two markers `parts` may have merged; `None` if there is none nearby.
-    /// It is the unused pressed marker that is nearest to the midpoint between the expected places of the two markers.
+    /// Index of the pressed marker that may consist of the two merged markers `parts`; `None` if there is none nearby.
+    /// It is the nearest pressed marker without a match to the midpoint between the expected places of the two markers.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())
@@ -274,8 +274,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Whether the marker `whole` may consist of the two parts `parts`: its size must be about the sum of the parts'
-    /// sizes, and its centroid about the parts' common centroid.
+    /// Whether the marker `whole` may consist of the two markers `parts`, given by centroid and size. The size of
+    /// `whole` must be about the sum of their sizes, and its centroid about their common centroid.
     fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
         let size = parts[0].1 + parts[1].1;
         let centre = [0, 1]

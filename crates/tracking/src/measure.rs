@@ -10,18 +10,20 @@ use crate::shapes::{Shape, Window};
 
 /// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
-/// Limit that defines the edge of markers, which extend beyond the connected shapes in which they were found: at the
-/// edge, the signal, averaged over several markers, falls below this share of the full signal.
+/// Limit that defines the edge of a marker, which lies outside of the connected shape as which the marker was found. At
+/// the edge, the mean light of the pixels, averaged over several markers, falls below this share of the light in the
+/// shape.
 const END_SIGNAL: f64 = 0.004;
 /// A pixel with a saturated colour counts for a marker's mean hue if its distance (px) from the marker's shape is at
 /// most this number.
 const HUE_REACH_PX: i32 = 2;
 /// Number of markers from which [`Scene::reach`] is measured.
 const SAMPLE_SIZE: usize = 12;
-/// Divisions by the background's brightness use at least this brightness, in levels (0 to 255).
+/// If the brightness of the background is a divisor and smaller than this value, this value is used instead, in levels
+/// (0 to 255).
 const MIN_BRIGHTNESS: f32 = 8.0;
-/// Largest accepted relative difference between a background pixel and the fitted light. Pixels with a larger
-/// difference are not used.
+/// Largest accepted difference between a background pixel and the fitted light, relative to the fitted light; 4
+/// standard deviations of the noise are added. Pixels with a larger difference are not used.
 const MAX_DIFFERENCE: f64 = 0.15;
 
 /// Sums over the pixels of a window. The light of a pixel is the share of light that a marker absorbs from a bright
@@ -29,7 +31,7 @@ const MAX_DIFFERENCE: f64 = 0.15;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) count: f64,
-    /// Sum of the offsets (px) of the window's pixels from `middle`, the origin of all sums.
+    /// Sum, over the pixels of the window, of a pixel's offset (px) from `middle`, the origin of all sums.
     pub(crate) place: [f64; 2],
     /// Sum over the pixels of the light of each colour. On a bright background, this light is the absorbed share of the
     /// background's light. On a dark background, it is the added light as a share of full scale.
@@ -90,13 +92,13 @@ enum Contested {
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the error that remains in `share` after [`shrink`] has multiplied `share` by its factor.
+    /// Variance of the error of `share` after [`shrink`] has reduced `share`.
     left: [f64; 3],
 }
 
 impl Scene<'_> {
-    /// Sums over the window of pixels of each shape, corrected for the difference between the fitted light and the
-    /// actual background around the shape.
+    /// For each shape: sums over the window of pixels around it, corrected for the difference between the fitted light
+    /// and the actual background around the shape.
     pub(crate) fn measure(&self, shapes: &[Shape]) -> Vec<Sums> {
         let mut patches: Vec<Patch> = shapes.iter().map(|shape| self.patch(shape)).collect();
         let reach = self.reach(&mut patches);
@@ -163,8 +165,9 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance (px) by which markers extend beyond the shapes in which they were found: the distance at which the
-    /// signal, averaged over several markers, falls below [`END_SIGNAL`].
+    /// Distance (px) by which markers extend beyond the connected shapes as which they were found. At this distance,
+    /// the mean light of the pixels, averaged over several markers, falls below the share [`END_SIGNAL`] of the light
+    /// in the shapes.
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
@@ -353,8 +356,9 @@ impl Scene<'_> {
         ([red, green, blue], count)
     }
 
-    /// Difference between the fitted light and the background in the ring around a window. The difference is computed
-    /// twice; the second time without pixels that differ too much from the first result.
+    /// Difference between the background in the ring around a window and the fitted light, as a share of the fitted
+    /// light. The difference is computed twice: first without pixels that differ too much from the fitted light (see
+    /// [`MAX_DIFFERENCE`]), then without pixels that differ too much from the first result.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
@@ -406,7 +410,8 @@ impl Scene<'_> {
     }
 
     fn errors(&self, patch: &Patch, offset: &Offset) -> PixelErrors {
-        // Pixels have whole levels, so their noise is at least the rounding error, whose variance is 1/12.
+        // Pixel values are whole levels, so their noise is at least the rounding error, which has a variance of 1/12
+        // levels².
         let noise = self.lighting.noise.max(1.0 / 12.0_f64.sqrt());
         PixelErrors {
             window: patch.window.moments(patch.middle),
@@ -453,9 +458,10 @@ impl Patch {
     }
 }
 
-/// Reduces the noise of `offsets` (empirical Bayes shrinkage): each difference is multiplied by the share of its true
-/// variance in its total variance, which includes noise. In an evenly lit frame, this share is small: the differences
-/// are mostly noise, because the fitted light is more accurate than the mean of the few pixels around a marker.
+/// Reduces the noise of `offsets` (empirical Bayes shrinkage): multiplies each difference by the variance of the true
+/// differences, divided by the total variance including noise. In an evenly lit frame, this factor is small. The
+/// differences are then mostly noise, because the fitted light is more accurate than the mean of the few pixels around
+/// a marker.
 fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {
         let (mut square, mut noise, mut count) = (0.0, 0.0, 0.0);

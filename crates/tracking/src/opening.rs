@@ -1,8 +1,9 @@
-//! Morphological opening of a grey image by a square. The top-hat transform is computed from this opening.
+//! Morphological opening of a grey image by a square (minimum filter, then maximum filter). The top-hat transform is
+//! the image minus its opening.
 //!
-//! The minimum over `n` neighbours is computed from two minima over `n/2` neighbours: the window is doubled until two
-//! overlapping windows cover `n` pixels. In both directions, the image is compared with a shifted copy of itself.
-//! Therefore the image is not transposed, and all operations use whole vectors.
+//! The minimum over `n` pixels is the smaller of the minima over two windows of `n/2` pixels. So the window is doubled
+//! until two overlapping windows cover `n` pixels. For rows and for columns, the image is compared with a shifted copy
+//! of itself. This needs no transposed image, and the compiler can use vector instructions.
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Opening {
@@ -106,9 +107,9 @@ impl Extreme for Greatest {
 mod tests {
     use super::*;
 
-    /// The opening, computed directly from its definition. Each square has a value: the smallest brightness inside the
-    /// square. The opening at a pixel is the largest value of all squares that contain the pixel and whose middles are
-    /// marked in `middles`.
+    /// The opening, computed directly from its definition. The value of a square is the smallest brightness in the
+    /// square. The opening at a pixel is the largest value of all squares that contain the pixel and have their middle
+    /// at a pixel marked in `middles`.
     fn by_definition(
         plane: &[u8],
         width: usize,

@@ -25,7 +25,7 @@ const MAX_ELONGATION: f64 = 3.0;
 /// for a disc.
 const MIN_FILL: f64 = 0.7;
 /// Smallest grey value of a marker's pixels, relative to the 90 % quantile of the grey values in the marker's shape.
-/// Pixels with smaller values are removed, because they may belong to shade around the marker.
+/// Pixels with smaller values are removed from shapes at the rim, because they may belong to shade around the marker.
 const STEEP: f64 = 0.6;
 
 impl Selection {
@@ -48,8 +48,8 @@ pub(crate) fn select(
         .into_iter()
         .filter(sized)
         .partition(|shape| is_cut(shape, width, inside));
-    // Near the rim, light often decreases steeply, and the shade connects several markers to one shape. Therefore use
-    // only the pieces of such a shape whose grey values are large.
+    // Near the rim of the sensor, the light often decreases steeply, and the shade connects several markers to one
+    // shape. Therefore use only the parts of these shapes with large grey values.
     let steep: Vec<Shape> = dim
         .iter()
         .flat_map(|shape| steep(shape, top_hat, width))
@@ -126,9 +126,9 @@ fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
     })
 }
 
-/// Splits a shape into pieces: it raises the limit of the grey value until the shape falls apart. Each piece must have
-/// at least `least` pixels. Pixels between the pieces are assigned to the nearest piece. If no limit separates the
-/// shape into several pieces, the function returns the shape itself.
+/// Splits a shape into pieces. Raises the smallest accepted grey value until the remaining pixels form several pieces
+/// of at least `least` pixels. Then assigns all other pixels of the shape to the nearest piece. If this is impossible,
+/// returns the shape itself.
 fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> Vec<Shape> {
     let greatest = shape.values(plane, width).max().unwrap_or(0);
     let step = (greatest.saturating_sub(limit) / 16).max(1);
@@ -181,8 +181,8 @@ fn push_pixel(runs: &mut Vec<Run>, row: usize, column: usize) {
     }
 }
 
-/// Assigns every pixel of the shape to the nearest piece. The distance from the middle of a piece is divided by the
-/// radius of the piece.
+/// Assigns every pixel of the shape to the nearest piece. The compared distance is that from the middle of a piece,
+/// divided by the piece's radius.
 fn assign_pixels(shape: &Shape, pieces: &[Shape]) -> Vec<Shape> {
     let middles: Vec<([f64; 2], f64)> = pieces
         .iter()

@@ -1,5 +1,5 @@
-//! Connected shapes in a grey image, and the windows of pixels around the shapes. Shapes are stored as runs of pixels
-//! in rows.
+//! Connected shapes in a grey image, and the windows of pixels around the shapes. A shape is stored as a list of runs;
+//! a run consists of consecutive pixels in a row.
 
 /// Consecutive pixels in a row: the columns from `first` to `last`, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,9 +131,9 @@ pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
     for (at, run) in runs.iter().enumerate() {
-        // `above` is the index of the first run in the row above that may touch the current run or a later run of its
-        // row. The index never decreases, because a run that ends left of the current run also ends left of all later
-        // runs in this row.
+        // `above` is the index of the first run in the previous row that may touch the current run or a later one. The
+        // index never decreases: a run that ends left of the current run also ends left of all later runs in the
+        // current row.
         while above < at
             && (runs[above].row + 1 < run.row
                 || runs[above].row + 1 == run.row && runs[above].last + 1 < run.first)
@@ -184,8 +184,8 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The window of pixels that covers a shape. The shape was found in bins of `bin` pixels a side. The window has no
-    /// gaps: it includes all pixels between the first and the last pixel of the shape in each row.
+    /// The window of pixels that covers a shape, which was found in bins (squares) of `bin` pixels a side. In each row,
+    /// the window contains all pixels from the first to the last pixel of the shape, without gaps.
     pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
         let (top, bottom) = (shape.first_row(), shape.last_row());
         let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];
@@ -203,8 +203,8 @@ impl Window {
         }
     }
 
-    /// This window, enlarged by `reach` px in all directions. For each row of the frame, `rows` contains a first and a
-    /// last column; the result has no pixels outside of these columns.
+    /// This window, enlarged by `reach` px in all directions. `rows` contains, for each row of the frame, the first and
+    /// the last column that the result may contain.
     pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
         let top = (self.top - reach).max(0);
         let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);

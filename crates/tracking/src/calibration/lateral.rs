@@ -55,16 +55,16 @@ pub struct LateralCalibration {
     /// length). The result is a length, corrected for the degrees of freedom; `None` if there are no degrees of
     /// freedom.
     pub residual_std: Option<f64>,
-    /// Line without an intercept that is fitted to the shift as a function of the tangential displacement. It ignores
-    /// that their ratio may depend on the normal displacement.
+    /// Line through the origin that is fitted to the centroid's shift as a function of the tangential displacement. It
+    /// does not depend on the normal displacement, as p₀ + p₁ u does.
     pub line: Line,
     /// Line with an intercept that is fitted to the same points, for comparison with `line`; `None` if the points do
     /// not determine it.
     pub with_intercept: Option<Line>,
     /// Smallest and largest tangential displacement (length) of the calibration points.
     pub range: [f64; 2],
-    /// Smallest and largest normal displacement (length) of the calibration points. In the computation of the ratio, a
-    /// normal displacement outside of this range is replaced by the nearer limit.
+    /// Smallest and largest normal displacement (length) of the calibration points. For a normal displacement outside
+    /// of this range, the ratio p₀ + p₁ u is computed at the nearer end of the range.
     pub normal_range: [f64; 2],
 }
 
@@ -208,9 +208,8 @@ impl WithIndentation {
         if depth == 0.0 {
             return None;
         }
-        // All displacements are divided by the largest displacement of their kind. The fitted equation is then
-        // y = x (c_0 + c_1 u), with the shift y, the scaled tangential displacement x and the scaled normal
-        // displacement u.
+        // Divide the displacements of each kind by their largest magnitude. The fitted equation is then y = x (c_0 +
+        // c_1 u), with the shift y, the scaled tangential displacement x and the scaled normal displacement u.
         let rows = || {
             let points = along.iter().zip(normal);
             points.map(|([x, y], u)| (x / length, x / length * (u / depth), *y))
@@ -277,7 +276,7 @@ mod tests {
         let read = fitted.read([7.4, -3.7], 0.2).expect("finite");
         assert_relative_eq!(read[0], 1.0, max_relative = 1e-9);
         assert_relative_eq!(read[1], -0.5, max_relative = 1e-9);
-        // Outside of the fitted range of normal displacements, the slope is the slope at the nearer end of the range.
+        // For a normal displacement outside of the fitted range, the slope is that at the nearer end of the range.
         assert_relative_eq!(fitted.slope(10.0), 7.6, max_relative = 1e-9);
         assert!(fitted.slope(f64::NAN).is_finite());
     }

@@ -23,8 +23,8 @@ pub struct Line {
     pub r_squared: f64,
     /// Root mean square of the signal's residuals, divided by the slope. The result is a length.
     pub residual_rms: f64,
-    /// Standard deviation of the signal's residuals, divided by the slope. The result is a length. The standard
-    /// deviation is corrected for the degrees of freedom; `None` if there are no degrees of freedom.
+    /// Standard deviation of the signal's residuals (corrected for the degrees of freedom), divided by the slope. The
+    /// result is a length; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
     /// Number of points to which the line was fitted.
     #[serde(rename = "points")]
@@ -61,8 +61,8 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // If the slope, in units of the largest signal per largest displacement, is below 1e-12, it is only a rounding
-    // error: the line fits no better than a constant.
+    // The slope is in units of the largest signal per largest displacement. A slope below 1e-12 is only a rounding
+    // error: the signal does not depend on the displacement.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }
@@ -126,7 +126,7 @@ fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError
     }))
 }
 
-/// Checks that all numbers are finite, and so small that the sum of their squares does not overflow.
+/// Checks that all numbers are finite, and small enough that the sum of their squares does not overflow.
 pub(super) fn finite<'a>(
     mut points: impl Iterator<Item = &'a [f64]>,
 ) -> Result<(), CalibrationError> {

@@ -15,13 +15,13 @@ use crate::Change;
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum NormalFrom {
-    /// Mean hue. It depends on the overlap of the marker's two discs, and therefore on the difference between the
-    /// displacements of the two discs.
+    /// Mean hue of the marker's image. It depends on the overlap of the marker's two discs, and so on the difference
+    /// between the displacements of these discs.
     #[default]
     Hue,
-    /// Size. If a disc at the distance ρ from the camera moves inward by u, its image is enlarged by the factor ρ/(ρ −
-    /// u). The logarithm of this factor is the growth. The nearness is defined as 1 − 1/e^growth. It equals u/ρ, so it
-    /// is proportional to the displacement.
+    /// Size of the marker's image. If a disc at the distance ρ from the camera moves inward by u, the diameter of its
+    /// image grows by the factor ρ/(ρ − u). The logarithm of this factor is called growth. Displacements are computed
+    /// from the nearness 1 − 1/e^growth, because it equals u/ρ and so is proportional to u.
     Size,
     /// Mean hue and nearness (see `Size`), with the weights that fit the known displacements best. Hue and nearness
     /// depend on displacements at different depths, so the best weights depend on the shape of the contact.
@@ -99,9 +99,9 @@ pub struct MarkerGain {
 }
 
 impl NormalCalibration {
-    /// Fits one slope to all points. In addition, a slope is fitted to each marker with at least three different
-    /// displacements. It is stored if it is at least twice its standard error, and used only after a call of
-    /// [`NormalCalibration::per_marker`].
+    /// Fits one slope to all points. In addition, fits a slope to the points of each marker that has at least three
+    /// different displacements. The marker's slope is stored if it is at least twice its standard error. It is used
+    /// only after a call of [`NormalCalibration::per_marker`].
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
@@ -192,9 +192,9 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights of hue change and [`nearness`] for which the weighted sum of the two fits the known displacements best.
-/// If hue change and nearness are always proportional to each other, the weights are not unique, and the weights with
-/// the smallest norm are returned. If neither hue nor nearness changes, both weights are 0.
+/// The two weights, of hue change and [`nearness`], with which their weighted sum fits the known displacements best. If
+/// hue change and nearness are always proportional to each other, several pairs of weights fit equally well, and the
+/// pair with the smallest norm is returned. If neither hue nor nearness changes, both weights are 0.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers

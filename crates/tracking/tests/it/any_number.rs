@@ -1,5 +1,5 @@
-//! Property tests. Markers at different places always define a displacement field. For arbitrary numbers and pixels,
-//! each result is finite, or an error is returned.
+//! Tests with random input. Markers at different places must always define a displacement field. For arbitrary numbers
+//! and pixels, each result must be finite or an error.
 
 use image::RgbImage;
 use palpate_tracking::{

@@ -97,8 +97,8 @@ fn shift_points() -> Vec<LateralPoint> {
         .collect()
 }
 
-/// Checks three numbers of a fitted line: slope, R², and rms residual. Each must agree with the expected number within
-/// the rounding to a multiple of its entry in `units`.
+/// Checks three numbers of a fitted line: slope, R², and rms residual. The expected numbers are rounded to multiples of
+/// the numbers in `units`, so differences of half a unit are accepted.
 #[track_caller]
 fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     let found = [line.slope, line.r_squared, line.residual_rms];
@@ -281,8 +281,8 @@ fn lines_of_any_size_have_their_slope() {
     }
 }
 
-/// Tests changes of any size in a simple calibration. Its displacement is 10 times the hue change in turns, or 5 times
-/// the nearness 1 − exp(−growth), which is at most 1.
+/// Tests changes of any size with a simple calibration. Its displacement is 10 times the hue change in turns, or 5
+/// times the nearness 1 − exp(−growth). The nearness is at most 1.
 #[test]
 fn changes_of_any_size_give_a_displacement_or_none() {
     let points: Vec<NormalPoint> = (0..9)

@@ -17,8 +17,8 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Positions around the point (x, y). The smallest distances from this point are below the rounding error of the
-/// coordinates, the largest are clearly above it.
+/// Positions at several distances from the point (x, y). The distances range from less than the rounding error of the
+/// coordinates to clearly more.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {
@@ -29,8 +29,8 @@ fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Checks that interpolated displacements are between the smallest and the largest displacement of the markers, because
-/// each of them is a mean of these displacements. The tested points are at, between and near the markers.
+/// Checks points at, between and near the markers. An interpolated displacement is a weighted mean of the markers'
+/// displacements, so it must lie between the smallest and the largest of them.
 fn assert_means(field: &Field) {
     let markers = field.markers();
     for one in markers {
@@ -61,8 +61,8 @@ fn rings_and_nets() {
             [radius * cosine, radius * sine]
         })
     };
-    // The triangulation of markers on a circle is not unique: rounding decides which markers form triangles.
-    // Interpolated displacements must nevertheless be means of the markers' displacements.
+    // The triangulation of markers on a circle is not unique: it depends on rounding errors. For every triangulation,
+    // interpolated displacements must be means of the markers' displacements.
     assert_means(&field(ring(12, 0.3).chain([[0.0, 0.0]])));
     assert_means(&field(ring(7, 0.2).chain(ring(14, 0.4))));
     let net = |step: f64| (0..16).map(move |k| [f64::from(k % 4) * step, f64::from(k / 4) * step]);

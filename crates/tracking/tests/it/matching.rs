@@ -31,7 +31,8 @@ fn lattice(random: &mut Random) -> Vec<Marker> {
         .collect()
 }
 
-/// Moves the markers away from the point (190, 130) by at most `most`, as a press moves the skin.
+/// Moves the markers away from the point (190, 130), as a press moves the skin. The largest displacement is `most`
+/// (px).
 fn pressed(rest: &[Marker], most: f64) -> Vec<Marker> {
     let width = 2.5 * SPACING;
     rest.iter()
