@@ -16,7 +16,7 @@ use super::reading_table::{ReadingTable, header};
 use super::source;
 use super::text_table::TextTable;
 
-/// A calibration point, with the number of its series and its line in the file.
+/// A calibration point, with the number of its measurement series and its line in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Located<P> {
     point: P,

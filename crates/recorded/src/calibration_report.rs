@@ -16,11 +16,11 @@ pub struct CalibrationReport {
     pub calibration: Calibration,
     /// Unit of all lengths of the calibration.
     pub length_unit: LengthUnit,
-    /// For each series: its name, and the straight lines that were fitted to its signals against normal displacement.
-    /// Empty if there is only one series.
+    /// For each measurement series: its name, and the straight lines that were fitted to its signal (hue or size of the
+    /// markers) as a function of the normal displacement. Empty if there is only one series.
     pub(super) normal: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// For each series: its name, and the straight lines that were fitted to its signals against tangential
-    /// displacement. Empty if there is only one series.
+    /// For each measurement series: its name, and the straight lines that were fitted to its signal (shift of the
+    /// markers' centroids) as a function of the tangential displacement. Empty if there is only one series.
     pub(super) lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// Number of points that repeat an earlier point exactly; 0 if less than half of the points are repeated.
     pub(super) copies: usize,
@@ -51,8 +51,8 @@ impl Fitted {
     }
 }
 
-/// Largest accepted rms residual of a calibration, relative to the largest displacement. If the residual is larger,
-/// there is a warning.
+/// Largest accepted rms residual of a calibration, relative to the largest displacement of its points. If the residual
+/// is larger, there is a warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
 /// Largest accepted increase of R² when an intercept is added to the fitted line. If the increase is larger, there is a

@@ -80,7 +80,7 @@ impl<'a> CameraPrior<'a> {
         if camera.length_unit != options.unit {
             let own = camera.length_unit.as_str();
             return fail(format!(
-                "`length_unit` is {own}; it must be that of the other lengths, {unit}"
+                "`length_unit` is {own}; it must be {unit}, the unit of the other lengths"
             ));
         }
         let covariance = camera.covariance();

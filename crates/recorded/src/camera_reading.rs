@@ -186,7 +186,7 @@ fn of_calibration(
     }
     let [own, hue] = [tracked.hue_at_rest(), hue].map(Number::rounded);
     let message = format!(
-        "the markers at rest have a hue of {own} turns, but those of the calibration have {hue}: is the light another, or are only the frames of one of them encoded by sRGB (setting `srgb`)?"
+        "the markers at rest have a hue of {own} turns, but those of the calibration have {hue}: was the light different, or are only the frames of one of the two encoded by sRGB (setting `srgb`)?"
     );
     Err(RecordedError::readings(&rest.file, message))
 }
@@ -394,7 +394,7 @@ impl CameraReading {
         let stated = options.estimator.priors().gain_std?;
         (self.slope_share > MAX_SLOPE_SHARE.max(stated)).then(|| {
             let text = format!(
-                "the slope of the calibration has a relative standard error of {:.0} %; the intervals do not contain this gain of all normal displacements: state it with setting `gain_std` {}",
+                "the slope of the calibration has a relative standard error of {:.0} %; the intervals do not include this error, which all normal displacements have in common: state it with setting `gain_std` {}",
                 100.0 * self.slope_share,
                 Number::rounded(self.slope_share)
             );

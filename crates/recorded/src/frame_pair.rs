@@ -351,9 +351,9 @@ impl FramePair {
         })
     }
 
-    /// Tests whether the two frames are probably swapped. They are if the marker whose diameter changed most became
-    /// smaller, and its change is clearly larger than those of the other markers. Returns the change of the logarithm
-    /// of this marker's diameter; `None` if the frames are probably not swapped.
+    /// Tests whether the two frames are probably swapped. This is the case if the marker whose diameter changed most
+    /// became smaller, and its change is clearly larger than those of the other markers. Returns the change of the
+    /// logarithm of this marker's diameter; `None` if the frames are probably not swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

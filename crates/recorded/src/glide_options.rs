@@ -48,8 +48,8 @@ pub struct GlideOptions {
     /// Point of round fingertips whose position is in the readings; lowest-point by default.
     pub reports: Option<TipReports>,
     /// Direction that points out of the object. It is used if the readings have no normals, or if they contain the
-    /// lowest points of fingertips. For readings without normals, it only matters on which side of the patch the
-    /// direction points.
+    /// lowest points of fingertips. For readings without normals, any direction that points to the correct side of the
+    /// patch is sufficient.
     pub outward: [f64; 3],
     /// Threshold of the Gaussian curvature, 1/length². A Gaussian curvature of smaller magnitude counts as zero. The
     /// threshold must be at least the square of the threshold of the mean curvature. By default, it is computed from

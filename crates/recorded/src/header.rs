@@ -221,7 +221,7 @@ impl<'a> Header<'a> {
             && QUATERNION.into_iter().all(has)
         {
             return Err(format!(
-                "{says}, which is part of a quaternion; without it the quaternion is read"
+                "{says}, which is part of a quaternion; without this assignment, the quaternion is read"
             ));
         }
         let in_file = match heading.bracket {

@@ -21,11 +21,11 @@ const MIN_PROBABILITY: f64 = 0.9;
 const MIN_P_VALUE: f64 = 0.005;
 const GROUP_ITERATIONS: usize = 5;
 
-/// Two groups of contacts cause a warning only if the gap between the groups, relative to the width of the wider group,
-/// is at least this large.
+/// Smallest ratio of the gap between two groups of contacts to the width of the wider group for which there is a
+/// warning.
 const MIN_GAP_RATIO: f64 = 0.5;
-/// Two groups of contacts cause a warning only if the gap between the groups, relative to the largest gap within a
-/// group, is at least this large. The gaps within a group are gaps between strokes.
+/// Smallest ratio of the gap between two groups of contacts to the largest gap within a group (between two strokes) for
+/// which there is a warning.
 const MIN_GAPS_RATIO: f64 = 2.0;
 /// A group of contacts counts as a line if the ratio of its width to its length (both root mean squares) is below this
 /// value.
@@ -192,7 +192,7 @@ pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
     });
     let misfit = Number::rounded(fit.rms_misfit);
     let none = is_none.then(|| {
-        format!("the contacts are of no plane, sphere or cylinder: from the best one, a {name}, they deviate by {misfit} {unit} (rms); method `penalised` or `quadric` estimates the curvatures")
+        format!("the contacts do not lie on a plane, sphere or cylinder: they deviate from the best fit, a {name}, by {misfit} {unit} (rms); method `penalised` or `quadric` estimates the curvatures")
     });
     let share = fit.probabilities.map(|all| all[fit.shape as usize]);
     let is_unsure = share.is_some_and(|share| share < MIN_PROBABILITY) && none.is_none();
@@ -211,7 +211,7 @@ pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
     // tested.
     if fit.probabilities.is_none() && fit.p_value < MIN_P_VALUE {
         let text = format!(
-            "the contacts deviate from the {name} by {misfit} {unit} (rms), and not as noise does: they may be of another shape, and the intervals are not reliable"
+            "the contacts deviate from the {name} by {misfit} {unit} (rms), which noise does not explain: they may be of another shape, and the intervals are not reliable"
         );
         warnings.push(Warning::new("poor-fit", text, [("p_value", fit.p_value)]));
     }

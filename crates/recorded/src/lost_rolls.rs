@@ -84,8 +84,8 @@ impl RollRecording {
         Ok(left_out)
     }
 
-    /// Whether the rolls with a shift of zero are lost readings. They are if the other rolls predict, for each of them,
-    /// a shift that is too large to be hidden by the pads or by noise.
+    /// Whether the rolls with a shift of zero are lost readings. This is the case if the other rolls predict, for each
+    /// of them, a shift that is too large to be hidden by the pads or by noise.
     fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses);
         let sound: Vec<ProbeReading> = sound

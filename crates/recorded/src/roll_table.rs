@@ -208,11 +208,11 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         let world = read(form, order, other)?;
         let mut pairs = turned.iter().zip(&world);
         if frame == other {
-            note("the rotations are those of rolls only relative to the frame of the orientations; setting `rotation_frame` world states this frame".to_owned());
+            note("the rotations fit the shifts of the contacts only if they are relative to the frame of the orientations; setting `rotation_frame` world states this frame".to_owned());
         } else if pairs.any(|(probe, world)| {
             (probe.0 - world.0).xy().norm() > MAX_FRAME_DIFFERENCE * probe.0.norm()
         }) {
-            note("rotations are relative to the probe's frame at the start of each roll, along whose x and y the contact moves to u and v; setting `rotation_frame` world reads them relative to the frame of the orientations".to_owned());
+            note("rotations are relative to the probe's frame at the start of each roll, and u and v are the x and y axes of this frame; setting `rotation_frame` world reads them relative to the frame of the orientations".to_owned());
         }
     }
     let series = match kind {
