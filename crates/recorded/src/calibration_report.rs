@@ -55,8 +55,8 @@ impl Fitted {
 /// is larger, there is a warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
-/// Largest accepted increase of R² when an intercept is added to the fitted line. If the increase is larger, there is a
-/// warning.
+/// Largest accepted increase of R² if the line is fitted with an intercept instead of through the origin. If the
+/// increase is larger, there is a warning.
 const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
 /// Largest accepted relative difference between the slopes of the lines that are fitted to single series. If the

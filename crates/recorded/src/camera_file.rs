@@ -141,8 +141,8 @@ pub(super) fn is_camera(text: &str) -> bool {
 }
 
 /// Largest accepted relative difference between a standard error in the file and the standard error that follows from
-/// the covariance in the file. Small differences occur, because the covariance of `px_per_rad` is relative to the scale
-/// from which the fit started, not to the estimated scale.
+/// the file's covariance. Small differences occur, because the covariance of `px_per_rad` is relative to the start
+/// value of the fit, not to the estimated scale.
 const ROUNDING: f64 = 0.1;
 
 fn check(camera: &CameraEstimate) -> Result<(), String> {

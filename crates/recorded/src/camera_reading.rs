@@ -111,12 +111,13 @@ impl FrameReader {
 
 type ImageReading = (CameraReading, TrackedPress);
 
-/// If the residuals of the markers at rest exceed their noise by more than this factor, the frames are read again with
-/// linearised pixels, because the pixels may be encoded by sRGB. For pixels encoded by sRGB, the ratio of residuals to
-/// noise exceeds 100.
+/// Largest accepted ratio of the residuals of the markers at rest to their noise. With a larger ratio, the pixels may
+/// be encoded by sRGB, so the frames are converted to linear light and read again. For sRGB pixels, the ratio exceeds
+/// 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
-/// Scatter of the markers at rest (ratio of the markers' residuals to their noise); infinite if `read` is an error.
+/// Scatter of the markers at rest, which is the ratio of their residuals to their noise; infinite if `read` is an
+/// error.
 fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     let Ok((_, press)) = read else {
         return f64::INFINITY;
@@ -126,9 +127,9 @@ fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     scatter.map_or(1.0, |warning| warning.numbers["ratio"])
 }
 
-/// Estimates the press again from frames with linearised pixels. Returns this estimate only if the markers at rest
-/// agree with the sensor in the linearised frames, but not in the original frames. `scatter` is [`scatter_at_rest`] of
-/// the original frames.
+/// Estimates the press again from frames whose pixels are converted from sRGB to linear light. Returns this estimate
+/// only if the markers at rest agree with the sensor in the converted frames, but not in the original frames. `scatter`
+/// is [`scatter_at_rest`] of the original frames.
 fn linearised(
     frames: [&Frame; 2],
     options: &PictureOptions,
@@ -154,7 +155,7 @@ fn linearised(
 const MAX_HUE_DIFFERENCE: f64 = 0.01;
 
 /// Compares the hue of the markers at rest with the hue in the calibration. If the hues agree only after the pixels are
-/// converted from sRGB to linear values, returns the tracks of the converted frames, and a warning. Returns `None` if
+/// converted from sRGB to linear light, returns the tracks of the converted frames, and a warning. Returns `None` if
 /// the hues of the original frames agree, or if the calibration states no hue.
 ///
 /// # Errors
@@ -203,15 +204,16 @@ fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
 /// Largest relative standard error of the calibration's slope (signal per displacement) for which there is no warning.
 const MAX_SLOPE_SHARE: f64 = 0.05;
 
-/// Relative standard error of a calibration's slope of normal displacements; 0 if the calibration does not state it.
+/// Relative standard error of the slope with which a calibration computes normal displacements; 0 if the calibration
+/// does not state it.
 fn slope_share(calibration: &Calibration) -> f64 {
     let line = calibration.normal_part().map(|part| part.line);
     line.and_then(|line| Some((line.slope_std? / line.slope).abs()))
         .unwrap_or(0.0)
 }
 
-/// The scale of a camera may be stated by the user and also be calibrated. If the ratio of the two scales (the larger
-/// divided by the smaller) exceeds this value, there is a warning.
+/// Largest accepted ratio of two scales of a camera: the scale that the user states, and the scale that was calibrated
+/// (the larger divided by the smaller). A larger ratio causes a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
 #[derive(Clone, Debug)]

@@ -3,8 +3,8 @@
 use nalgebra::Point3;
 use palpate_statistics::Number;
 
-/// A step (from one contact to the next) can separate two fingers only if it is at least this many times as long as the
-/// median of all steps.
+/// Smallest length of a step (from one contact to the next) that can separate two fingers, relative to the median
+/// length of all steps.
 const MIN_JUMP: f64 = 3.0;
 /// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger. If the ratio
 /// is smaller, the steps do not separate the fingers.

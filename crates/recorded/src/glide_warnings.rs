@@ -20,8 +20,8 @@ const MAX_SPACING_RATIO: f64 = 3.0;
 /// Largest accepted ratio of the largest to the second largest distance between a contact and its nearest neighbour. A
 /// larger ratio causes a warning that the contact with the largest distance may be an outlier.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
-/// The search for a contact that is far from all other contacts is made only up to this number of contacts, because the
-/// search compares all pairs.
+/// Largest number of contacts for which the search for a contact far from all others is made. The number is limited,
+/// because the search compares all pairs of contacts.
 const MAX_COMPARED: usize = 3000;
 
 pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
@@ -173,8 +173,8 @@ const MIN_CONTACTS: usize = 8;
 /// evenly spaced selection is used.
 const MAX_CONTACTS: usize = 2000;
 
-/// A warning is shown if the error of a fit to contacts and normals decreases by more than this factor when components
-/// of the normals are swapped or reversed.
+/// A warning about the normals is shown if swapped or reversed components decrease the error of the fit to contacts and
+/// normals by more than this factor.
 const MIN_RATIO: f64 = 2.0;
 
 /// Contacts and normals count as consistent if the error of a fitted quadric surface is below this value, see

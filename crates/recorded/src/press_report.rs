@@ -106,7 +106,8 @@ pub struct PressReport {
     /// Share of the variance of the normal displacements that the fit explains.
     pub(super) r_squared: f64,
     /// Whether the displacements alone show a contact. If not, the curvature's interval contains the curvatures of all
-    /// contacts that have the stated indentation, lie within the area of the markers, and agree with the displacements.
+    /// contacts that agree with the displacements. Only contacts with the stated indentation and within the area of the
+    /// markers are considered.
     pub(super) contact_seen: bool,
     /// Warnings: contradictions between the readings and the model, each with its p-value, and likely mistakes.
     pub(super) warnings: Vec<Warning>,

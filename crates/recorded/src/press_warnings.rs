@@ -220,8 +220,8 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     Some(text)
 }
 
-/// A warning is shown if swapping or reversing columns decreases the mean square residual of the fit by more than this
-/// factor.
+/// A warning is shown if swapped columns or reversed signs decrease the mean square residual of the fit by more than
+/// this factor.
 const MIN_IMPROVEMENT: f64 = 4.0;
 /// Largest accepted noise of displacements along the skin, relative to the largest displacement along the skin. If the
 /// estimated noise is larger, or if there are misfits, the columns are checked for mistakes.

@@ -20,7 +20,7 @@ pub struct Marker {
     /// disc that absorbs all light of one of these colours is the disc's area. On a dark background, the contrast is
     /// the light that the pixel adds in the marker's strongest colour, as a share of full scale.
     pub size_px2: f64,
-    /// Area (in pixels) of the connected shape as which the marker was found.
+    /// Number of pixels of the connected shape that was recognised as the marker.
     pub pixels: u32,
 }
 

@@ -10,9 +10,9 @@ use crate::shapes::{Shape, Window};
 
 /// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
-/// Limit that defines the edge of a marker, which lies outside of the connected shape as which the marker was found. At
-/// the edge, the mean light of the pixels, averaged over several markers, falls below this share of the light in the
-/// shape.
+/// Limit that defines the edge of a marker, which lies outside of the connected shape that was recognised as the
+/// marker. At the edge, the mean light of the pixels, averaged over several markers, falls below this share of the
+/// light in the shape.
 const END_SIGNAL: f64 = 0.004;
 /// A pixel with a saturated colour counts for a marker's mean hue if its distance (px) from the marker's shape is at
 /// most this number.
@@ -22,8 +22,9 @@ const SAMPLE_SIZE: usize = 12;
 /// If the brightness of the background is a divisor and smaller than this value, this value is used instead, in levels
 /// (0 to 255).
 const MIN_BRIGHTNESS: f32 = 8.0;
-/// Largest accepted difference between a background pixel and the fitted light, relative to the fitted light; 4
-/// standard deviations of the noise are added. Pixels with a larger difference are not used.
+/// Largest accepted difference between a background pixel and the fitted light, as a share of the fitted light (bright
+/// background) or of full scale (dark background); 4 standard deviations of the noise are added. Pixels with a larger
+/// difference are not used.
 const MAX_DIFFERENCE: f64 = 0.15;
 
 /// Sums over the pixels of a window. The light of a pixel is the share of light that a marker absorbs from a bright
@@ -87,7 +88,8 @@ enum Contested {
     Nobody,
 }
 
-/// Difference between the background around a marker and the fitted light, as a share of the fitted light.
+/// Difference between the background around a marker and the fitted light, as a share of the fitted light (bright
+/// background) or of full scale (dark background).
 #[derive(Clone, Copy, Default)]
 struct Offset {
     share: [f64; 3],
@@ -165,9 +167,9 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance (px) by which markers extend beyond the connected shapes as which they were found. At this distance,
-    /// the mean light of the pixels, averaged over several markers, falls below the share [`END_SIGNAL`] of the light
-    /// in the shapes.
+    /// Distance (px) by which markers extend beyond the connected shapes that were recognised as markers. At this
+    /// distance, the mean light of the pixels, averaged over several markers, falls below the share [`END_SIGNAL`] of
+    /// the light in the shapes.
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
@@ -356,9 +358,9 @@ impl Scene<'_> {
         ([red, green, blue], count)
     }
 
-    /// Difference between the background in the ring around a window and the fitted light, as a share of the fitted
-    /// light. The difference is computed twice: first without pixels that differ too much from the fitted light (see
-    /// [`MAX_DIFFERENCE`]), then without pixels that differ too much from the first result.
+    /// Difference between the background in the ring around a window and the fitted light. The difference is computed
+    /// twice: first without pixels that differ too much from the fitted light (see [`MAX_DIFFERENCE`]), then without
+    /// pixels that differ too much from the first result.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
