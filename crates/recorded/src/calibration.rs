@@ -148,8 +148,8 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
         columns.push(NORMAL);
     }
     columns.extend([HUE, GROWTH].into_iter().filter(|&column| has(column)));
-    // If the header contains neither the hue nor the growth, the error demands the hue, because it is the most common
-    // feature.
+    // If the header contains neither the hue nor the growth, report the hue as the missing column, because it is the
+    // most common feature.
     if !is_lateral && !has(HUE) && !has(GROWTH) {
         columns.push(HUE);
     }
@@ -166,7 +166,7 @@ pub struct KnownDisplacements {
     /// magnitudes are used.
     pub tangential: Option<Vec<f64>>,
     /// Feature of a marker's image from which normal displacements are computed. If normal displacements are stated,
-    /// the marker with the largest change of this feature is taken as the marker under the contact.
+    /// the marker with the largest change of this feature is assumed to be under the contact.
     pub from: NormalFrom,
     /// Scale of the camera, pixels per radian. If it is `None`, shifts in px are not corrected for the lens.
     pub px_per_rad: Option<f64>,

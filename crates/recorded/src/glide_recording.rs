@@ -1,4 +1,4 @@
-//! Reads files of recorded glides, and adds the row in the file to errors of fits.
+//! Reads files of recorded glides, and adds the contact's row in the file to the errors of fits.
 
 use std::collections::HashMap;
 

@@ -185,7 +185,7 @@ impl<'a> JsonTable<'a> {
         names.map(|name| plain(values.get(&**name)?)).collect()
     }
 
-    /// Adds the values of a row, whose lists and objects are divided into columns, to `fields`.
+    /// Adds the values of a row to `fields`. Lists and objects in the row are divided into one value per column.
     fn nested_values(
         &self,
         file: &RecordedFile,

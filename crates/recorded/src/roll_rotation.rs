@@ -168,8 +168,8 @@ pub(super) type Turned = (Vector3<f64>, [f64; 2]);
 const MAX_SPIN: f64 = 0.3;
 const MIN_CORRELATION: f64 = 0.5;
 
-/// Whether the shifts are consistent with a probe that rolls by the rotations. In a roll, a negative rotation about v
-/// moves the contact towards +u.
+/// Whether the measured shifts are consistent with a probe that rolls by the stated rotations. In a roll, a negative
+/// rotation about v moves the contact towards +u.
 pub(super) fn is_rolling(rolls: &[Turned]) -> bool {
     let sum = |term: &dyn Fn(&Turned) -> f64| rolls.iter().map(term).sum::<f64>();
     let spin = sum(&|(turned, _)| turned.z * turned.z);

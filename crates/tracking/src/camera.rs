@@ -214,7 +214,8 @@ const MAX_STEPS: usize = 64;
 struct OddTerms {
     k3: f64,
     k5: f64,
-    /// Largest angle from the axis (at most half a turn) up to which the distance from the image's centre increases.
+    /// Largest valid angle from the axis (rad, at most half a turn). Up to this angle, the relative slope of the lens
+    /// is at least [`MIN_SLOPE`].
     max_angle: f64,
 }
 

@@ -61,9 +61,9 @@ impl Opening {
     }
 }
 
-/// Replaces every element of `line` by the minimum or maximum of itself and of the next `window - 1` elements at
-/// multiples of the distance `stride`. Then removes the last `stride (window - 1)` elements, which have too few
-/// elements after them.
+/// Replaces every element of `line` by the minimum or maximum of `window` elements: the element itself, and the
+/// elements that follow at the distances `stride`, `2 stride` and so on. Then removes the last `stride (window - 1)`
+/// elements, which have too few elements after them.
 fn slide<E: Extreme>(line: &mut Vec<u8>, spare: &mut Vec<u8>, stride: usize, window: usize) {
     let mut have = 1;
     while have < window {

@@ -51,8 +51,8 @@ pub struct LateralCalibration {
     /// Root mean square of the residuals of the centroid's shift (px), each divided by the ratio p₀ + p₁ u (px per
     /// length). The result is a length.
     pub residual_rms: f64,
-    /// Standard deviation of the residuals of the centroid's shift (px), each divided by the ratio p₀ + p₁ u (px per
-    /// length). The result is a length, corrected for the degrees of freedom; `None` if there are no degrees of
+    /// Standard deviation (corrected for the degrees of freedom) of the residuals of the centroid's shift (px), each
+    /// divided by the ratio p₀ + p₁ u (px per length). The result is a length; `None` if there are no degrees of
     /// freedom.
     pub residual_std: Option<f64>,
     /// Line through the origin that is fitted to the centroid's shift as a function of the tangential displacement. It
@@ -174,8 +174,8 @@ impl LateralCalibration {
     }
 }
 
-/// The known tangential displacement of a calibration point as a length, and the component (px) of the image's shift in
-/// the direction of this displacement.
+/// The magnitude (length) of a calibration point's tangential displacement, and the component (px) of the image's shift
+/// in the direction of this displacement.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
     let length = libm::hypot(x, y);
