@@ -167,9 +167,9 @@ fn rolls_in_one_direction_determine_the_curvature_along_the_path() {
     }
 }
 
-/// The thresholds scale with the rolls. The errors of the curvature are small compared with the probe's curvature, so
-/// the mean curvature H is normally distributed, and the probability of the class `peak` is the probability that H is
-/// above its threshold.
+/// The threshold of the mean curvature H must be inversely proportional to the length of the rolls. The errors of the
+/// curvature are small compared with the probe's curvature, so H is normally distributed. Therefore the probabilities
+/// of the classes `peak` and `ridge` together must be the probability that H is above its threshold.
 #[test]
 fn classes_have_thresholds_and_probabilities() {
     let class = |u: f64, v: f64, shift_std: f64| {
