@@ -1,5 +1,5 @@
-//! Sums over the probes, from which the least-squares fit computes its estimates. A batch stores the sums of many sets
-//! of readings whose probes make the same rotations.
+//! Sums of products of rotations and shifts over the probes. The least-squares fit computes its estimates from these
+//! sums. A batch stores the sums of many sets of readings whose probes make the same rotations.
 
 use nalgebra::Vector2;
 
@@ -9,8 +9,8 @@ use crate::ProbeReading;
 /// processor.
 pub const BATCH_SIZE: usize = 128;
 
-/// Sums over the probes of one set of readings. [`LeastSquares`](crate::LeastSquares) computes the estimate from these
-/// sums.
+/// Sums of products of rotations and shifts over the probes of one set of readings.
+/// [`LeastSquares`](crate::LeastSquares) computes the estimate from these sums.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -174,8 +174,8 @@ impl BatchEstimates {
         }
     }
 
-    /// Number of sets of readings before the first set that does not determine a curvature. Only the first `count` sets
-    /// are examined.
+    /// Number of sets of readings before the first set that does not determine a curvature. Sets from the index `count`
+    /// on are ignored.
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];

@@ -5,21 +5,23 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::rolled_path::drive_of;
 use crate::{PadCell, RollSample, SeriesNoise};
 
-/// A straight line is fitted to the measured rotations near a change of the active pad. This constant is half the
-/// length of the line, in standard deviations of a measured rotation.
+/// A straight line is fitted to the measured rotations near a change of the active pad. This constant is the rotation
+/// over half of the line, divided by the standard deviation of a measured rotation.
 const REACH: f64 = 7.0;
-/// Largest half-length of the straight line that is fitted to the measured rotations, in samples.
+/// Largest number of samples in half of the straight line that is fitted to the measured rotations near a change of the
+/// active pad.
 const MOST_REACH: f64 = 1e4;
-/// The sensor shows only that the probe's rotation at a crossing of a pad's edge is between the rotations of two
-/// samples. This constant is the smallest assumed width of that range across the edge, relative to the rotation between
-/// the samples.
+/// The rotation at a crossing of a pad edge is uncertain, because the active pad changes between two samples. The
+/// uncertain range is the rotation between these samples, projected onto the direction that moves the contact across
+/// the edge. This constant is the smallest assumed width of the range, relative to the whole rotation between the
+/// samples.
 const MIN_WIDTH: f64 = 0.05;
 /// Smallest standard deviation (rad) of the rotation at a crossing. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
 
-/// A run of samples on one pad is divided into this number of intervals. Only the samples at the ends of the intervals
-/// are used as bounds of the contact's position. The other samples would hardly improve the bounds, because the contact
-/// moves steadily.
+/// The successive samples on one pad are divided into this number of intervals. Only the samples at the ends of the
+/// intervals bound the contact's position. The other samples would hardly improve the bounds, because the contact moves
+/// steadily.
 const PROBED: usize = 4;
 
 /// A run: successive samples of a roll with the same active pad.
@@ -44,8 +46,8 @@ pub(crate) struct Crossing {
     pub(crate) std: f64,
 }
 
-/// Removes the runs (successive samples on one pad) between a change of the active pad and the change back. Two pads
-/// that are active alternately do not locate the contact.
+/// Removes the runs (successive samples on one pad) between a change of the active pad and the change back. While two
+/// pads are active alternately, the active pad does not locate the contact.
 pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     let mut kept = Vec::with_capacity(all.len());
     let mut at = 0;
@@ -60,9 +62,9 @@ pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     kept
 }
 
-/// The crossings of pad edges between successive runs, which are samples on one pad each. Distances are in radii of the
-/// probe. `mobility` is the contact's travel per radian. It determines the direction of rotation that moves the contact
-/// across an edge.
+/// The crossings of pad edges between successive runs. A run consists of successive samples on one pad. Distances are
+/// in radii of the probe. `mobility` is the contact's travel per radian. It determines which direction of rotation
+/// moves the contact across an edge.
 pub(crate) fn crossings(
     samples: &[RollSample],
     runs: &[Run],
@@ -109,12 +111,13 @@ pub(crate) fn crossings(
     all
 }
 
-/// The rotation vector at the change between two runs, which are samples on one pad each. The second result is the
-/// standard deviation of this vector, turned by 90°, in the direction `across`.
+/// The rotation vector at the change from the pad of the run `before` to the pad of the run `after`. A run consists of
+/// successive samples on one pad. The second result is the standard deviation of this vector, turned by 90°, in the
+/// direction `across`.
 ///
-/// The active pad changes between two samples, so the time of the change is known to one sampling interval. The
-/// rotation at this time is the value of a straight line through the measured rotations near the change. This line
-/// averages the noise of the rotations. The line is so short that the motion is steady along it.
+/// The active pad changes between two samples, so the time of the change is uncertain by one sampling interval. A
+/// straight line is fitted to the measured rotations near the change, to average their noise. The result is the value
+/// of this line at the change. The line is so short that the probe rotates steadily along it.
 fn rotation_at_change(
     samples: &[RollSample],
     before: &Run,
@@ -158,10 +161,10 @@ fn rotation_at_change(
     (rotation, (variance + width * width / 12.0).sqrt())
 }
 
-/// A run is a series of successive samples on one pad. For each run and each edge of its pad, finds the sample whose
-/// contact is furthest towards the edge. Only the samples at the ends of [`PROBED`] intervals of the run are compared.
-/// If several runs have the same edge, only one sample is returned for it. Each result consists of the index of the
-/// edge, the offset of the edge and the index of the sample.
+/// Selects samples that bound the position of the contact. A run is a series of successive samples on one pad. For each
+/// run and each edge of its pad, the sample whose contact is nearest to this edge is selected. Only the samples at the
+/// ends of [`PROBED`] intervals of the run are compared. If several runs have the same edge, only one sample is
+/// returned for it. Each result consists of the index of the edge, the offset of the edge and the index of the sample.
 pub(crate) fn edge_samples(
     samples: &[RollSample],
     runs: &[Run],

@@ -1,11 +1,11 @@
-//! Linear bounds of the mobility, which is the contact's travel per radian of rotation, and the distribution of the
-//! mobility inside these bounds.
+//! Computes linear bounds of the mobility, and the distribution of the mobility inside these bounds. The mobility is
+//! the contact's travel per radian of rotation.
 //!
-//! A bound (row) is a linear inequality: in one sample, the contact is on the inner side of an edge of the active pad.
-//! Its unknowns are the three components of the mobility and the start of the roll, which all rows of the roll share.
-//! For a given mobility, a linear program over the start of one roll tests whether the mobility agrees with this roll.
-//! If it does not, the program's multipliers combine rows of the roll into a sum in which the start cancels (Benders'
-//! decomposition). Such sums bound the mobility alone.
+//! A bound (row) is a linear inequality. It states that in one sample, the contact is on the inner side of an edge of
+//! the active pad. Its unknowns are the three components of the mobility and the start of the roll. All rows of a roll
+//! have the same start. For a given mobility, a linear program over the start tests whether the mobility agrees with
+//! the roll. If it does not, the program's multipliers combine rows of the roll into a sum in which the start cancels
+//! (Benders' decomposition). Such sums bound the mobility alone.
 
 use std::sync::OnceLock;
 
@@ -16,13 +16,13 @@ use crate::PadCell;
 /// Numbers of nodes of successive numerical integrals over the set of possible mobilities (contact travels per radian).
 /// The mean and the covariance from each integral are the first guess for the next one.
 const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
-/// The result of an integral is accepted only if the effective number of weighted nodes is more than this share of the
-/// number of all nodes.
+/// The result of a numerical integral is accepted only if the effective number of nodes exceeds this share of the
+/// number of all nodes. For the weights w of the nodes, the effective number is (Σ w)² / Σ w².
 const MIN_EFFECTIVE: f64 = 0.15;
 /// Number of nodes at which the integrand is computed together.
 const BLOCK: usize = 32;
-/// Largest number of nodes of a numerical integral over the possible mobilities. These nodes are computed once and
-/// stored.
+/// Largest number of nodes of a numerical integral over the set of possible mobilities (contact travels per radian).
+/// The nodes are computed once and stored.
 const MOST_NODES: usize = 2048;
 /// Standard deviation of the integration nodes, relative to the standard deviation of the mobility (contact travel per
 /// radian).
@@ -34,8 +34,8 @@ const NODE_RADIUS: f64 = 5.8;
 pub(crate) const OPEN: f64 = 16.0;
 /// A point violates a bound (row) only if it is beyond the bound by more than this distance, in radii of the probe.
 const TOLERANCE: f64 = 1e-12;
-/// The start of a roll may violate the bounds (rows) of the roll by this distance, in radii of the probe. The distance
-/// is larger than the rounding errors of the sums of rows.
+/// The start of a roll may violate the bounds of the roll by this distance, in radii of the probe. The distance is
+/// larger than the rounding errors of the bounds.
 const START_TOLERANCE: f64 = 1e-9;
 /// Largest number of steps of the simplex method, and largest number of rounds in which bounds are added to a linear
 /// program.
@@ -43,8 +43,8 @@ const MAX_STEPS: usize = 300;
 /// Relative change of the direction in which a linear program searches. This change avoids cycles of the simplex
 /// method.
 const OBLIQUE: f64 = 1e-7;
-/// Unit of length, in radii of the probe, for the areas in which rolls can start. With this unit, the products of many
-/// areas stay in the range of doubles.
+/// Unit of length, in radii of the probe, in which the areas of possible starts of rolls are computed. With this unit,
+/// the product of the areas of many rolls stays in the range of doubles.
 const UNIT: f64 = 1e-3;
 
 /// A bound (row) `form · β ≤ slack` of the change β of the mobility (contact travel per radian).
@@ -60,9 +60,7 @@ pub(crate) struct EdgeRow {
     pub(crate) slack: f64,
 }
 
-/// For each of the three bounds (rows) through the corner: its index (`None` for a side of the bounding box) and its
-/// multiplier. The corner is furthest in the direction that is the sum of the normals of these bounds, each times its
-/// multiplier.
+/// The bounds (rows) of the mobility and of the start that follow from one roll.
 #[derive(Clone, Debug)]
 pub(crate) struct RollRows {
     /// The bounds, in the order of the pads' edges to which they belong.
@@ -74,15 +72,16 @@ pub(crate) struct RollRows {
 struct Corner {
     point: Vector3<f64>,
     /// For each of the three bounds (rows) through the corner: its index (`None` for a side of the bounding box), and
-    /// its share. The direction is the sum of the rows' normals, each multiplied by its share.
+    /// its multiplier. The direction is the sum of the normals of the three bounds, each times its multiplier.
     shares: [(Option<usize>, f64); 3],
 }
 
 /// Indices of three bounds (rows), which intersect in a corner; `None` for a side of the bounding box.
 type Basis = [Option<usize>; 3];
 
-/// State of the linear programs for the bounds (rows) of all rolls. A program begins at the corner at which the last
-/// program ended. The sums of rows, in which the starts cancel, are used for all directions.
+/// State of the linear programs for the bounds (rows) of all rolls. `starts` contains the corner at which the last
+/// program of each roll ended, because the next program begins there. `sums` are sums of bounds of a roll in which the
+/// unknown start of the roll cancels. They are valid for all directions of search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Programs {
     sums: Vec<Row>,
@@ -101,8 +100,8 @@ impl Programs {
 }
 
 /// The corner of the polyhedron `rows` that is furthest in `direction`, computed with the dual simplex method. The
-/// search begins at the corner of the three rows `numbers`, if no point that fulfils these three rows is further in
-/// `direction`. Otherwise, it begins at a corner of the bounding box. `None` if the polyhedron is empty.
+/// search begins at the corner of the three rows `numbers` if this corner is optimal for these three rows alone.
+/// Otherwise, the search begins at a corner of the bounding box. `None` if the polyhedron is empty.
 fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Option<Corner> {
     // If an edge of the polyhedron is perpendicular to `direction`, the simplex method can repeat the same steps
     // forever. Therefore search in a slightly different direction.
@@ -212,9 +211,9 @@ fn scaled(form: Vector3<f64>, slack: f64) -> Row {
 }
 
 impl RollRows {
-    /// Finds the start of the roll at which the largest violation of its bounds is smallest, if the mobility (contact
-    /// travel per radian) changes by `point`. The corner's first two coordinates are the start; the third coordinate is
-    /// this violation.
+    /// Finds the start of the roll at which the largest violation of the roll's bounds is smallest. `point` is the
+    /// change of the mobility (contact travel per radian). The first two coordinates of the resulting corner are the
+    /// start; the third coordinate is the violation.
     fn start(
         &self,
         point: &Vector3<f64>,
@@ -244,8 +243,8 @@ impl RollRows {
         Some(scaled(form, slack))
     }
 
-    /// The bounds of the roll as bounds of the mobility alone, in the order of the pads' edges. `response` is the
-    /// derivative of the roll's start with respect to the mobility.
+    /// Converts the bounds of the roll to bounds of the mobility alone, in the order of the pads' edges. `response` is
+    /// the derivative of the roll's start with respect to the mobility.
     ///
     /// The normals of a roll's bounds differ slightly from the normals of the pads' edges. In the term with this small
     /// difference, the likeliest start replaces the unknown start.
@@ -316,11 +315,11 @@ fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix
     });
 }
 
-/// Mean and covariance of the mobility (contact travel per radian), if the starts of the rolls and the mobility are
-/// distributed uniformly over the values that agree with the readings. The density of the mobility is then proportional
-/// to the product of the areas in which the rolls can start. `is_possible` excludes mobilities with which the contact
-/// would not roll. `centre` and `covariance` are first guesses of the mean and the covariance, and `responses` are the
-/// derivatives of the starts with respect to the mobility.
+/// Mean and covariance of the mobility (contact travel per radian). The mobility and the starts of the rolls are
+/// assumed to be distributed uniformly over the values that agree with the readings. Then the density of the mobility
+/// is proportional to the product of the areas in which the rolls can start. `is_possible` excludes mobilities with
+/// which the contact would not roll. `centre` and `covariance` are first guesses of the mean and the covariance.
+/// `responses` are the derivatives of the starts with respect to the mobility.
 pub(crate) fn distribution(
     rolls: &[RollRows],
     responses: &[Matrix2x3<f64>],
@@ -378,8 +377,9 @@ pub(crate) fn distribution(
     None
 }
 
-/// Multiplies each of the `areas` by the area in which a roll can start if the mobility changes by (`uu`, `uv`, `vv`).
-/// If the start is known, this area is 1 if the mobility agrees with all bounds, otherwise 0.
+/// Multiplies each of the `areas` by the area in which a roll can start. Each area belongs to a change (`uu`, `uv`,
+/// `vv`) of the mobility (contact travel per radian). If the start is fixed, the factor is 1 if the mobility agrees
+/// with all bounds, otherwise 0.
 fn multiply_areas(
     rows: &[MobilityRow],
     is_start_known: bool,

@@ -15,8 +15,8 @@
 //!
 //! If the readings are exact and the probes roll equally in all directions, the curvatures `k` have a relative error of
 //! at most `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁`
-//! is the price for the accuracy on flat objects. If the object's curvature is a million times the probe's curvature,
-//! the estimate has nine correct digits.
+//! comes from the formula above, which is accurate for flat objects but less accurate for sharp ones. If the object's
+//! curvature is a million times the probe's curvature, the estimate has nine correct digits.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
@@ -32,8 +32,8 @@ use crate::{
 /// increase the mean square of measured rotations.
 const MAX_NOISE_SHARE: f64 = 0.5;
 
-/// A least-squares fit for given rotations of the probes. The fit is prepared once, because its preparation does not
-/// depend on the shifts.
+/// A least-squares fit for given rotations of the probes. The fit is prepared once, because only the rotations
+/// determine the matrices of the fit.
 ///
 /// The prepared fit computes an estimate for each set of shifts; see [`Moments`].
 ///

@@ -28,12 +28,12 @@ pub(crate) struct Law {
     /// rotations decrease both sums by this value. Here `g` is the rotation vector of a probe, turned by 90°, and `d =
     /// Δp − R₁ g` is the deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
-    /// The part of the covariance of the entries of `K₁ D` that the noise of the shifts and rounding cause. K₁ is the
-    /// probe's curvature, and D the deviation of the mobility (contact travel per radian) from the mobility on a plane.
+    /// Contributions of the shift noise and of rounding to the covariance of the entries of `K₁ D`. K₁ is the probe's
+    /// curvature, and D the deviation of the mobility (contact travel per radian) from the mobility on a plane.
     pub(crate) from_shifts: Symmetric3,
-    /// One matrix for each of the entries `uu`, `vv` and `uv` of `(K₁ B)²`, where K₁ is the probe's curvature and B the
-    /// mobility. The sum of these matrices, each multiplied by its entry, is the covariance of the entries of `K₁ B`
-    /// that is due to the noise of the rotations.
+    /// Contributions of the rotation noise to the covariance of the entries of `K₁ B`, where K₁ is the probe's
+    /// curvature and B the mobility (contact travel per radian). There is one matrix for each of the entries `uu`, `vv`
+    /// and `uv` of `(K₁ B)²`. The contribution is the sum of these matrices, each multiplied by its entry.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 

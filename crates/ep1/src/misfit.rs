@@ -104,8 +104,8 @@ impl Estimate {
     }
 }
 
-/// Returns a misfit if the stated noise of shifts is far larger than the residuals. Readings of pads are not tested,
-/// because the errors of all pads may be equal or zero.
+/// Reports a stated shift noise that is far larger than the residuals. Readings of pads are not tested, because the
+/// errors of all pads may be equal or zero.
 fn small_residuals(noise: &ReadingNoise, residual: f64, goodness: GoodnessOfFit) -> Option<Misfit> {
     let stated = noise.shift_std;
     let p_value = 1.0 - goodness.p_value;
@@ -248,8 +248,9 @@ impl<'r> Refit<'r> {
     }
 }
 
-/// Two standard deviations of a residual, divided by the probe's radius. The first is due to the noise of the shift,
-/// the second to the noise of the rotation. The second is computed for the direction with the largest mobility.
+/// Standard deviations of a residual, divided by the probe's radius: first the part that is due to the noise of the
+/// shift, then the part that is due to the noise of the rotation. The second part is computed for the direction with
+/// the largest mobility (contact travel per radian).
 fn noise_sizes(noise: &ReadingNoise, estimate: &Estimate, reading: &ProbeReading) -> [f64; 2] {
     let turned = reading.rotation.norm();
     let rotation_std = libm::hypot(noise.relative_rotation_std * turned, noise.rotation_std_rad);

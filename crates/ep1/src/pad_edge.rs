@@ -11,17 +11,17 @@ use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::series_fit::largest_spread;
 use crate::{PadCell, Quantity, RollSample, RollSeries};
 
-/// Largest number of times that the bounds are linearised to find one extreme value over the set of possible
-/// mobilities.
+/// The bounds are linearised repeatedly to find an extreme value over the set of possible mobilities (contact travels
+/// per radian). This constant is the largest number of linearisations for one extreme value.
 const PASSES: usize = 8;
-/// While the bounds are linearised repeatedly, an extreme value over the set of possible mobilities has converged if
-/// its last change is less than this fraction of its distance from the mean. The next change is estimated from the last
-/// one, and is added.
+/// The bounds are linearised repeatedly to find an extreme value over the set of possible mobilities (contact travels
+/// per radian). The value has converged if its last change is less than this fraction of its distance from the mean. An
+/// estimate of the next change is then added to the value.
 const CONVERGED: f64 = 0.03;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
-/// If the standard deviation of the mobility (contact travel per radian), relative to the mobility, is at most this
-/// value, the set of possible mobilities is assumed to be bounded.
+/// Largest ratio of the standard deviation of the mobility (contact travel per radian) to the mobility for which the
+/// set of possible mobilities is assumed to be bounded.
 const MAX_SPREAD: f64 = 0.03;
 /// Largest deviation of a possible mobility (contact travel per radian) from the mean mobility, relative to the mean,
 /// for which the distribution of the mobility counts as normal.
@@ -29,9 +29,11 @@ const MAX_DEVIATION: f64 = 0.06;
 /// First guess of the standard deviation of the mobility (contact travel per radian), relative to the half-width of the
 /// set of possible mobilities.
 const STD_OF_HALF_WIDTH: f64 = 0.4;
-/// Largest number of times that the bounds are linearised at the middle of the set of possible mobilities.
+/// The bounds are linearised repeatedly at the middle of the set of possible mobilities (contact travels per radian).
+/// This constant is the largest number of these linearisations.
 const CENTRES: usize = 5;
-/// Largest number of times that a change of the mobility is halved until the contact rolls.
+/// If the contact could not roll after a change of the mobility (contact travel per radian), the change is halved, at
+/// most this number of times.
 const MAX_HALVINGS: usize = 60;
 /// Distances, in radii of the probe, by which the linear bounds are widened if no mobility fulfils them.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
@@ -103,8 +105,8 @@ impl BoundedRoll {
     }
 }
 
-/// Largest distance between the rotation vectors of a few samples and the straight line from zero through the last
-/// rotation vector.
+/// Estimates how far the rotation vectors of the samples deviate from a straight line: the largest distance of a few of
+/// them from the line through zero and the last rotation vector.
 fn sagitta(samples: &[RollSample]) -> f64 {
     let last = samples[samples.len() - 1].rotation;
     let middle = |part: usize| samples[part * samples.len() / 4].rotation;
@@ -303,10 +305,10 @@ impl PadEdgeSet {
         Some(all)
     }
 
-    /// Largest value of `direction · β` over the set of possible mobilities, where β is the difference of a mobility
-    /// from the centre. Each step linearises the bounds at the last maximum and maximises again, until the value
-    /// changes by less than [`CONVERGED`]. The expected next change is then added. `None` if the set is unbounded in
-    /// this direction.
+    /// Largest value of `direction · β` over the set of possible mobilities (contact travels per radian). β is the
+    /// difference of a mobility from the centre of the set. Each step linearises the bounds at the last maximum and
+    /// maximises again, until the value changes by less than [`CONVERGED`]. Then the expected next change is added.
+    /// `None` if the set is unbounded in this direction.
     fn furthest(&self, direction: &Vector3<f64>, programs: &mut Programs) -> Option<f64> {
         let mean = direction.dot(&self.mean);
         let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;
@@ -329,8 +331,8 @@ impl PadEdgeSet {
             let found = direction.dot(&change);
             let (distance, apart) = ((found - mean).abs(), (found - last).abs());
             if apart < CONVERGED * distance + 1e-13 {
-                // The next pass would change the largest value by at most `apart`, the change in this pass, times
-                // `apart / distance`.
+                // `apart` is the change of the largest value in this pass. The next pass would change the value by at
+                // most `apart` times `apart / distance`.
                 let next = apart * (apart / distance).min(1.0);
                 return Some(found.max(last) + next);
             }
@@ -500,11 +502,13 @@ fn entries(slopes: &Matrix2<f64>) -> Vector3<f64> {
     Vector3::new(slopes[(0, 0)], 2.0 * slopes[(0, 1)], slopes[(1, 1)])
 }
 
-/// The middle of the set of possible changes of the mobility. It consists of the mean of the extreme changes along the
-/// axes uu, uv, vv, of the half-widths along these axes, and of the mean change of each roll's start.
+/// The middle of the set of possible changes of the mobility (contact travel per radian): the mean of the extreme
+/// changes along the axes uu, uv, vv, the half-widths of the set along these axes, and the mean change of each roll's
+/// start.
 type Middle = (Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>);
 
-/// The middle of the set of possible changes of the mobility. `None` if the set is empty.
+/// Computes the middle of the set of possible changes of the mobility (contact travel per radian). `None` if the set is
+/// empty.
 fn middle(rows: &[RollRows]) -> Option<Middle> {
     let (mut mean, mut half_widths) = (Vector3::zeros(), Vector3::zeros());
     let mut starts = vec![Vector2::zeros(); rows.len()];

@@ -83,10 +83,10 @@ impl ReadingNoise {
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// Covariance of the right-hand side of the normal equations, if the shift errors have variance 1 and the rolls
-    /// share errors of the pads: the sum `Σ A₁ᵀ C A₂` over all pairs of rolls. A₁ and A₂ are the matrices of the two
-    /// rolls' equations for the curvature, and C contains the correlations between their shift errors. `None` if each
-    /// roll starts at its own place, because the errors are then independent.
+    /// Covariance of the right-hand side of the normal equations, if the shift errors have variance 1 and different
+    /// rolls share errors of the pads. It is the sum `Σ A₁ᵀ C A₂` over all pairs of rolls. A₁ and A₂ are the matrices
+    /// of the two rolls' equations for the curvature, and C contains the correlations between their shift errors.
+    /// `None` if each roll starts at its own place, because the errors are then independent.
     ///
     /// The contact is rounded to the centre of a pad, so its error is uniform over the pad. If the ends of two rolls
     /// differ by a fraction f of a pad, their errors have the correlation 1 − 6 f (1 − f). This formula is used only

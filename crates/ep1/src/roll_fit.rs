@@ -18,22 +18,24 @@ pub(crate) use estimated_noise::{EstimatedNoise, MIN_SHARE};
 /// Largest number of steps of a fit.
 const MAX_STEPS: usize = 25;
 
-/// A fit ends if Newton's decrement, the squared distance from the minimum in standard errors, is below this value.
+/// A fit ends if Newton's decrement is below this value. The decrement is the squared distance of the estimate from the
+/// minimum, in units of the standard errors.
 const DECREMENT: f64 = 1e-6;
 /// A fit with this tolerance or a larger one only provides a first guess. Its result is accepted even if the fit did
 /// not converge.
 const ROUGH: f64 = 1e-4;
-/// Change of an unknown of the fit in a finite difference.
+/// Change of an unknown with which derivatives are computed as finite differences.
 const STEP: f64 = 1e-6;
-/// A fit also ends if the changes of its unknowns are below this value and a step no longer halves them.
+/// A fit also ends if the largest change of an unknown is below this value, but above half of the largest change in the
+/// step before. Further steps would then hardly improve the fit.
 const SETTLED: f64 = 1e-5;
 /// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard deviation
 /// of the start. It is a little more than half a pad.
 const MAX_START: f64 = 2.2;
-/// If a step of a fit is longer than this share of the step before, the next steps are halved.
+/// If a step of a fit is longer than this fraction of the previous step, the next steps are halved.
 const ALTERNATING: f64 = 0.8;
-/// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value, the
-/// errors that are common to a roll would vanish in rounding errors.
+/// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value,
+/// rounding errors would hide the effect of the errors that all samples of a roll share.
 const MIN_STD: f64 = 1e-5;
 
 /// One reading of a roll.
@@ -72,8 +74,8 @@ pub(crate) struct FitNoise {
     pub(crate) relative_sample_std: f64,
     /// Standard deviation of the relative error that all rotations of a roll have in common.
     pub(crate) relative_roll_std: f64,
-    /// Whether the noise of contact points and a relative error that all rotations of a roll have in common are
-    /// estimated from the residuals.
+    /// Whether the fit estimates the noise from its residuals: the noise of contact points, and the relative error that
+    /// all rotations of a roll have in common.
     pub(crate) is_estimated: bool,
     /// Smallest variance of a contact point that is estimated from residuals.
     pub(crate) min_variance: f64,
@@ -377,8 +379,8 @@ impl<const N: usize> SeriesFit<N> {
             if change < tolerance || is_settled || (share == 1.0 && decrement < DECREMENT) {
                 return fit.chi_squared.is_finite().then_some(fit);
             }
-            // Successive steps may alternate between two points, because starts and shape depend on each other. Half
-            // steps lead to the middle.
+            // Successive steps may alternate between two points, because starts and shape depend on each other. Half of
+            // a step leads to the middle between these points.
             if change > ALTERNATING * last_change {
                 damping = 0.5;
             }
@@ -389,9 +391,9 @@ impl<const N: usize> SeriesFit<N> {
         (tolerance >= ROUGH && fit.chi_squared.is_finite()).then_some(fit)
     }
 
-    /// The fit with a prior for the coefficients after the first `terms` terms, to first order. The prior of the tensor
-    /// T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the largest principal curvature
-    /// `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3 k³.
+    /// The fit with a prior for the coefficients of all terms after the first `terms`, computed to first order. The
+    /// prior of the tensor T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the largest principal
+    /// curvature `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3 k³.
     pub(crate) fn with_prior(&self, terms: usize, curvature: f64, variance: f64) -> Option<Self> {
         let mut fit = self.clone();
         let mut gradient = SVector::<f64, N>::zeros();
@@ -420,7 +422,8 @@ impl<const N: usize> SeriesFit<N> {
             Some(noise) => (roll.shared.chi_squared(noise.ratio()), roll.freedom.min(2)),
             None => (roll.chi_squared, roll.freedom),
         };
-        // With more unknowns, the gradient depends mainly on the noise of samples, not on shared errors.
+        // With more than three unknowns, the gradient depends mainly on the noise of samples, not on shared errors.
+        // Therefore leave out its contribution.
         if self.estimated.is_some() && N > 3 {
             return Some((own, freedom));
         }

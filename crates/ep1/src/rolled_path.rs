@@ -55,9 +55,9 @@ impl LocalShape {
         Matrix2::new(1.0 + uu, uv, uv, 1.0 + vv)
     }
 
-    /// The change of the curvature form at `x` that the last term of the polynomial causes, divided by the sum of the
-    /// curvature forms of both bodies at the start. If the last term but one causes a larger change, that change is
-    /// used.
+    /// Effect of the last term of the polynomial: the change of the curvature form at `x` that this term causes,
+    /// divided by the sum of the curvature forms of both bodies at the start. If the term before the last one causes a
+    /// larger change, the result is computed from that change.
     pub(crate) fn last_share(&self, x: &Vector2<f64>) -> f64 {
         let without = |terms| Self { terms, ..*self }.drive(x).1;
         let all: Vec<_> = (self.terms - 2..=self.terms).map(without).collect();
@@ -214,10 +214,10 @@ impl PathPoint {
         in_frame - once + tilt.cross(&once) * 0.5
     }
 
-    /// The next step of a roll without spin. `last` is the rotation vector from the start of the roll to the step.
-    /// `drive` contains the components (−y, x) of the rotation vector after the step. The first result is the rotation
-    /// of the step in the contact frame. The second result is the component of the new rotation vector along the normal
-    /// at the start.
+    /// Computes the next step of a roll without spin. `last` is the rotation vector from the start of the roll to the
+    /// beginning of the step. `drive` contains the components (−y, x) of the rotation vector at the end of the step.
+    /// The first result is the rotation of the step in the contact frame. The second result is the component of the new
+    /// rotation vector along the normal at the start.
     fn turn_without_spin(
         &self,
         last: &Vector3<f64>,

@@ -173,8 +173,8 @@ impl SeriesEstimate {
         root.map_or(0.0, |root| apart.dot(&root.solve(&apart)))
     }
 
-    /// Increases the covariance of the entries `k_uu`, `k_vv` and `k_uv` of the curvature form, as if the entries had
-    /// the additional error `apart`.
+    /// Increases the covariance of the entries `k_uu`, `k_vv` and `k_uv` of the curvature form for an additional error
+    /// `apart` of these entries.
     pub(crate) fn widen(&mut self, apart: Vector3<f64>) {
         let covariance = self.covariance_matrix() + apart * apart.transpose();
         self.covariance = [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)]));
@@ -311,7 +311,8 @@ impl SeriesEstimate {
         self.relative().try_inverse().unwrap_or_default() * self.radius
     }
 
-    /// Standard error of a quantity with this gradient with respect to the curvatures uu, vv and uv.
+    /// Standard error of a quantity. `gradient` contains the derivatives of the quantity with respect to the curvatures
+    /// uu, vv and uv.
     fn std(&self, gradient: [f64; 3]) -> f64 {
         let along = self.covariance.map(|row| dot(&row, &gradient));
         dot(&along, &gradient).max(0.0).sqrt()

@@ -26,8 +26,8 @@ const ROLLS_PER_OUTLIER: usize = 4;
 const GROUPS: usize = 12;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
-/// Tolerance of a fit that only finds a first guess. The guess is for the set of mobilities (contact travels per
-/// radian) that agree with exact readings.
+/// Tolerance of a fit that only provides a first guess for the set of mobilities (contact travels per radian) that
+/// agree with exact readings.
 const ROUGH_TOLERANCE: f64 = 1e-2;
 /// Largest standard deviation of a mobility (contact travel per radian) that counts as determined, divided by the
 /// mobility. With a larger value, the interval of the mobility would nearly reach 0, where the curvature is infinite.
@@ -342,8 +342,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Whether the fit uses the measured rotation about the normal. It does not if errors grow with the rotation,
-    /// because such an error would turn the rest of the path too far.
+    /// Whether the fit uses the measured rotation about the contact normal. It is not used if the errors of rotations
+    /// grow with the rotation, because such an error would turn the rest of the path too far.
     fn has_spin(&self) -> bool {
         self.noise.relative_rotation_std == 0.0 && self.noise.relative_sample_std == 0.0
     }
@@ -378,7 +378,8 @@ impl Problem<'_> {
             }
             let p_value = match fit.estimated {
                 None => chi_squared_tail(fall, freedom),
-                // Compare with the scatter between the other rolls: it may be much larger than the noise of samples.
+                // Compare with the scatter between the other rolls, because this scatter may be much larger than the
+                // noise of samples.
                 Some(noise) => {
                     let others = (fit.shared_chi_squared() - fall).max(0.0);
                     let of_others = noise.shared_freedom.round() as usize;
@@ -393,9 +394,9 @@ impl Problem<'_> {
         worst.1
     }
 
-    /// The mean of fits of polynomials with different numbers of terms, and the roll that contradicts the other rolls
-    /// most. Each fit is weighted by the information criterion of Akaike. The reported number of terms is that of the
-    /// best fit.
+    /// The weighted mean of fits of polynomials with different numbers of terms, and the roll that contradicts the
+    /// other rolls most. The weights follow from Akaike's information criterion. The reported number of terms is that
+    /// of the fit with the largest weight.
     fn trajectory(
         &mut self,
         data: &[RollData],
@@ -423,10 +424,10 @@ impl Problem<'_> {
                 estimate.widen(entries * (0.5 * turned * turned));
             }
         }
-        // A fit with few terms may have a good criterion and yet a bias at the start of the rolls. Therefore its
-        // criterion is raised to at least the squared distance of its curvature from the curvature of the fit with the
-        // most terms. The criterion of the fit with the most terms is at most 6, the penalty for three curvature
-        // components.
+        // A fit with few terms may have a low criterion (AIC) although its curvature is biased. Therefore its criterion
+        // is raised to at least the squared distance of its curvature from the curvature of the fit with the most
+        // terms. The criterion of the fit with the most terms is limited to 6, the penalty for three curvature
+        // components. All criteria are relative to the smallest one.
         if let Some(last) = all.pop() {
             let best = all
                 .iter()
@@ -439,8 +440,9 @@ impl Problem<'_> {
             let criterion = (last.criterion - best).min(6.0);
             all.push(Candidate { criterion, ..last });
         }
-        // Noisy readings may not contradict a fit with one or two terms even if the curvature changes by more, and then
-        // the estimate is biased. So the fit with three terms and a prior for the higher terms replaces its curvature.
+        // If the readings are noisy, a fit with one or two terms may agree with them although the curvature changes
+        // more. Its curvature is then biased. Therefore replace this curvature by that of the fit with three terms and
+        // a prior for the higher terms.
         for Candidate { estimate, .. } in all.iter_mut().filter(|one| one.estimate.terms < 3) {
             let principal = estimate.curvature.principal();
             let largest = self.radius * principal.k_max.abs().max(principal.k_min.abs());
@@ -483,8 +485,9 @@ impl Problem<'_> {
         let fit = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE)?;
         *shape = fit.shape;
         let mut one = self.candidate(data, &fit, shape.terms);
-        // Widen the standard errors for the omitted terms. They probably change the curvature at the start as the
-        // last two terms did, but less: by the share that the last terms have in the curvature form.
+        // Widen the standard errors to account for the omitted terms. The omitted terms probably change the curvature
+        // at the start less than the last two terms did. The factor is the share of the last terms in the curvature
+        // form.
         if let Some(before) = all
             .iter()
             .rfind(|one| one.estimate.terms + 2 == shape.terms)
@@ -497,10 +500,10 @@ impl Problem<'_> {
         Some(fit)
     }
 
-    /// Factor between the inverse of the information of a fit and its covariance.
+    /// Factor by which the inverse of the fit's information matrix is multiplied to compute the covariance.
     fn variance<const N: usize>(&self, fit: &SeriesFit<N>) -> f64 {
-        // If the terms do not describe the curvature along the rolls, the residuals on exact pads are larger than the
-        // steps between samples explain.
+        // If the polynomial has too few terms for the curvature along the rolls, exact readings of pads have larger
+        // residuals than the steps between samples explain.
         let stated = match self.places {
             Places::Pads(_) if self.noise.is_exact() => fit.chi_squared / fit.freedom.max(1) as f64,
             _ => 1.0,

@@ -5,13 +5,13 @@ use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector4};
 use super::{FitNoise, RollData, SeriesFit, inverse_of, moved};
 use crate::rolled_path::LocalShape;
 
-/// Smallest ratio of the standard deviation of contact points to that of the rotation error that all samples of a roll
-/// share. The limit does not change the result: at the limit, contact points determine the path far better than
-/// rotations do.
+/// Smallest ratio of two standard deviations: of contact points, and of the rotation error that all samples of a roll
+/// share. A smaller ratio would give the same result, because at this limit contact points already determine the path
+/// far better than rotations do.
 pub(crate) const MIN_SHARE: f64 = 0.01;
 
-/// A fit with free shared errors uses this variance of the shared error of a roll, in units of the variance that the
-/// readings determine.
+/// A fit that does not restrict the shared rotation errors of the rolls uses this variance for them. It is divided by
+/// the variance with which the readings determine these errors.
 const UNLIMITED: f64 = 1e8;
 
 /// Normal equations of the relative rotation error that the samples of a roll share. The position at the start of the
@@ -34,13 +34,13 @@ pub(crate) struct EstimatedNoise {
     pub(crate) shared: f64,
     /// Degrees of freedom of `shared`.
     pub(crate) shared_freedom: f64,
-    /// Degrees of freedom of the covariance.
+    /// Degrees of freedom of the covariance of the fit, for Student's t distribution of the errors.
     pub(crate) freedom: f64,
 }
 
 impl<const N: usize> SeriesFit<N> {
-    /// Like [`new`](Self::new), but if the noise is not stated, estimates of the noise set the weights. The change from
-    /// equal weights is computed to first order.
+    /// Like [`new`](Self::new), but if the noise is not stated, the weights follow from the estimated noise. The effect
+    /// of these weights is computed to first order from a fit with equal weights.
     pub(crate) fn weighted(
         rolls: &[RollData],
         noise: &FitNoise,
@@ -64,7 +64,7 @@ impl<const N: usize> SeriesFit<N> {
             roll.gradient -= roll.information * full * part;
             roll.shared.gradient -= roll.shared.mixed * full * part;
         }
-        // Degrees of freedom of a sum of two variances by Satterthwaite.
+        // Satterthwaite's approximation of the degrees of freedom of a sum of two variances.
         let share = 1.0 - (before / fit.covariance.trace()).min(1.0);
         let other = (1.0 - share) * (1.0 - share) / estimated.freedom;
         estimated.freedom = 1.0 / (share * share / estimated.shared_freedom + other);
@@ -72,8 +72,8 @@ impl<const N: usize> SeriesFit<N> {
         Some(fit)
     }
 
-    /// Changes the normal equations, whose weights are equal, to those for shared errors with the variance `ratio`.
-    /// Returns the change of the unknowns.
+    /// Converts the normal equations of a fit with equal weights to those for shared rotation errors. `ratio` is the
+    /// variance of a shared error, divided by the variance of a contact point. Returns the change of the unknowns.
     fn weigh(&mut self, ratio: f64) -> Option<SVector<f64, N>> {
         let mut gradient = SVector::<f64, N>::zeros();
         self.information = SMatrix::zeros();
@@ -92,9 +92,10 @@ impl<const N: usize> SeriesFit<N> {
         Some(step)
     }
 
-    /// Estimates the variances of the noise from a fit in which all contact points have the same weight. The variance of
-    /// a contact point follows from the residuals of a fit with nearly unlimited shared errors. The expected sum of the
-    /// squared gradients with respect to the shared errors is a linear function of both variances.
+    /// Estimates the variances of the noise from a fit in which all contact points have the same weight. The variance
+    /// of a contact point follows from the residuals of a second fit, which hardly restricts the shared rotation
+    /// errors. The variance of the shared errors follows from the gradients with respect to them: the expected sum of
+    /// the squared gradients is a linear function of both variances.
     fn variances(&self) -> EstimatedNoise {
         let (mut square, mut first, mut second) = (0.0, 0.0, 0.0);
         let mut mixed = SMatrix::<f64, N, N>::zeros();
@@ -160,20 +161,22 @@ impl EstimatedNoise {
 }
 
 impl<const N: usize> SharedError<N> {
-    /// Covariance of the shared error, given the readings of the roll, if its variance is `ratio` before.
+    /// Posterior covariance of the shared rotation error of the roll. `ratio` is its prior variance, divided by the
+    /// variance of a contact point.
     fn share(&self, ratio: f64) -> Matrix2<f64> {
         let sum = Matrix2::identity() + self.information * ratio;
         sum.try_inverse().unwrap_or_default() * ratio
     }
 
-    /// The part of chi-squared that is due to the shared error, whose variance is `ratio`.
+    /// The part of chi-squared that is due to the shared rotation error. `ratio` is the variance of this error, divided
+    /// by the variance of a contact point.
     pub(super) fn chi_squared(&self, ratio: f64) -> f64 {
         let free = self.information.try_inverse().unwrap_or_default();
         self.gradient
             .dot(&((free - self.share(ratio)) * self.gradient))
     }
 
-    /// Eliminates the start from the normal equations of a roll's own unknowns.
+    /// Eliminates the roll's start from the normal equations. The remaining unknown is the shared rotation error.
     pub(super) fn new(
         own: &Matrix4<f64>,
         mixed: &SMatrix<f64, 4, N>,

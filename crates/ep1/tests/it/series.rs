@@ -437,8 +437,8 @@ fn intervals_without_stated_noise_include_the_scatter_between_rolls() {
             held += u32::from(low < 0.04 && 0.04 < high);
         }
         assert!(held >= 17, "{error}: {held} of {trials}");
-        // Nearly the width for known noise, whose standard error is `error` · (1 + 25 / 10) / 4 plus that of the contact
-        // points.
+        // The interval must be only a little wider than for stated noise. With stated noise, the relative standard
+        // error is `error` · (1 + 25 / 10) / 4, plus the error due to the contact points.
         assert!(width < 0.012 + 5.5 * error, "{error}: {width}");
     }
 }
