@@ -6,8 +6,8 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// Half-width of the range of the mean curvature over which the class probabilities are integrated, in standard errors
-/// of the mean curvature.
+/// The class probabilities are integrated over a range of the mean curvature around its estimate. This constant is half
+/// the width of the range, in standard errors of the mean curvature.
 const REACH: f64 = 8.0;
 /// Number of intervals of Simpson's rule in each part of the range of integration. It must be even.
 const INTERVALS: usize = 64;
@@ -77,8 +77,8 @@ impl Curvature {
             let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
             for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
                 let step = (end - start) / INTERVALS as f64;
-                // Skip a part of the range of H if its width is 0: rounding could put its midpoint into a neighbouring
-                // class.
+                // Skip a part of the range of H if its width is 0, because rounding could put the middle of this part
+                // into a neighbouring class.
                 if step <= 0.0 {
                     continue;
                 }
@@ -88,8 +88,8 @@ impl Curvature {
                         node if node % 2 == 1 => 4.0,
                         _ => 2.0,
                     };
-                    // Move the first and the last node of an interval of H slightly inwards. Otherwise, they could have
-                    // the class of a neighbouring interval.
+                    // Move the first and the last node of an interval of H slightly inwards, because at an end of the
+                    // interval rounding could select the class of the neighbouring interval.
                     let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
                     let mean = start + step * inside;
                     let deviate = (mean - centre) / std;

@@ -213,8 +213,9 @@ pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f6
     (form, [along, across])
 }
 
-/// Standard errors of k_min, k_max (in the graph's unit) and the angle of their directions (rad), as
-/// [`CurvatureForm::principal_stds`] returns them, from the covariance of the graph's slopes and second derivatives.
+/// Standard errors of k_min and k_max (in the graph's unit), and of the angle of their directions (rad). They are
+/// computed from the covariance of the graph's slopes and second derivatives, and have the properties of
+/// [`CurvatureForm::principal_stds`].
 pub(crate) fn principal_stds(
     jet: &Jet,
     covariance: &SMatrix<f64, DERIVATIVES, DERIVATIVES>,

@@ -10,33 +10,38 @@ use crate::Contact;
 use crate::patch::FingerMap;
 use crate::surface_outliers::median;
 
-/// Consecutive contacts of a finger count as one reading if their distance is at most this share of the length of a
-/// long step.
+/// Consecutive contacts of a finger count as one reading if their distance is at most this share of a long step. A step
+/// is the distance between consecutive contacts of a finger.
 const REST_SHARE: f64 = 0.1;
-/// This quantile of the step lengths is the length of a long step.
+/// A step is the distance between consecutive contacts of a finger. The length of a long step is this quantile of all
+/// steps.
 const LONG_STEP_QUANTILE: f64 = 0.9;
-/// Smallest ratio between two successive step lengths (sorted by size) that counts as a gap. Steps below the gap belong
-/// to a resting finger, steps above it to a moving finger.
+/// A step is the distance between consecutive contacts of a finger. A gap in the sorted steps separates the steps of
+/// resting fingers from the longer steps of moving fingers. This constant is the smallest ratio of the step above a gap
+/// to the step below it.
 const MIN_STEP_GAP: f64 = 8.0;
-/// Share of the shortest steps that always count as steps of a resting finger. A gap between the step lengths is
-/// searched only among the longer steps.
+/// This share of the steps (distances between consecutive contacts), namely the shortest ones, always counts as steps
+/// of a resting finger. A gap is searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// While a finger rests, its contacts stay near their mean. The distance of a contact from the mean is at most this
-/// multiple of the typical step of a resting finger.
+/// Largest distance of a contact of a resting finger from the mean of the finger's contacts during the rest, divided by
+/// the typical step (distance between consecutive contacts) of a resting finger.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Successive contacts at nearly the same place are merged into a run. This constant limits the share of short steps
-/// among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and the
-/// contacts are not merged.
+/// Successive contacts at nearly the same place are merged into a run. This constant is the largest share of short
+/// steps among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and
+/// the contacts are not merged.
 const MAX_SHORT_BREAKS: f64 = 0.2;
-/// In a random order, consecutive contacts are near each other only by chance. The expected number of such pairs is
-/// computed from contacts of a finger that are further apart in the log: from 2 up to this number of steps.
+/// If contacts are in a random order, consecutive contacts are near each other only by chance. The expected number of
+/// these pairs is estimated from contacts of a finger that are 2 or more rows apart. This constant is the largest
+/// number of rows between them.
 const MAX_CHANCE_LAG: usize = 17;
-/// All runs of near contacts are rests if the number of runs exceeds the number expected by chance by this number of
-/// standard deviations.
+/// Consecutive contacts that are near each other form a run. If the number of runs exceeds the number that is expected
+/// by chance by this number of standard deviations, all runs count as rests of a finger.
 const MIN_CHANCE_DEVIATIONS: f64 = 5.0;
-/// Otherwise, a run is a rest only if the expected number of chance runs with its length is below this value.
+/// A run consists of consecutive contacts that are near each other. If chance may explain the number of runs, a run
+/// counts as a rest of a finger only if the expected number of chance runs of its length is below this value.
 const MAX_CHANCE_RUNS: f64 = 0.01;
-/// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
+/// Several gaps in the sorted step lengths are tried as the limit between short and long steps, beginning with the gap
+/// between the shortest steps. This constant is the largest number of gaps that are tried.
 const MAX_GAPS: usize = 4;
 /// A rest whose noise is as large as the steps of the moving finger is detected only if it has at least this number of
 /// contacts.
@@ -44,29 +49,29 @@ const MIN_NOISY_REST: usize = 20;
 /// A finger may rest with noise that is as large as the steps of the moving finger. This constant is the largest
 /// distance of a contact of such a rest from the finger's median position, relative to the finger's median step.
 const MAX_NOISY_EXTENT: f64 = 2.5;
-/// Contacts near one position are a noisy rest of a finger only if all other contacts are far enough away: the ratio of
-/// their median distance from this position to the largest allowed distance within the rest must be at least this
-/// value. Otherwise, the contacts may be in no order.
+/// Contacts near one position may be a rest of a finger with large noise. They count as a rest only if the median
+/// distance of all other contacts from this position is at least this number of times the largest allowed distance
+/// within the rest. Otherwise, the contacts may be in no order.
 const MIN_REST_DISTANCE: f64 = 4.0;
-/// Number of residuals that is sufficient to estimate the correlation between residuals. If the strokes used so far
-/// contain this number, no further stroke is used.
+/// The correlation between residuals is estimated from strokes until these contain this number of residuals. Further
+/// strokes are not used.
 const MAX_RESIDUALS: usize = 60_000;
-/// Largest lag, in residuals, at which the correlation of residuals is computed.
+/// Largest lag, as a number of residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;
-/// The sum of correlations ends at this lag or earlier, because correlations at longer lags are mostly noise. The lag
-/// is a multiple of the number of consecutive residuals that count as one independent residual, according to the sum so
-/// far.
+/// Correlations at long lags are mostly noise, so the sum of correlations ends at this lag or earlier. The lag is
+/// relative to the number of consecutive residuals that count as one independent residual. This number follows from the
+/// sum so far.
 const MAX_LAG_RATIO: f64 = 2.0;
-/// Correlations are corrected for the variance that the fit has removed from the residuals. If the ratio of fitted
-/// parameters to independent readings exceeds this value, the correction is not used.
+/// A fit removes a part of the variance from its residuals, and the correlations are corrected for this part. The
+/// correction is not used if the ratio of fitted parameters to independent readings exceeds this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
 /// Contacts after merging: each group of equal contacts, and all contacts during one rest of a finger, were merged into
 /// one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistinctContacts {
-    /// The merged contacts. Each is the mean of the rows of the contact log that were merged into it. The contacts are
-    /// in the order of the first of these rows.
+    /// The merged contacts. Each is the mean of the rows of the contact log that were merged into it. Their order is
+    /// that of the first row of each contact.
     pub contacts: Vec<Contact>,
     /// For each row of the contact log, the index in `contacts` of the contact into which the row was merged.
     pub run_of_row: Vec<usize>,
@@ -108,9 +113,9 @@ impl DistinctContacts {
         }
     }
 
-    /// Merges further contacts: consecutive contacts that are closer to each other than a tenth of a long step, unless
-    /// they may be neighbours by chance because the contacts are in a random order. Remove lost readings before the
-    /// call, because they make the steps seem too long.
+    /// Merges further contacts: consecutive contacts whose distance is at most a tenth of a long step. Contacts in a
+    /// random order are not merged, because they may be neighbours by chance. Remove lost readings before the call,
+    /// because they make the steps seem too long.
     pub(crate) fn without_short_steps(self) -> Self {
         let mut steps = steps(&self.contacts);
         if steps.len() < 3 {
@@ -165,13 +170,14 @@ pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
     DistinctContacts::without_rests(contacts).without_short_steps()
 }
 
-/// Consecutive contacts at nearly the same place, and exact copies of contacts, form a run.
+/// The runs of a contact log. A run consists of consecutive contacts of a finger at nearly the same place, and of exact
+/// copies of contacts.
 struct Runs {
     /// Index of the first contact of each run.
     firsts: Vec<usize>,
     /// For each contact, the index of its run.
     of_row: Vec<usize>,
-    /// Sums over the contacts of the runs of several contacts, which are few.
+    /// For each run with more than one contact, the sums over its contacts. Only few runs have more than one contact.
     rests: HashMap<usize, Rest>,
 }
 
@@ -295,8 +301,8 @@ fn steps(contacts: &[Contact]) -> Vec<f64> {
     steps
 }
 
-/// Counts the steps of the fingers from one run to the next. Returns the number of steps that are
-/// not longer than `longest`, and the number of all steps.
+/// Counts the steps of the fingers from one run of merged contacts to the next. Returns the number of steps of at most
+/// the length `longest`, and the number of all steps.
 fn breaks(contacts: &[Contact], runs: &Runs, longest: f64) -> [usize; 2] {
     let mut last: FingerMap<Option<usize>> = FingerMap::default();
     let [mut short, mut all] = [0, 0];
@@ -312,8 +318,9 @@ fn breaks(contacts: &[Contact], runs: &Runs, longest: f64) -> [usize; 2] {
     [short, all]
 }
 
-/// Share of pairs whose distance is at most `limit`, among contacts of a finger that are several steps apart in the log
-/// and belong to different runs. In a random order, it is the share of such pairs among consecutive contacts.
+/// Estimates the share of pairs of consecutive contacts that would be near each other by chance, if the contacts were
+/// in a random order. It is the share of pairs with a distance of at most `limit` among contacts of a finger that are
+/// several rows apart in the log. Pairs in the same run do not count as near.
 fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (row, contact) in contacts.iter().enumerate() {
@@ -333,9 +340,9 @@ fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
     near as f64 / all.max(1) as f64
 }
 
-/// Merges the contacts of resting fingers. `None` if no gap separates short steps from long steps, or if a finger moves
-/// by short steps. During short steps, a finger must stay at one position, and it must leave this position by a long
-/// step.
+/// Merges the contacts of resting fingers. The short steps must be separated from the long steps by a gap. During short
+/// steps, a finger must stay at one position, and it must leave this position by a long step. `None` if the contacts do
+/// not fulfil these conditions.
 fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut sorted = steps(contacts);
     sorted.retain(|&step| step > 0.0);
@@ -366,9 +373,10 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     None
 }
 
-/// Merges the contacts of rests whose noise is as large as the steps of the moving finger. The lengths of the steps
-/// then do not separate rest from motion. The function finds only a rest that contains most contacts of a finger: these
-/// are near its median position, and the other contacts are far from it. `None` if there is no such rest.
+/// Merges the contacts of rests whose noise is as large as the steps of the moving finger. For such rests, the lengths
+/// of the steps do not separate rest from motion. Therefore the function finds a rest only if it contains most contacts
+/// of a finger: these are near its median position, and the other contacts are far from it. `None` if there is no such
+/// rest.
 fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (row, contact) in contacts.iter().enumerate() {
@@ -442,8 +450,8 @@ pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     }
     let mut covariances = Vec::new();
     let mut time: f64 = 1.0;
-    // The first pass finds whether the residuals are correlated. Each later pass uses the correlation from the pass
-    // before to correct all covariances for the variance that the fit has removed.
+    // The first pass tests whether the residuals are correlated. Each later pass corrects all covariances for the
+    // variance that the fit has removed. For this correction, it uses the correlation from the pass before.
     for pass in 0..4 {
         let share = match pass {
             0 => 0.0,

@@ -22,9 +22,9 @@ pub trait Method {
     /// [`Ep2Error`] if the contacts do not determine the surface, or a setting is out of its range.
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
-    /// Tests the fit: returns the goodness of fit and the ways in which the contacts contradict the method's model.
+    /// Tests the fit. Returns the goodness of fit, and the ways in which the contacts contradict the method's model.
     /// Both are empty for methods without a test. `fit` is the method's fit to the patch, if it was already computed.
-    /// If it was not, or if there are more than 2,000 contacts, the test fits at most 2,000 contacts itself.
+    /// Without it, or if there are more than 2,000 contacts, the test computes a fit to at most 2,000 contacts.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -55,9 +55,9 @@ pub struct Fit {
     pub noise: Option<NoiseEstimate>,
     /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.
     pub effective_unknowns: f64,
-    /// Status of the smoothing splines; `None` if the method uses no smoothing splines. If a spline did not reach its
-    /// required sum of squared residuals, the curvature is useless, and the status is that of the first such spline.
-    /// Otherwise it is the status of the last spline.
+    /// Status of the smoothing splines; `None` if the method uses no smoothing splines. It is the status of the first
+    /// spline that did not reach its required sum of squared residuals; the curvature is then useless. If all splines
+    /// reached their sums, it is the status of the last spline.
     pub status: Option<Status>,
 }
 
@@ -265,8 +265,8 @@ impl Fit {
         jet
     }
 
-    /// Values of the Chebyshev polynomials at the coordinates `u`. The standard errors at these places are computed
-    /// from them. `None` if the fit has no standard errors.
+    /// Values of the Chebyshev polynomials at the coordinates `u`, from which the standard errors at these places are
+    /// computed. `None` if the fit has no standard errors.
     fn series(&self, u: [f64; LANES]) -> Option<Series> {
         let posterior = self.posterior.as_ref()?;
         Some(posterior.series(Lanes::from(u)))

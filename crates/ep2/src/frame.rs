@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// The spread of the contacts across a line or plane counts as a rounding error if it is at most this share of their
-/// spread along the line or plane.
+/// The spread of the contacts across a line or plane counts as 0 if its ratio to the spread along the line or plane is
+/// at most this value. Such a spread may be only a rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Smallest length of the mean of the unit normals. If the mean is shorter, the normals have no mean direction.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
@@ -21,8 +21,8 @@ const LEAST_SIDE_RAD: f64 = 0.02;
 /// A patch counts as elongated if the ratio of its longer to its shorter spread exceeds this value. Its sides are then
 /// parallel to the principal directions of the spread.
 const LONG: f64 = 1.15;
-/// The fingers have a common direction of travel if the contacts scatter more along this direction than across it. This
-/// constant is the smallest ratio of the scatter along to the scatter across (both are sums of squares).
+/// The fingers have a common direction of travel only if their contacts scatter more along this direction than across
+/// it. This constant is the smallest ratio of the sum of squared distances along the direction to the sum across it.
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis
@@ -129,8 +129,8 @@ impl Cloud {
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let spreads = order.map(|index| eigen.eigenvalues[index].max(0.0).sqrt());
         let axes = order.map(|index| eigen.eigenvectors.column(index).into_owned());
-        // A spread is the square root of a moment, so its relative rounding error is the square root of that of a
-        // moment. If the ratio of two spreads is below this rounding error, compute the width of the patch directly.
+        // A spread is the square root of a moment. Therefore a rounding error of 1e-12 in a moment becomes an error of
+        // 1e-6 in a spread. If the ratio of two spreads is below this error, compute the width of the patch directly.
         let spread = spreads[1] / spreads[2];
         if spread <= ROUNDING.sqrt() {
             let across = distance_across(contacts, &centre, &axes[2]) / (extent * spreads[2]);
@@ -219,10 +219,10 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
     (square / contacts.len() as f64).sqrt()
 }
 
-/// The direction in which the contacts of each finger scatter most. It is perpendicular to `normal` and is computed for
-/// all fingers together. It points in the direction in which the first finger travels. Apart from that, the order of
-/// the contacts has no influence, so fingers may slide to and fro. `None` if the contacts scatter nearly as much across
-/// this direction.
+/// The direction along the surface in which the contacts of each finger scatter most, computed for all fingers
+/// together. It is perpendicular to `normal` and points in the direction in which the first finger travels. Otherwise,
+/// the order of the contacts has no influence, so fingers may slide to and fro. `None` if the contacts scatter nearly
+/// as much across this direction.
 fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     #[derive(Default)]
     struct Finger {

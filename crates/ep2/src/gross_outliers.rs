@@ -15,20 +15,21 @@ use crate::{Contact, ShapeError};
 /// distances. The median distance is the median of the distances of all contacts. In clean logs of strokes and caps,
 /// less than 0.01 % of the contacts exceed the limit.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
-/// A gap between distances separates gross outliers from the other contacts only if the first distance beyond the gap
-/// is larger than this number of median distances.
+/// The sorted distances of the contacts from their spatial median may have a gap. The contacts beyond a gap are gross
+/// outliers only if the first distance beyond it is larger than this number of median distances.
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
-/// Limit for gaps between the distances from the spatial median, in ascending order. Two consecutive distances are
-/// separated by a gap if the larger distance, divided by the smaller one, is at least this value.
+/// The distances of the contacts from their spatial median are sorted. Two consecutive distances are separated by a gap
+/// if the ratio of the larger to the smaller one is at least this value.
 const MIN_GAP_RATIO: f64 = 1.5;
 /// Smallest number of positions for which a gap between their distances from the spatial median is searched.
 const MIN_PLACES_WITH_GAP: usize = 20;
-/// Contacts beyond a gap are outliers only if their blocks of consecutive rows have at most this number of rows on
-/// average. Longer blocks are strokes of a finger.
+/// Contacts beyond a gap (in the distances from the spatial median) are outliers only if they form short blocks of
+/// consecutive rows. This constant is the largest mean number of rows in a block. Longer blocks are strokes of a
+/// finger.
 const MAX_BLOCK: usize = 3;
 /// Largest share of outliers among the contacts of a log. A larger share is an error.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
-/// A contact that is no gross outlier counts as an outlier of the fitted surface if its p-value is below this limit.
+/// A contact that is not a gross outlier counts as an outlier of the fitted surface if its p-value is below this limit.
 /// For many contacts, the limit corresponds to 4.5 standard deviations.
 pub(crate) const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 const MAX_PLACES: usize = 5000;
@@ -73,9 +74,9 @@ fn is_lost(contact: &Contact) -> bool {
 pub struct SoundContacts {
     /// The gross outliers that were found.
     pub outliers: Vec<Outlier>,
-    /// Indices of the contacts that are no gross outliers, counted from 0.
+    /// Indices (from 0) of the contacts that are not gross outliers.
     pub rows: Vec<usize>,
-    /// The contacts that are no gross outliers. Copies of a contact, and the contacts of a finger that rests, are
+    /// The contacts that are not gross outliers. Copies of a contact, and the contacts of a finger that rests, are
     /// merged into one contact.
     pub distinct: DistinctContacts,
 }

@@ -15,42 +15,46 @@ use crate::{
 
 /// Smallest number of contacts of a finger from which the correlation of its noise is estimated.
 const MIN_CONTACTS: usize = 60;
-/// Number of contacts along a stroke in the first fit. Each of them is the mean of consecutive contacts, so correlated
-/// noise has little effect on the fit.
+/// In the first fit, each stroke is divided into this number of groups of consecutive contacts. The fit uses the means
+/// of the groups, so that correlated noise has little effect on it.
 const FIRST_MEANS: usize = 30;
-/// Smallest number of means along the longest stroke, if consecutive contacts are replaced by their means.
+/// Consecutive contacts may be replaced by their means. The longest stroke must then have at least this number of
+/// means.
 const MIN_MEANS: usize = 8;
-/// Largest accepted ratio of the root-mean-square distances of the contacts from two surfaces: a surface fitted to
-/// means of contacts, and a surface fitted to all contacts. At a larger ratio, the first surface is too smooth.
+/// The contacts have a root-mean-square distance from a surface that is fitted to means of contacts, and another from a
+/// surface that is fitted to all contacts. This constant is the largest accepted ratio of the first distance to the
+/// second. At a larger ratio, the surface through the means is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// Replaces [`MAX_RESIDUAL_RATIO`] if consecutive contacts have correlated distances from the surface that is fitted to
-/// all contacts. If the ratio is smaller than this value, the cause of the correlation is the noise, and the surface
-/// follows a part of the noise. If the ratio is larger, no spline follows the object.
+/// Limit that replaces [`MAX_RESIDUAL_RATIO`] if consecutive contacts have correlated distances from the surface that
+/// is fitted to all contacts. At a smaller ratio, the noise causes the correlation, and the surface follows a part of
+/// the noise. At a larger ratio, no spline follows the object.
 const MAX_CORRELATED_RATIO: f64 = 3.0;
-/// The distances of consecutive contacts from a surface count as correlated if at least this number of them counts as
-/// one independent distance.
+/// The distances of the contacts from a surface count as correlated if at least this number of consecutive distances
+/// counts as one independent distance.
 const MIN_CORRELATION: f64 = 1.5;
-/// The fit is repeated with means over more contacts if the correlation length of the residuals is larger than the
-/// assumed correlation length by more than this factor.
+/// A fit to means of contacts assumes a correlation length of the noise. The fit is repeated with means over more
+/// contacts if the correlation length of its residuals exceeds the assumed length by more than this factor.
 const MAX_GROWTH: f64 = 1.3;
 
 /// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means, because a
 /// surface that is fitted to so many single contacts would follow their errors across a stroke.
 const MAX_FITTED: usize = 10_000;
-/// Largest ratio of two root-mean-square distances of contacts: from the means of consecutive contacts, and from the
-/// mean of all contacts. If the ratio is larger, the contacts of a finger are not in the order of its path, and means
-/// of consecutive contacts are not fitted.
+/// Tests whether the contacts of a finger are in the order of its path. This constant is the largest ratio of two
+/// root-mean-square distances of contacts: from the means of consecutive contacts, and from the mean of all contacts.
+/// At a larger ratio, the contacts have no order, and means of consecutive contacts are not used.
 const MAX_BLOCK_RATIO: f64 = 0.05;
-/// Largest second difference of the means along a smooth path, relative to the distance between the two neighbouring
-/// means.
+/// A path is smooth if the second differences of its means are small. This constant is the largest second difference on
+/// a smooth path, divided by the distance between the two neighbouring means.
 const MAX_BEND: f64 = 0.25;
-/// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
+/// A plane, a sphere and a cylinder are fitted for comparison with the surface. This constant is the largest number of
+/// contacts that these fits use.
 const MAX_COMPARED: usize = 2000;
 
 /// With at most this number of strokes, the heights do not determine the fourth derivative of the surface across the
 /// strokes.
 const MAX_FEW_STROKES: usize = 4;
-/// Smallest gap between two strokes, relative to the width of the patch across the strokes.
+/// Smallest gap between the contacts of two neighbouring strokes, relative to the width of the patch across the
+/// strokes.
 const MIN_GAP: f64 = 0.1;
 
 /// A fit to the independent contacts of a log, and the contacts to which it was fitted.
@@ -67,8 +71,8 @@ pub struct IndependentFit {
     pub rows: Vec<usize>,
     /// Number of independent readings in the log.
     pub readings: EffectiveReadings,
-    /// Standard deviations of the errors of positions and of normals in `patch`, divided by the standard deviations for
-    /// a single contact of the log.
+    /// Standard deviations of the errors of positions and of normals in `patch`, divided by those of a single contact
+    /// of the log.
     pub noise_ratios: [f64; 2],
 }
 
@@ -93,11 +97,11 @@ struct Log<'a, M> {
 
 impl IndependentFit {
     /// Fits the contacts of a log. `distinct` are the merged contacts of [`SoundContacts`](crate::SoundContacts), if
-    /// they were already computed. `method` receives two factors. It returns the method whose stated standard
-    /// deviations of positions and normals are multiplied by these factors.
+    /// they were already computed. `method` receives one factor for positions and one for normals. It returns the
+    /// method, with its stated standard deviations multiplied by these factors.
     ///
-    /// # Errors Errors of [`Patch::new`] and of the method. The number of a contact in an error is its index in
-    /// `contacts`.
+    /// # Errors
+    /// Errors of [`Patch::new`] and of the method. The number of a contact in an error is its index in `contacts`.
     pub fn new<M: Method>(
         method: impl Fn([f64; 2]) -> M,
         contacts: &[Contact],
@@ -136,11 +140,12 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// Increases the standard errors if the contacts lie on a plane, a sphere or a cylinder. Afterwards, the curvature
-    /// of this shape is within one standard error of the estimate. On these shapes, the bias of the fitted surface can
-    /// exceed the effect of the noise if there are many contacts, or if few strokes do not show how the surface bends
-    /// between them. Fits that are based on an implicit quadric do not change, nor do fits whose standard error exceeds
-    /// the largest difference between a shape and a paraboloid through the same contacts.
+    /// Increases the standard errors if the contacts lie on a plane, a sphere or a cylinder, so that the curvature of
+    /// this shape is within one standard error of the estimate. The reason is the bias of the fitted surface on these
+    /// shapes. The bias can exceed the effect of the noise if there are many contacts, or if few strokes do not show
+    /// how the surface bends between them. Two kinds of fits do not change: fits that are based on an implicit quadric,
+    /// and fits whose standard error exceeds the largest difference between a shape and a paraboloid through the same
+    /// contacts.
     ///
     /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline
     /// instead of a shape: the mean square error of the quadric is at least the square of the difference between both
@@ -225,7 +230,7 @@ impl IndependentFit {
 
     /// Whether the contacts are two strokes without normals. The fit of a quadric is then not unique, because any
     /// multiple of a quadric that is 0 on both strokes can be added. If the contacts have noise across the strokes, the
-    /// fit does not show that it is not unique.
+    /// equations of the fit seem to have a unique solution.
     fn are_two_strokes(&self, outward: &Vector3<f64>) -> bool {
         let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
         for contact in &self.contacts {
@@ -235,8 +240,9 @@ impl IndependentFit {
         !self.patch.has_normals() && self.patch.fingers == 2 && fingers.iter().all(is_stroke)
     }
 
-    /// Difference of the mean curvature between a circle and a parabola across the strokes, 1/length, for the curvature
-    /// at `centre`. 0 if there are more than four strokes, or more than two strokes with normals.
+    /// Assumed bias of the mean curvature at `centre`, 1/length: the difference between a circle and a parabola across
+    /// the strokes. Few strokes do not show which of the two curves is right. The bias is 0 if there are more than four
+    /// strokes, or more than two strokes with normals.
     fn bias_across_strokes(&self, centre: &MapPoint) -> f64 {
         let place = self.fit.frame.point(&centre.position);
         let jet = self.fit.jet(place.x, place.y);
@@ -278,8 +284,8 @@ impl IndependentFit {
     }
 
     /// Returns two results. The first is the root-mean-square distance of the contacts from the surface, in the unit of
-    /// the patch. The second contains two numbers: how many consecutive distances, and how many consecutive normals,
-    /// count as one because their errors are correlated.
+    /// the patch. The second contains two numbers, one for distances and one for normals: the number of consecutive
+    /// values that count as one, because their errors are correlated.
     fn correlations<M>(&self, log: &Log<'_, M>) -> (f64, [f64; 2]) {
         let (mut distances, mut tilts) = (Vec::new(), Vec::new());
         let (mut square, mut count) = (0.0, 0.0);
@@ -305,8 +311,8 @@ impl IndependentFit {
             distances.push(of_stroke);
             tilts.extend([along, across]);
         }
-        // Positions and normals together determine the fitted parameters, so half of the effective degrees of freedom
-        // are attributed to each kind of reading.
+        // Positions and normals together determine the fitted parameters. Therefore half of the effective degrees of
+        // freedom are subtracted for each kind of reading.
         let kinds = if self.patch.has_normals() { 2.0 } else { 1.0 };
         let absorbed = (self.fit.effective_unknowns / kinds) as usize;
         let of_tilts = match self.patch.has_normals() {
@@ -392,8 +398,9 @@ impl<M: Method> Log<'_, M> {
         blocks.map(square).sum::<f64>() < MAX_BLOCK_RATIO * MAX_BLOCK_RATIO * square(&all)
     }
 
-    /// Fits the means of every `block` consecutive contacts of each finger. `times` states how many consecutive
-    /// positions, and how many consecutive normals, count as one because their noise is correlated.
+    /// Fits the means of every `block` consecutive contacts of each finger. `times` contains two numbers, one for
+    /// positions and one for normals: the number of consecutive values that count as one, because their noise is
+    /// correlated.
     fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
         let means = self.means(block);
         // If noise is correlated over more contacts than are averaged, averaging does not reduce the noise. Then the

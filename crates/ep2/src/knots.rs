@@ -81,7 +81,7 @@ impl Knots {
     #[inline]
     pub(crate) fn derivatives<const ORDERS: usize>(&self, first: usize, x: f64) -> [Basis; ORDERS] {
         match self.degree {
-            // The degree is passed as a constant for the usual degrees, so that the compiler can unroll the loops.
+            // Pass the usual degrees as constants, so that the compiler can unroll the loops.
             2 => self.derivatives_of(2, first, x),
             3 => self.derivatives_of(3, first, x),
             degree => self.derivatives_of(degree, first, x),

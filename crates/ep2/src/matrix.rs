@@ -52,10 +52,11 @@ impl SparseMap {
     }
 }
 
-/// Number of columns of a matrix that are added to a sum in the same loop, to reduce the number of memory accesses.
+/// Number of columns of a matrix that one loop adds to a sum. Several columns per loop reduce the number of memory
+/// accesses.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// The product A B. Here A consists of the last columns of `a`, as many as `b` has rows, and B is `b`.
+/// The product A B. A consists of the last columns of `a`; their number is the number of rows of `b`. B is `b`.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];
@@ -77,8 +78,8 @@ pub(crate) fn add_symmetric(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, b: &DMatri
     sum.fill_upper_triangle_with_lower_triangle();
 }
 
-/// Adds the columns, each multiplied by its factor, to `sum`. Each column has `height` entries, of which only the last
-/// are used, as many as `sum` has. The order of the additions is fixed, so that all processors return the same sum.
+/// Adds the columns, each multiplied by its factor, to `sum`. Each column has `height` entries, but only the last
+/// `sum.len()` entries are used. The order of the additions is fixed, so that all processors return the same sum.
 #[inline]
 fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(usize) -> f64) {
     let skipped = height - sum.len();

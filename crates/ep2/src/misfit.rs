@@ -25,8 +25,8 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// Smallest estimated position noise for which the contacts are tested, in the patch's unit. Smaller estimates may be
 /// due to rounding errors or to the approximation error of the series that describes the surface.
 const MIN_POSITION_STD: f64 = 5e-4;
-/// Assumed variance of the surface at a contact that was not used in the fit, divided by the variance of the most
-/// probable Gaussian process there. The true variance is assumed to be at most as large.
+/// Assumed variance of the surface at a contact that was not used in the fit, divided by its variance in the most
+/// probable Gaussian process. The real variance is assumed to be at most this large.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.
@@ -107,9 +107,9 @@ impl Model<'_> {
         })
     }
 
-    /// For each contact in `others`, whether it contradicts the patch: whether the p-value of its residuals is below
-    /// `least`. These contacts are not part of the patch. A contact that is `None` is too steep for the patch, so it
-    /// always contradicts the patch.
+    /// For each contact in `others`, whether it contradicts the patch. These contacts are not part of the patch. A
+    /// contact contradicts the patch if the p-value of its residuals is below `least`. A contact that is `None` is too
+    /// steep for the patch, so it always contradicts the patch.
     ///
     /// # Errors
     /// Errors of [`Model::misfit`].
@@ -287,8 +287,8 @@ impl Refit {
             let along = mode.dot(&rest_right);
             let explained = along * along / (1.0 + weight.max(0.0));
             chi_squared -= explained;
-            // In this mode, the surface's roughness has a larger variance than the noise, so the mode mainly describes
-            // the surface. Do not test it.
+            // The surface's roughness has a larger variance in this mode than the noise has. The mode mainly describes
+            // the surface, so do not test it.
             if weight >= 1.0 {
                 noisy -= along * along / weight;
                 outweighing += 1;

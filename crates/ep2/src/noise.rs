@@ -23,7 +23,7 @@ pub struct NoiseEstimate {
 }
 
 /// Smallest standard deviation that is assumed for the errors of heights (in the patch's unit of length) and of slopes.
-/// Smaller values are rounding errors.
+/// A smaller estimate may be only a rounding error.
 const MIN_STD: f64 = 1e-12;
 /// Largest allowed ratio between the estimated variances of heights and of slopes, in either direction. A larger ratio
 /// means that heights or slopes are fitted almost exactly by chance.
@@ -76,7 +76,7 @@ impl Variances {
 
     /// Sets the variances to values that explain the weighted sums of squared residuals. Stated variances do not
     /// change. `unknowns` are the effective degrees of freedom of the fit. `bending` is the mean square of the second
-    /// derivatives; on a curved surface, it determines the error of a slope that a position error causes.
+    /// derivatives. It determines the error of a slope that a position error causes on a curved surface.
     ///
     /// Returns whether the variances are determined, that is, whether the residuals have at least one degree of
     /// freedom.
@@ -121,7 +121,7 @@ impl Variances {
         is_determined
     }
 
-    /// The smallest allowed factor on the variances. A smaller factor would give variances that are only rounding
+    /// The smallest allowed factor on the variances. With a smaller factor, the variances would be below rounding
     /// errors.
     pub(crate) fn min_scale(&self) -> f64 {
         MIN_STD * MIN_STD / self.heights

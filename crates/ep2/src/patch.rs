@@ -9,7 +9,7 @@ use crate::error::LARGEST;
 use crate::{Ep2Error, PatchFrame};
 
 /// Smallest allowed ratio of a patch's width to its length. In a narrower patch, rounding errors of the heights would
-/// look like curvature.
+/// cause a curvature.
 const MIN_WIDTH_RATIO: f64 = 1e-6;
 /// Largest allowed angle between a contact's normal and the mean normal (degrees). At a larger angle, the patch is not
 /// a graph.
@@ -177,8 +177,8 @@ impl Patch {
         self.samples[0].slopes.is_some()
     }
 
-    /// The patch with an evenly spaced selection of at most `count` contacts. Also returns the step of the selection: 1
-    /// for all contacts, 2 for every second contact, and so on.
+    /// The patch with an evenly spaced selection of at most `count` contacts. The second result is the step of the
+    /// selection: 1 if all contacts are selected, 2 if every second contact is selected, and so on.
     pub(crate) fn thinned(&self, count: usize) -> (Cow<'_, Self>, usize) {
         // The step must have no common divisor with the number of fingers. Otherwise, if the contacts of the fingers
         // alternate, the selection would omit some fingers.

@@ -30,16 +30,16 @@ use weight::{Choice, Search};
 /// Largest number of knot intervals per side. With more intervals, the dense matrices of the coefficients would take
 /// seconds.
 const MAX_INTERVALS: usize = 24;
-/// Largest number of knot intervals per side that is chosen automatically.
+/// If the number of knot intervals is chosen automatically, it is at most this number per side.
 const MAX_DEFAULT_INTERVALS: usize = 12;
-/// Largest number of coefficients per equation, if the number of knot intervals is chosen automatically.
+/// Largest number of spline coefficients per equation, if the number of knot intervals is chosen automatically.
 const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
 /// Largest accepted ratio of the effective degrees of freedom to the number of coefficients. At a larger ratio, the
-/// contacts are so exact that the approximation error of the spline is visible, and the automatic number of intervals
-/// is doubled.
+/// contacts are so exact that the approximation error of the spline matters. Then the automatic number of intervals is
+/// doubled.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// The Chebyshev series of the posterior has at least this number of coefficients more than the spline. With these
-/// additional coefficients, the series can represent shapes that the spline cannot.
+/// The posterior is computed with a Chebyshev series, which has at least this number of coefficients more than the
+/// spline. With these coefficients, the series can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
 /// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
@@ -133,9 +133,9 @@ impl Penalised {
         Ok(tested.unwrap_or_else(|| vec![false; others.len()]))
     }
 
-    /// Calls `test` with the fitted model and the most probable Gaussian process of the surface's roughness. Returns
-    /// the result of `test`; `None` if the noise is unknown. `fit` is the fit to this patch, if it was already
-    /// computed.
+    /// Computes the fitted model and the most probable Gaussian process of the surface's roughness, and passes both to
+    /// `test`. Returns the result of `test`; `None` if the noise is unknown. `fit` is the fit to this patch, if it was
+    /// already computed.
     fn tested<T>(
         &self,
         patch: &Patch,
@@ -336,10 +336,9 @@ impl Basis {
     }
 }
 
-/// Automatic numbers of knot intervals along u and along v, as large as the limit on the coefficients per equation
-/// allows. Both numbers are equal, with one exception: across the fingers' travel, there are at most as many intervals
-/// as gaps between fingers. More intervals would not be determined, because the contacts of one finger are nearly on a
-/// line.
+/// Automatic numbers of knot intervals along u and along v. They are as large as the limit on the coefficients per
+/// equation allows, and usually equal. Across the fingers' travel, there are at most as many intervals as gaps between
+/// fingers. More intervals would not be determined, because the contacts of one finger are nearly on a line.
 fn default_intervals(patch: &Patch) -> [usize; 2] {
     let gaps = match patch.fingers {
         1 => MAX_DEFAULT_INTERVALS,

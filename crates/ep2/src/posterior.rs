@@ -25,7 +25,7 @@ pub(crate) struct Posterior {
     /// Coefficients of the covariances between the derivatives, one series per pair of derivatives. The degree of these
     /// series is twice the degree of the surface. The products T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
-    /// Factor by which the mean products (variances and covariances) of the errors are multiplied.
+    /// Factor by which the variances and covariances of the errors are multiplied.
     widening: f64,
 }
 
@@ -187,9 +187,9 @@ pub(crate) struct PosteriorLine {
 }
 
 impl PosteriorLine {
-    /// Mean products (variances and covariances) of the errors of the estimated derivatives (p, q, r, s, t) = (∂u, ∂v,
-    /// ∂u², ∂u∂v, ∂v²) at places on the line. `jet` contains the estimates, and `series` the values of the polynomials
-    /// in u at these places.
+    /// Variances and covariances of the errors of the estimated derivatives (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²)
+    /// at places on the line. They include the differences between the estimates and the posterior means. `jet`
+    /// contains the estimates, and `series` the values of the polynomials in u at these places.
     #[inline(always)]
     pub(crate) fn errors(&self, series: &Series, jet: &Jet<Lanes>) -> JetCovariance {
         let mut distance = [jet.u, jet.v, jet.uu, jet.uv, jet.vv];

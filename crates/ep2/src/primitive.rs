@@ -27,7 +27,7 @@ use pose::Cloud;
 use robust_fit::{RobustFit, Solution, StatedNoise, robust_fit, solve};
 use shape_choice::choose;
 
-/// Largest number of contacts from which the most probable shape is chosen.
+/// The most probable shape is chosen with at most this number of contacts.
 const MAX_COMPARED: usize = 20_000;
 const ITERATIONS: usize = 40;
 
@@ -132,8 +132,8 @@ pub struct ShapeFit {
     pub curvature: SizeEstimate,
     /// Radius (length) of the object. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
-    /// Centre of a sphere, point of a cylinder's axis nearest to the contacts, or point of a plane nearest to the
-    /// middle of the contacts. `None` if the contacts do not determine the size of the shape.
+    /// Centre of a sphere, point of a cylinder's axis that is nearest to the contacts, or point of a plane that is
+    /// nearest to the middle of the contacts. `None` if the contacts do not determine the size of the shape.
     pub place: Option<Point3<f64>>,
     /// Standard errors of the coordinates of `place`.
     pub place_std: Option<[f64; 3]>,
@@ -281,8 +281,8 @@ impl ShapeSettings {
             .with_probabilities(chosen.probabilities))
     }
 
-    /// Fits the stated shape or, if none is stated, the most probable shape to `sound`, which are the contacts without
-    /// gross outliers. `count` is the number of contacts with them.
+    /// Fits the stated shape or, if none is stated, the most probable shape to `sound`, the contacts without gross
+    /// outliers. `count` is the number of contacts including the gross outliers.
     fn fit_sound(&self, count: usize, sound: SoundContacts) -> Result<ShapeFit, ShapeError> {
         let SoundContacts {
             mut outliers,

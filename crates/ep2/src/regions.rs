@@ -5,8 +5,8 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// A region has a mean direction of largest curvature only if the coherence of the directions at its points is at least
-/// this value. The coherence is the agreement of directions, from 0 to 1.
+/// The coherence is the agreement of the directions of largest curvature in a region, from 0 (none) to 1 (parallel). A
+/// region has a mean direction only if its coherence is at least this value.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map that is divided into regions of one shape class.

@@ -30,8 +30,8 @@ use mesh::{Mesh, Roughness, next_knot};
 use observations::Observations;
 use triangle::Triangle;
 
-/// A diagonal entry of the triangularised equations counts as zero if its square is at most this share of the largest
-/// square of a diagonal entry.
+/// A diagonal entry of the triangular matrix counts as zero if the ratio of its square to the largest square of a
+/// diagonal entry is at most this value.
 const RANK_TOLERANCE: f64 = 1e-16;
 /// Residuals count as rounding errors if their ratio to the heights is below this value.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;

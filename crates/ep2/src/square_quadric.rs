@@ -15,7 +15,7 @@ const RANK_TOLERANCE: f64 = 1e-13;
 /// On the implicit quadric z = Q(a, b) + m z²/2, the root √(1 − 2mQ) must be at least this value. Where the root is 0,
 /// the graph is vertical.
 const MIN_ROOT: f64 = 0.2;
-/// Number of iterations, each of which computes the weights again from the noise and the slopes.
+/// Number of iterations of the fit. Each iteration computes the weights again from the noise and the slopes.
 const ITERATIONS: usize = 4;
 
 type Row = SVector<f64, UNKNOWNS>;
@@ -112,8 +112,8 @@ struct NormalEquations {
     of_square_term: SquareTerm,
 }
 
-/// The part of the normal equations that belongs to the coefficient m of the implicit quadric z = Q + m z²/2. It
-/// consists of the products of the coefficient's column with the other columns, its sum of squares, and its right side.
+/// The part of the normal equations that belongs to the coefficient m of the implicit quadric z = Q + m z²/2: the
+/// products of the column of m with the other columns, its sum of squares, and its right side.
 #[derive(Default)]
 struct SquareTerm {
     products: Kinds<Row>,

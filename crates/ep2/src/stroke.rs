@@ -15,8 +15,8 @@ const PROBABILITY: f64 = 0.95;
 /// Largest ratio of the scatter of contacts across a stroke to their noise. At a larger ratio, the contacts are not a
 /// single stroke.
 const MAX_SPREAD_RATIO: f64 = 2.5;
-/// Assumed standard deviation of the error of the stated outward direction, as a rotation about the direction of the
-/// stroke (rad).
+/// Assumed standard deviation of the error of the stated outward direction (rad). The error is a rotation about the
+/// direction of the stroke.
 const OUTWARD_STD: f64 = 0.1;
 /// Largest root-mean-square distance of the contacts from the fitted curve, relative to half of the stroke's length.
 const MAX_SPREAD: f64 = 0.1;
@@ -46,8 +46,9 @@ pub struct StrokeCurvature {
 }
 
 impl StrokeCurvature {
-    /// The curvature with an interval that is valid for any outer side within a right angle of the assumed side. The
-    /// normal curvature is the part of the curvature of the stroke in space along the unknown normal.
+    /// The curvature with an interval for a case in which the outer side is uncertain. The interval is valid for any
+    /// outer side within a right angle of the assumed side. The normal curvature is the part of the stroke's curvature
+    /// in space that is along the unknown normal.
     #[must_use]
     pub fn for_any_side(self) -> Self {
         let [low, high] = self.interval95;

@@ -1,8 +1,9 @@
 //! Finds outliers near the surface: contacts that contradict a smooth surface through the other contacts.
 //!
-//! Robust polynomial fits find suspects, which are contacts far from the polynomial. A suspect is an outlier only if a
-//! fit to the contacts without suspects also contradicts it, because polynomials do not follow every surface. Outliers
-//! that lie close together are kept as a part of the surface, unless the path of a finger jumps to them.
+//! Robust polynomial fits find suspects, which are contacts far from the polynomial. Because polynomials do not follow
+//! every surface, a second fit to the contacts without suspects tests each suspect. A suspect is an outlier only if it
+//! contradicts this fit too. Outliers that lie close together are kept as a part of the surface, unless the path of a
+//! finger jumps to them.
 
 use std::ops::RangeInclusive;
 
@@ -16,22 +17,23 @@ use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
 const MIN_CONTACTS: usize = 24;
-/// A polynomial of higher than the smallest degree is fitted only if the number of contacts per coefficient is at least
-/// this value.
+/// A robust fit tries polynomials of several degrees. A degree above the smallest one is tried only if the number of
+/// contacts per coefficient is at least this value.
 const MIN_CONTACTS_PER_COEFFICIENT: usize = 3;
 const DEGREES: RangeInclusive<usize> = 2..=MAX_DEGREE;
 const MAX_DEGREE: usize = 4;
 /// Number of coefficients of a polynomial with the largest degree.
 const COUNT: usize = count(MAX_DEGREE);
 const MAX_CONTACTS: usize = 2000;
-/// Largest weight of a contact that represents a rest of a finger. The weight is a number of contacts.
+/// A contact that represents a rest of a finger has the number of its rows as weight, but at most this weight.
 const MAX_REPEATS: usize = 5;
 /// Largest number of iterations of a robust fit. The fit minimises the absolute deviations until their median changes
 /// by less than the share [`MAX_CHANGE`], and then uses Tukey's biweight.
 const ITERATIONS: usize = 16;
 const MAX_CHANGE: f64 = 0.03;
-/// At the start of a fit, a contact has no weight if its distance from the median place, along u or along v, exceeds
-/// the median distance by more than this factor. Otherwise, a distant outlier would determine the polynomial.
+/// At the start of a fit, distant contacts have no weight, because an outlier among them would determine the
+/// polynomial. A contact is distant if the ratio of its distance from the median place to the median distance exceeds
+/// this value, along u or along v.
 const MAX_START_RATIO: f64 = 3.0;
 /// Tukey's biweight is 0 if the residual exceeds this number of standard deviations.
 const BIWEIGHT: f64 = 4.685;
@@ -46,20 +48,21 @@ const MIN_STD: f64 = 1e-6;
 const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
 /// Largest number of fits that test whether suspects agree with the other contacts.
 const ROUNDS: usize = 6;
-/// For each outlier, this number of nearest contacts is examined. If there are more than `MAX_EXAMINED` outliers, only
-/// a part of the outliers is examined.
+/// To test whether outliers lie together, this number of nearest contacts of each outlier is examined. If there are
+/// more than `MAX_EXAMINED` outliers, only a part of the outliers is examined.
 const NEIGHBOURS: usize = 4;
 const MAX_EXAMINED: usize = 100;
-/// A neighbour of an outlier is examined only if its distance from the outlier is at least this share of the distance
-/// of the nearest contact that is no outlier. The limit excludes other outliers at the same point beside the surface.
+/// A neighbour of an outlier is examined only if it is far enough from the outlier. This constant is its smallest
+/// distance, relative to the distance of the nearest contact that is not an outlier. The limit excludes other outliers
+/// at the same point beside the surface.
 const MIN_DISTANCE_RATIO: f64 = 0.3;
-/// Largest mean share of outliers among the nearest contacts of an outlier. If `MAX_RELATIVE_NEIGHBOUR_SHARE` times the
-/// share of outliers among all contacts is larger, that product is the limit. Above the limit, the outliers lie
-/// together and are kept as a part of the surface.
+/// Outliers lie together if the mean share of outliers among their nearest contacts exceeds this value. They are then
+/// kept as a part of the surface. The limit is at least `MAX_RELATIVE_NEIGHBOUR_SHARE` times the share of outliers
+/// among all contacts.
 const MAX_NEIGHBOUR_SHARE: f64 = 0.3;
 const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
-/// Longest step along the path of a finger, relative to the median step. `MAX_SKIPPED_STEP_RATIO` is added for each
-/// contact that the step skips.
+/// Longest step along the path of a finger, relative to the median step. If the step skips contacts as outliers, the
+/// limit increases by `MAX_SKIPPED_STEP_RATIO` for each skipped contact.
 const MAX_STEP_RATIO: f64 = 3.0;
 const MAX_SKIPPED_STEP_RATIO: f64 = 1.5;
 /// Largest number of successive outliers that the path of a finger skips.
@@ -107,9 +110,10 @@ impl SoundContacts {
     }
 }
 
-/// Whether each contact is beside the path of its finger, that is, whether the longest path with steps of the usual
-/// length skips the contact. A finger moves without jumps, so such a contact is suspect even if other contacts lie
-/// close to it. In contacts without an order, all steps are long, and no contact is beside the path.
+/// Whether each contact is beside the path of its finger. The path is the longest chain of contacts with steps of the
+/// usual length; contacts that it skips are beside it. A finger moves without jumps, so such a contact is suspect even
+/// if other contacts lie close to it. In contacts without an order, all steps are long, and no contact is beside the
+/// path.
 fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (index, contact) in contacts.iter().enumerate() {
@@ -124,12 +128,12 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let steps: Vec<f64> = fingers.iter().flat_map(steps_of).collect();
     let mut is_beside = vec![false; contacts.len()];
     for finger in fingers.iter().filter(|finger| finger.len() > 1) {
-        // Use the larger of two medians, that of this finger's steps and that of the steps of all fingers, because this
-        // finger may have longer steps than the others.
+        // This finger may have longer steps than the others, so use the larger of two medians: that of its own steps,
+        // and that of the steps of all fingers.
         let step = median(steps_of(finger)).max(median(steps.clone()));
         let limits = [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * step);
-        // For each contact: the number of contacts in the longest chain of contacts without a jump that ends at this
-        // contact, and the previous contact in this chain.
+        // The chains of contacts without a jump. For each contact: the number of contacts in the longest chain that
+        // ends at it, and the previous contact in this chain.
         let mut paths: Vec<(usize, Option<usize>)> = Vec::with_capacity(finger.len());
         for place in 0..finger.len() {
             let is_near = |before: &usize| {
@@ -180,10 +184,10 @@ fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
     mean <= MAX_NEIGHBOUR_SHARE.max(MAX_RELATIVE_NEIGHBOUR_SHARE * share(is_outlier))
 }
 
-/// Whether each contact is an outlier. `counts` contains the number of rows of the log that each contact represents.
-/// Outliers between the contacts of a slow finger make the steps long, so that many contacts count as a rest. Therefore
-/// rests have a larger weight. Contacts beside the path of their finger (`is_beside_path`) are suspects, and have no
-/// weight.
+/// Whether each contact is an outlier. `counts` contains the number of rows of the log that each contact represents; it
+/// is the weight of the contact. The weight is needed because outliers between the contacts of a slow finger make the
+/// steps long, so that many contacts are merged as a rest. Contacts beside the path of their finger (`is_beside_path`)
+/// are suspects, and have no weight.
 fn outliers(
     contacts: &[Contact],
     counts: &[usize],

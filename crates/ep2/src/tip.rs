@@ -114,8 +114,8 @@ impl RoundTip {
     }
 
     /// The radius of curvature of the surface on which the tip's centre moves, if this radius is smaller than the tip's
-    /// radius; otherwise `None`. If the tip's radius is larger, the computed contacts move in the direction opposite to
-    /// the centres.
+    /// radius; otherwise `None`. If the tip's radius is larger, the computed contacts move backwards when the centres
+    /// move forwards.
     ///
     /// A displacement of the contact is the matrix I − r K times the displacement of the centre. Here I is the
     /// identity, r is the tip's radius, and K is the curvature of the surface on which the centre moves. On a real
@@ -127,8 +127,8 @@ impl RoundTip {
         contacts: &[Contact],
         up: Vector3<f64>,
     ) -> Option<f64> {
-        /// An error is returned only if an eigenvalue is below 0 by at least this number of standard errors. The
-        /// probability of an unjustified error is then 1/30,000.
+        /// An error is returned only if an eigenvalue is below 0 by at least this number of standard errors. On a real
+        /// object, the probability of an error is then 1/30,000.
         const MIN_STANDARD_ERRORS: f64 = 4.0;
         let away = match up.iamin() {
             0 => Vector3::x(),

@@ -182,9 +182,9 @@ const GAUSS: [(f64, f64); 4] = [
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
 ];
 
-/// The roughness of a spline w(a, b) is the integral ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square. It is
-/// cᵀPc for the coefficients c of the spline. This function returns the matrix P. The integrand does not depend on the
-/// directions of the axes.
+/// Returns the matrix P with which the roughness of a spline is cᵀPc, where c are the coefficients of the spline. The
+/// roughness of a spline w(a, b) is the integral ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square. The integrand
+/// does not depend on the directions of the axes.
 pub(super) fn roughness_penalty(knots: &[Knots; 2]) -> DMatrix<f64> {
     let grams: [[DMatrix<f64>; 4]; 2] = knots
         .each_ref()

@@ -11,8 +11,8 @@ use crate::matrix::product;
 use crate::square_quadric::UNKNOWNS;
 
 /// The random surface is a sum of functions with random factors. A function is omitted if the variance of its second
-/// derivatives is below this value everywhere in the domain of the surface. The second derivatives of the whole surface
-/// have variance 1.
+/// derivatives is below this value at all places. For comparison, the second derivatives of the whole surface have
+/// variance 1.
 const MIN_VARIANCE: f64 = 1e-3;
 
 /// A random surface, as a linear map from independent random factors of variance 1 to the coefficients of a Chebyshev

@@ -22,29 +22,29 @@ const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
 /// lengths.
 const MAX_LENGTH_RATIO: f64 = 3.0;
 const EXPECTED_LENGTH: f64 = 1.75;
-/// The prior probability of a correlation length decreases with this power of the length, on both sides of the most
-/// probable length.
+/// Exponent of the prior probability of a correlation length. On both sides of the most probable length, the prior
+/// probability decreases with this power of the length.
 const LENGTH_POWER: f64 = 2.0;
-/// The amplitude of the roughness with the largest prior probability, relative to the second derivatives of the
-/// quadric.
+/// Most probable amplitude of the roughness in the prior, relative to the second derivatives of the quadric. The
+/// amplitude is the standard deviation of the second derivatives of the roughness.
 const EXPECTED_AMPLITUDE: f64 = 0.75;
-/// The amplitude of the roughness with the largest prior probability, for deviations from an implicit quadric such as
-/// an ellipsoid, relative to the second derivatives of the quadric. These deviations are usually smaller than
-/// deviations from an ordinary quadric.
+/// Most probable amplitude of the roughness in the prior, if the roughness is the deviation from an implicit quadric
+/// such as an ellipsoid. It is relative to the second derivatives of the quadric. Deviations from an implicit quadric
+/// are usually smaller than deviations from an ordinary quadric.
 const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
-/// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of the most probable
-/// amplitude.
+/// Exponent of the prior probability of an amplitude. On both sides of the most probable amplitude, the prior
+/// probability decreases with this power of the amplitude.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// The posterior is averaged over several amplitudes of the roughness. This constant is the number of amplitudes on
-/// each side of the expected amplitude.
+/// The posterior is averaged over several amplitudes of the roughness. This constant is the number of smaller
+/// amplitudes than the expected one, and also the number of larger ones.
 const AMPLITUDE_STEPS: i32 = 6;
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
-/// Exponent of the likelihood of an amplitude and a correlation length. It reduces the weight of the likelihood. The
-/// roughness of a real surface depends on place and direction, unlike the roughness of a surface that is drawn from the
-/// process. Therefore the contacts determine the roughness of a real surface less accurately.
+/// Exponent of the likelihood of an amplitude and a correlation length. An exponent below 1 reduces the effect of the
+/// likelihood. The model assumes the same roughness at all places and in all directions. The roughness of a real
+/// surface varies, so the contacts determine it less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// The average over the posteriors omits combinations of length and amplitude that are too improbable. A combination is
-/// omitted if the logarithm of the ratio of its probability to the largest probability is below this value.
+/// The average over the posteriors omits combinations of length and amplitude that are too improbable. This constant is
+/// the smallest accepted logarithm of the ratio of a combination's probability to the largest probability.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest allowed ratio of the information from the contacts (the normal equations) to the information in the prior at
 /// the expected amplitude. At a larger ratio, rounding errors would dominate.
@@ -75,7 +75,7 @@ pub(super) struct SquareTerm {
 }
 
 impl SeriesProblem<'_> {
-    /// The amplitude of the roughness that has the largest prior probability.
+    /// The amplitude of the roughness that is most probable in the prior.
     fn expected_amplitude(&self, quadric: &[f64; UNKNOWNS]) -> f64 {
         let ratio = match self.square_term {
             Some(_) => EXPECTED_AMPLITUDE_ABOUT_IMPLICIT,
@@ -86,8 +86,7 @@ impl SeriesProblem<'_> {
 }
 
 /// Normal equations for the coefficients of the roughness, after the best-fitting quadric has been eliminated. The
-/// roughness is a sum of rough products, which are all products of Chebyshev polynomials except those that form
-/// quadrics.
+/// roughness is a sum of all products of Chebyshev polynomials, except those that form quadrics.
 struct Rest {
     gram: DMatrix<f64>,
     right: DVector<f64>,
@@ -289,8 +288,8 @@ fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }
 
-/// Averages over all correlation lengths and amplitudes of the roughness: the mean and the covariance of its
-/// coefficients, and the mean of the factor by which the assumed variances are multiplied.
+/// Averages over all correlation lengths and amplitudes of the roughness. They are the mean and the covariance of the
+/// coefficients of the roughness, and the mean of the factor by which the assumed variances are multiplied.
 struct Mixture {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -446,7 +445,7 @@ impl Process {
         }
     }
 
-    /// Average over the candidates `likely`, which are Gaussian processes with different amplitudes, each with its
+    /// Averages over Gaussian processes with different amplitudes. `likely` contains these candidates, each with its
     /// probability. Returns the sum of the probabilities, the mean of the random factors of the modes, and the
     /// covariance of these factors multiplied by the sum of the probabilities.
     fn mixture(&self, likely: &[(f64, &Candidate)]) -> (f64, Vec<f64>, DMatrix<f64>) {

@@ -10,30 +10,33 @@ use crate::square_quadric::UNKNOWNS;
 /// Number of smoothing weights at which the criterion is evaluated, equally spaced in their logarithm. It must be a
 /// multiple of [`LANES`].
 const NODES: usize = 80;
-/// Lower end of the search for the smoothing weight, relative to the smallest weight that damps a mode by half.
+/// Lower end of the search for the smoothing weight, relative to the smallest weight that damps a mode by half. The
+/// modes are independent combinations of the spline's coefficients.
 const MIN_WEIGHT_RATIO: f64 = 1e-2;
-/// Upper end of the search for the smoothing weight, relative to the largest weight that damps a mode by half. Beyond
-/// this end, the fit is nearly a quadric.
+/// Upper end of the search for the smoothing weight, relative to the largest weight that damps a mode by half. The
+/// modes are independent combinations of the spline's coefficients. With larger weights, the fit would be nearly a
+/// quadric.
 const MAX_WEIGHT_RATIO: f64 = 1e3;
 /// If a product of many factors falls below this value, it is divided by this value to avoid underflow. The logarithm
 /// of the product is corrected afterwards.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
 const SMALL_HALVINGS: f64 = 60.0;
-/// The half-damping weight of a mode is the smoothing weight that damps the mode by half. A mode does not extend the
-/// range of the search if the ratio of its half-damping weight to the largest one is below this value.
+/// The half-damping weight of a mode is the smoothing weight that damps the mode by half. The range of the search
+/// covers the half-damping weights of the modes. A mode is ignored for this range if the ratio of its half-damping
+/// weight to the largest one is below this value.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// Smallest distance of the expected smoothing weight from the upper end of the search, as a difference of the
-/// logarithms.
+/// The upper end of the search for the smoothing weight is above the expected weight by at least this difference of
+/// natural logarithms.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// Upper limit of the expected smoothing weight. The limit is the largest weight that damps a mode by half, multiplied
-/// by e to the power of this value.
+/// Upper limit of the expected smoothing weight, as a difference of natural logarithms from the largest weight that
+/// damps a mode by half.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight of a penalised spline is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. This criterion
-    /// rarely smooths too little. Kim and Gu (2004) recommend 1.4.
+    /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. The factor
+    /// makes it rare that the criterion smooths too little. Kim and Gu (2004) recommend 1.4.
     RobustGcv {
         /// Factor on the effective degrees of freedom, at least 1.
         gamma: f64,
@@ -68,7 +71,8 @@ impl Criterion {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     pub(super) log_weight: f64,
-    /// Factor on the assumed variances with which they explain the residuals; 1 if the variances are stated.
+    /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
+    /// stated.
     pub(super) scale: f64,
     pub(super) effective_unknowns: f64,
 }

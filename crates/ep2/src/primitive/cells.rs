@@ -10,14 +10,17 @@ use super::robust_fit::{MIN_STD, Solution};
 const MAX_CELLS: usize = 32;
 const MIN_CONTACTS: usize = 5;
 const MIN_CELLS: usize = 12;
-/// Largest number of contacts from which the levels of a coordinate are found.
+/// Rounded coordinates of a scan have only a few values, called levels. They are searched in at most this number of
+/// contacts.
 const LEVEL_CONTACTS: usize = 2000;
-/// Coordinates that differ by less than this share of the contacts' spread are of the same level.
+/// Rounded coordinates of a scan have only a few values, called levels. Two coordinates belong to the same level if
+/// they differ by less than this share of the contacts' spread.
 const LEVEL_TOLERANCE: f64 = 1e-6;
-/// Largest accepted difference between a coordinate and its level, as a share of the step between levels.
+/// Rounded coordinates of a scan have only a few values, called levels. This constant is the largest accepted
+/// difference between a coordinate and the nearest level, as a share of the step between levels.
 const MAX_LEVEL_ERROR: f64 = 0.05;
-/// A coordinate counts as rounded only if the ratio of the distances from the shape to the rounding errors is at most
-/// this value and at least its inverse.
+/// A coordinate counts as rounded only if the contacts' distances from the shape are about as large as the rounding
+/// errors. This constant is the largest accepted ratio of the two, in either direction.
 const MAX_ROUNDING_RATIO: f64 = 2.0;
 
 /// A division of contacts into cells. `cell_of` contains the cell index of each contact.
@@ -27,9 +30,9 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Divides contacts into cells with similar numbers of contacts, by their footpoints on the shape. The measured
-    /// positions are not used for this, because their errors are correlated with the distances from the shape. `None`
-    /// if there are too few contacts.
+    /// Divides contacts into cells with similar numbers of contacts, according to the points of the shape that are
+    /// nearest to the contacts. The measured positions are not used for this, because their errors are correlated with
+    /// the distances from the shape. `None` if there are too few contacts.
     pub(super) fn new(pose: &Pose, cloud: &Cloud) -> Option<Self> {
         let contacts = cloud.places.len();
         let wanted = (contacts / MIN_CONTACTS).min(MAX_CELLS);
@@ -72,9 +75,9 @@ impl Cells {
         )
     }
 
-    /// Divides contacts into the levels of a coordinate that was rounded, such as the heights of a scan whose voxels are
-    /// larger than its noise. `None` if the coordinate along which the surface faces has no such levels, or if the
-    /// distances from the shape are not as large as the rounding errors.
+    /// Divides contacts by the levels of a rounded coordinate, such as the heights of a scan whose voxels are larger
+    /// than its noise. The coordinate is the one along which the shape's normals mainly point. `None` if this
+    /// coordinate was not rounded, or if the distances from the shape are not about as large as the rounding errors.
     pub(super) fn of_levels(solution: &Solution, cloud: &Cloud) -> Option<Self> {
         let thinned = cloud.thinned(LEVEL_CONTACTS);
         let normals = thinned
@@ -132,7 +135,7 @@ impl Cells {
 }
 
 /// Divides a group of contacts along its longest side until there are enough cells. Each cut is at the widest gap near
-/// a quantile, because a cell that ends within a stroke would collect errors of one sign.
+/// a quantile, because the residuals of a cell that ends within a stroke would mostly have the same sign.
 fn divide(
     places: &[Vector3<f64>],
     members: &mut [usize],

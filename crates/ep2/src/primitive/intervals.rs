@@ -14,7 +14,7 @@ const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
 /// If the p-value of the test for lack of fit is below this value, the interval of the curvature is widened.
 const MISFIT_P_VALUE: f64 = 0.01;
 /// The curvature counts as determined only if the ratio of the noise to the spread of the contacts is at most this
-/// value. With larger noise, errors of positions along the surface make the fitted radius too small.
+/// value. If the noise is larger, errors of positions along the surface make the fitted radius too small.
 pub(super) const MAX_RELATIVE_NOISE: f64 = 0.1;
 
 /// Interval of the curvature of a fitted shape, with the spread of the contacts as unit of length.
@@ -52,8 +52,9 @@ pub(super) fn curvature_interval(
         let wide = student_half_width(PROBABILITY, freedom);
         widen(cells.covariance(solution, cloud) * scale, wide);
     }
-    // Rounding errors on a level have every value between plus and minus half a step, so their sum is small except at
-    // the edge of the patch. They are no random sample, so their number does not limit the degrees of freedom.
+    // A scan may round a coordinate to a few values, called levels. The rounding errors on a level have all values
+    // between plus and minus half a step, so they nearly cancel in sums, except at the edge of the patch. Because they
+    // are not a random sample, the number of levels does not limit the degrees of freedom.
     if let Some(levels) = Cells::of_levels(solution, cloud) {
         let wide = student_half_width(PROBABILITY, cloud.places.len());
         widen(levels.covariance(solution, cloud), wide);

@@ -17,16 +17,17 @@ const MAX_DEGREE: usize = 4;
 /// A patch counts as a graph over its plane if the cosine of the angle between each normal and the mean normal is at
 /// least this value (72 degrees).
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of the equations is skipped if it depends almost completely on the earlier columns: at most this share of
-/// its squared length is independent of them.
+/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. This constant is
+/// the largest share of the column's squared length that may be independent of them.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// For noisy positions, the tolerance below which a column is skipped is this factor times the noise variance of the
-/// positions, but at least [`RANK_TOLERANCE`] and at most [`MAX_RANK_TOLERANCE`].
+/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. For noisy
+/// positions, the tolerance of this test is this factor times the variance of the positions' noise, but at least
+/// [`RANK_TOLERANCE`] and at most [`MAX_RANK_TOLERANCE`].
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
 const MAX_CONTACTS: usize = 20_000;
-/// Largest number of contacts from which the range of the contacts' coordinates is computed.
+/// Largest number of contacts from which the range of the coordinates is computed.
 const BASIS_CONTACTS: usize = 2000;
 /// Number of consecutive contacts in a block. For many contacts, the correlation of residuals is estimated from some of
 /// the blocks.
@@ -39,13 +40,13 @@ const MIN_EQUATIONS_RATIO: f64 = 1.5;
 pub(super) struct LackOfFit {
     /// P-value of the fit: the probability that contacts on a surface of exactly this shape would fit worse by chance.
     pub(super) p_value: f64,
-    /// Two numbers: how many consecutive positions, and how many consecutive normals, count as one because their errors
-    /// are correlated.
+    /// One number for positions and one for normals: the number of consecutive values that count as one, because their
+    /// errors are correlated.
     pub(super) correlations: [f64; 2],
 }
 
-/// The monomials whose weighted sum is the smooth deviation. Their variables are the coordinates of footpoints on the
-/// shape.
+/// The monomials whose weighted sum is the smooth deviation. Their variables are the coordinates of the points of the
+/// shape that are nearest to the contacts.
 struct Basis {
     centre: Vector3<f64>,
     scale: f64,
@@ -95,7 +96,7 @@ impl Basis {
         }
     }
 
-    /// Writes the values and gradients of the monomials at the footpoint `foot`, in the axes of the pose.
+    /// Writes the values and gradients of the monomials at the point `foot` of the shape, in the axes of the pose.
     fn at(&self, foot: &Vector3<f64>, values: &mut [f64], gradients: &mut [Vector3<f64>]) {
         let place = (foot - self.centre) / self.scale;
         let mut powers = [[1.0; MAX_DEGREE + 1]; 3];
@@ -163,8 +164,8 @@ impl Rows<'_> {
 pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> LackOfFit {
     let mut first = tested(solution, cloud, fingers, [1.0; 2]);
     let found = first.correlations;
-    // Correlated errors of the positions along a curved surface cause correlated errors of the normals. Among the noise
-    // of the normals, these errors are too small to be found, but their sum over many contacts is not small.
+    // Correlated errors of the positions along a curved surface cause correlated errors of the normals. The noise of
+    // the normals hides these errors in the estimated correlation, but their sum over many contacts is not small.
     let of_bending = match cloud.normals.is_empty() {
         true => 1.0,
         false => 1.0 + solution.bending_share() * (found[0] - 1.0),

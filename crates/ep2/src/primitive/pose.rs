@@ -73,7 +73,7 @@ pub(super) struct Deviation {
 }
 
 impl Pose {
-    /// The pose that is given by a point of the surface, the normal there, the curvature and, for a cylinder, the
+    /// The pose with the given point of the surface, the normal at this point, the curvature and, for a cylinder, the
     /// direction of the axis.
     pub(super) fn new(
         shape: Shape,

@@ -12,8 +12,8 @@ use crate::gross_outliers::{MAX_OUTLIER_SHARE, OUTLIER_PROBABILITY};
 
 const ITERATIONS: usize = 20;
 const VARIANCE_ITERATIONS: usize = 8;
-/// A fit ends if χ² decreases by less than this value. It is the square of 0.01, because the parameters then change by
-/// at most about 1 % of a standard error.
+/// A fit ends if a step decreases χ² by less than this value. The value is the square of 0.01, so the parameters would
+/// change by at most about 1 % of a standard error.
 const MIN_DECREASE: f64 = 1e-4;
 /// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller values are treated as
 /// rounding errors.
@@ -34,15 +34,15 @@ const SUBSETS: u64 = 60;
 /// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
 const SUBSET_ITERATIONS: usize = 15;
-/// A fit from a subset of the contacts replaces the fit from all contacts only if both its median distance and its
-/// variance are below this share of those of the other fit.
+/// A robust fit starts either from all contacts or from a subset. The result from a subset is used only if its median
+/// distance and its variance are both below this share of those of the fit from all contacts.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits of outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// The contacts have too many outliers if a fit that leaves out more than a fifth of them has a far smaller variance
-/// than the fit to all contacts. This constant is the limit for the ratio of the two variances.
+/// There are too many outliers if a fit without more than a fifth of the contacts has a far smaller variance than the
+/// fit to all contacts. This constant is the largest ratio of the two variances that counts as far smaller.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
@@ -92,8 +92,8 @@ impl Weights {
         (sensor + slope * pose.curvature * pose.curvature).recip()
     }
 
-    /// The variance of the normals depends on the curvature k. Therefore, the derivative of the cost with respect to k
-    /// contains an additional part. The result is this part, divided by −2k.
+    /// Correction of the derivative of the cost with respect to the curvature k. It is needed because the variance of
+    /// the normals depends on k. The result is the correction divided by −2k.
     fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
         self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
     }
@@ -173,8 +173,8 @@ impl Weights {
 }
 
 /// Fits a shape, starting at the pose `start`. Variances that are not stated are estimated from the residuals.
-/// `correlations` states how many consecutive positions, and how many consecutive normals, count as one because their
-/// errors are correlated.
+/// `correlations` contains one number for positions and one for normals: the number of consecutive values that count as
+/// one, because their errors are correlated.
 pub(super) fn solve(
     start: Pose,
     cloud: &Cloud,
@@ -299,7 +299,8 @@ impl Solution {
         let [_, slope] = Weights::new(&pose, self.variances).normals;
         let outward = slope * pose.curvature;
         let stretch = 1.0 - outward * pose.curvature;
-        // If the noise is not small compared with the radius, it is not known how far the surface must be moved.
+        // If the noise is not small compared with the radius, this correction is not accurate, so do not move the
+        // surface.
         if stretch < 1.0 - MAX_RELATIVE_NOISE * MAX_RELATIVE_NOISE {
             return pose;
         }
@@ -381,8 +382,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     let Some(pose) = through_most(&plain.solution.pose, thinned) else {
         return plain;
     };
-    // A fit to all contacts may reach a smaller deviance if it starts at the pose through the subset of contacts
-    // (`other`) and not at `start` (`plain_all`).
+    // Compare two fits to all contacts. The fit `other` starts at the pose through the subset of contacts, and
+    // `plain_all` starts at `start`. `other` may reach a smaller deviance.
     let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
     if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
         plain = grown(other, cloud, stated);
@@ -469,8 +470,8 @@ impl Limits {
         Self(of)
     }
 
-    /// Selects the contacts within the limits. The pose of the result is `pose`, not yet fitted to the selected
-    /// contacts.
+    /// Selects the contacts within the limits. The result contains `pose` unchanged, because the shape is not yet
+    /// fitted to the selected contacts.
     fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
         let [distances, normals] = residuals(pose, cloud);
         let is_near = |(index, distance): (usize, &f64)| {

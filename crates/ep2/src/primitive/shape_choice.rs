@@ -6,10 +6,10 @@ use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
 use super::{Candidate, Shape, start, wave_tests};
 
-/// At this p-value of the most probable shape, "none of these shapes" is as probable as this shape.
+/// If the p-value of the most probable shape has this value, "none of these shapes" is as probable as the shape.
 const NONE_P_VALUE: f64 = 0.01;
-/// Positions count as points on a line if their variance across the line is below this multiple of the variance of
-/// their noise.
+/// The contacts count as lying on a line if the variance of their positions across the line is below this multiple of
+/// the variance of the noise.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'

@@ -9,7 +9,7 @@ use crate::Shape;
 
 /// Number of directions that are compared as the axis of a cylinder, evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of compared directions from which fits of a cylinder start: those that fit the contacts best.
+/// Number of directions from which fits of a cylinder start. They are the directions that fit the contacts best.
 const BEST_DIRECTIONS: usize = 4;
 
 pub(super) fn middle(cloud: &Cloud) -> Vector3<f64> {

@@ -1,5 +1,6 @@
-//! Two tests whether the contacts are on a wavy surface instead of the fitted shape. Polynomials do not describe several
-//! periods of a wave, and a wave in few contacts looks like noise that is correlated along strokes.
+//! Two tests whether the contacts are on a wavy surface instead of the fitted shape. They complete the test for lack of
+//! fit, whose polynomials cannot describe several periods of a wave. In few contacts, a wave looks like noise that is
+//! correlated along strokes.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use palpate_statistics::ratio_tail;
@@ -10,16 +11,17 @@ use crate::patch::FingerMap;
 
 /// Largest number of contacts from which the wave is fitted.
 const MAX_CONTACTS: usize = 300;
-/// Differences between the numbers of periods of neighbouring waves along each side of the rectangle that contains the
-/// contacts, and the largest number of differences. The waves of the first step have up to 6 periods. Those of each
-/// later step are neighbours of the best wave.
+/// Steps of the search for the best wave. Each step compares the waves of a grid. For each step: the spacing of the
+/// grid, as a number of periods along a side of the rectangle that contains the contacts, and the number of grid points
+/// on each side of the middle. The first grid extends to 6 periods. The later grids are around the best wave so far.
 const STEPS: [(f64, i32); 3] = [(0.5, 12), (0.25, 1), (0.125, 1)];
-/// A wave counts only if it explains at least this share of the sum of squared distances. The errors of rounded
-/// coordinates follow weaker waves if the contacts are on a regular grid.
+/// A wave counts only if it explains at least this share of the sum of squared distances. If the contacts are on a
+/// regular grid, the errors of rounded coordinates look like weaker waves.
 const MIN_SHARE: f64 = 0.5;
 /// Number of fitted parameters of a wave: two amplitudes and two numbers of periods.
 const PARAMETERS: usize = 4;
-/// Smallest number of pairs of blocks from which the agreement is computed.
+/// Distances and normals are compared in pairs of neighbouring blocks of contacts along a stroke. The comparison needs
+/// at least this number of pairs.
 const MIN_PAIRS: usize = 6;
 
 /// P-value of the best wave: the probability that noise fits one of the waves at least as well. `correlation` is the

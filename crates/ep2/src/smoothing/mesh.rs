@@ -99,12 +99,12 @@ impl Mesh {
     }
 }
 
-/// Equations that make a spline smooth: the jumps of the highest derivative at the knots are 0, along both axes.
+/// The equations that require a spline to be smooth: along both axes, the jumps of the highest derivative at the knots
+/// are 0.
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// Numbers of B-splines whose support contains the same knot: along the slow axis, and along the fast axis of the
-    /// mesh.
+    /// Number of B-splines whose support contains the same knot, along the slow and along the fast axis of the mesh.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,

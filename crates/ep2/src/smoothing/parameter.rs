@@ -1,8 +1,8 @@
 //! Searches the smoothing parameter p for which the residual sum F(p) has the required value.
 
 const MOST_TRIALS: usize = 20;
-/// Factor for steps of the search while the smoothing parameter is far from the root. If the parameter is too large, it
-/// is multiplied by this factor; if it is too small, it is divided by it.
+/// Factor for steps of the search while the smoothing parameter is far from the root. A parameter that is too large is
+/// multiplied by this factor, and a parameter that is too small is divided by it.
 const FAR: f64 = 0.04;
 /// If a step by the factor [`FAR`] would pass a bound of the search, the next parameter lies between the last trial and
 /// the bound. Its distance from the bound is this share of the distance between the last trial and the bound.

@@ -1,7 +1,7 @@
 //! Upper triangular band matrices of least-squares problems, computed by orthogonal transformations.
 
-/// Number of rows of a block that are processed together. The number of rows is rounded up to a multiple of this value
-/// by rows of zeros.
+/// Number of rows of a block that are processed together. Rows of zeros are added to a block until its number of rows
+/// is a multiple of this value.
 const LANES: usize = 4;
 /// Maximum number of rows of a block. A block of this size fits into the processor's cache.
 const MOST_ROWS: usize = 128;

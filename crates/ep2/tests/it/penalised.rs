@@ -107,8 +107,8 @@ fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
 
 #[test]
 fn many_contacts_of_few_fingers_do_not_cause_steps() {
-    // The contacts of each finger scatter about one line along the finger's path. Along this line, the slope across the
-    // line is constant.
+    // The contacts of each finger scatter about a line along the finger's path. On this line, the slope of the surface
+    // across the line is constant.
     let steep = Surface {
         name: "steep saddle",
         at: |x, y| {
@@ -152,8 +152,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Two shares of all grid points and trials: those whose true Gaussian curvature, and those whose true mean curvature,
-/// is within 1.96 standard errors of its estimate.
+/// Shares of all grid points and trials in which the true value is within 1.96 standard errors of its estimate: first
+/// for the Gaussian curvature, then for the mean curvature.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,

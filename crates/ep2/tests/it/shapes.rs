@@ -167,7 +167,7 @@ fn the_right_shape_is_chosen() {
     assert!(f64::from(wrong) < 0.05 * 120.0, "{confusion:?}");
 }
 
-/// The distances of exact contacts from the right shape are rounding errors, which are no misfit.
+/// The distances of exact contacts from the right shape are rounding errors. They must not count as a misfit.
 #[test]
 fn exact_planes_and_cylinders_are_chosen() {
     for shape in [Shape::Plane, Shape::Cylinder] {
@@ -184,7 +184,8 @@ fn exact_planes_and_cylinders_are_chosen() {
     }
 }
 
-/// Waves that are shorter than the patch. Along each stroke, they look like correlated noise.
+/// The waves are shorter than the patch, and along each stroke they look like correlated noise. They must not be
+/// accepted as noise.
 #[test]
 fn short_waves_are_no_correlated_noise() {
     for case in 0..24 {
@@ -219,7 +220,8 @@ fn intervals_of_rounded_heights_hold_the_radius() {
     assert!(held >= 36, "{held}");
 }
 
-/// Errors of positions along a ball move them outward on average, which many contacts show.
+/// Errors of positions along a ball move the positions outward on average. A fit to many contacts must correct this
+/// bias.
 #[test]
 fn noise_along_a_ball_does_not_enlarge_it() {
     let held = (0..10).filter(|case| {
@@ -328,7 +330,8 @@ fn dependent_readings_count_once() {
     }
 }
 
-/// In a random order, two consecutive contacts may be near each other by chance. They are no rest of a finger.
+/// In a random order, two consecutive contacts may be near each other by chance. They must not be merged as a rest of a
+/// finger.
 #[test]
 fn chance_neighbours_are_no_rests() {
     for case in 0..20 {
