@@ -46,8 +46,8 @@ pub enum Ep1Error {
         /// Direction in which the contact did not move, as an angle from u towards v (rad).
         direction_rad: f64,
         /// Upper bound on the object's radius of curvature in the direction `direction_rad` (length). `None` if no
-        /// resolution is stated, or if the resolution is so coarse that the contact would not have moved even on a flat
-        /// object.
+        /// resolution is stated. Also `None` if the resolution is so coarse that the contact would not have moved even
+        /// on a flat object.
         radius_below: Option<f64>,
     },
     /// The contact moved against the direction of the roll, which is impossible for a rolling contact.

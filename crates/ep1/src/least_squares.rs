@@ -2,8 +2,9 @@
 //!
 //! The drive `g = (−Δθ_y, Δθ_x)` is the rotation vector, turned by 90°. The mobility `B = (K₁ + K₂)⁻¹` is the contact's
 //! travel per radian, where K₁ and K₂ are the curvatures of probe and object. The model of a shift is `Δp = B g`. On a
-//! flat object, `B` is `I/K₁ = R₁ I`, and `K₂ = B⁻¹ − K₁` would lose its digits by cancellation. Therefore the fit
-//! estimates `D`, which describes the deviation from rolling on a plane: `Δp − R₁ g = D g`. The formula
+//! flat object, `B` is `I/K₁ = R₁ I`, where R₁ is the probe's radius. There, the formula `K₂ = B⁻¹ − K₁` would lose its
+//! digits by cancellation. Therefore the fit estimates `D`, which describes the deviation from rolling on a plane:
+//! `Δp − R₁ g = D g`. The formula
 //!
 //! ```text
 //! K₂ = −K₁ (I + K₁ D)⁻¹ K₁ D
@@ -365,9 +366,9 @@ fn normal_equations(gram: &Symmetric) -> Matrix3<f64> {
     Matrix3::new(uu, 0.0, uv, 0.0, vv, uv, uv, uv, uu + vv)
 }
 
-/// The sum `Σ σ² Aᵀ C A` over the rolls, with the matrix `A` of each roll as in [`normal_equations`]. `C` is the
-/// covariance of a residual if the rotation has unit variance. `gram` is the Gram matrix of the rotation vectors,
-/// turned by 90°, in which each roll is weighted with the variance σ² of its rotation.
+/// Returns the sum `Σ σ² Aᵀ C A` over the rolls, with the matrix `A` of each roll as in [`normal_equations`]. `C` is
+/// the covariance of a residual if the rotation has unit variance. `gram` is the Gram matrix of the rotation vectors,
+/// turned by 90°. Each roll has the variance σ² of its rotation as weight in this matrix.
 fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     let (u_mixed, v_mixed) = (c.uu * uv + c.uv * uu, c.uv * vv + c.vv * uv);

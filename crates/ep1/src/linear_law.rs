@@ -9,8 +9,8 @@ use crate::{BatchEstimates, BatchMoments, Moments};
 /// movement may be only a rounding error.
 pub(crate) const MIN_TRAVEL: f64 = 1e-12;
 
-/// Standard deviation of the rounding errors in the entries of `K₁ B`, where K₁ is the probe's curvature and B the
-/// mobility of the contact (its travel per radian). These errors come from the last digits of the readings and sums.
+/// Standard deviation of the rounding errors in the entries of `K₁ B`, which come from the last digits of the readings
+/// and sums. K₁ is the probe's curvature and B the mobility of the contact (its travel per radian).
 pub(crate) const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// The constants of the fit, with which estimates are computed from sums over the probes. The type can be copied into a
@@ -25,8 +25,8 @@ pub(crate) struct Law {
     /// plane.
     pub(crate) inverse: Symmetric3,
     /// Correction that is added to the sums of `g₁ d₁` and `g₂ d₂` (length). On average, the errors of the measured
-    /// rotations decrease both sums by this value. Here `g` is the rotation vector of a probe, turned by 90°, and `d =
-    /// Δp − R₁ g` is the deviation of its shift from the shift on a plane.
+    /// rotations decrease both sums by this value. Here `g` is the rotation vector of a probe, turned by 90°.
+    /// `d = Δp − R₁ g` is the deviation of the probe's shift from the shift on a plane.
     pub(crate) added: f64,
     /// Contributions of the shift noise and of rounding to the covariance of the entries of `K₁ D`. K₁ is the probe's
     /// curvature, and D the deviation of the mobility (contact travel per radian) from the mobility on a plane.

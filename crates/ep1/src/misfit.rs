@@ -1,8 +1,8 @@
 //! Tests whether the readings contradict the model: goodness of fit of all rolls, and single rolls that contradict the
 //! other rolls.
 //!
-//! The residual of a roll is `Δp − B g`, with the shift `Δp`, the mobility `B` of the contact (its travel per radian)
-//! and the rotation vector `g` of the probe, turned by 90°. The covariance of the residual is `σ_p² I + σ_g² B Bᵀ`,
+//! The residual of a roll is `Δp − B g`. `Δp` is the shift, `B` the mobility of the contact (its travel per radian),
+//! and `g` the rotation vector of the probe, turned by 90°. The covariance of the residual is `σ_p² I + σ_g² B Bᵀ`,
 //! where σ_p and σ_g are the standard deviations of shifts and rotations. A weighted least-squares fit removes the part
 //! of the residuals that a change of `B` explains. Then the sum of the squared residuals, divided by their variances,
 //! follows a chi-squared distribution. On pads, all probes share the rounding error of the first contact. The fit also

@@ -20,11 +20,11 @@ const PASSES: usize = 8;
 const CONVERGED: f64 = 0.03;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
-/// Largest ratio of the standard deviation of the mobility (contact travel per radian) to the mobility for which the
-/// set of possible mobilities is assumed to be bounded.
+/// Limit on the relative standard deviation of the mobility (contact travel per radian). If the standard deviation,
+/// divided by the mobility, is at most this value, the set of possible mobilities is assumed to be bounded.
 const MAX_SPREAD: f64 = 0.03;
-/// Largest deviation of a possible mobility (contact travel per radian) from the mean mobility, relative to the mean,
-/// for which the distribution of the mobility counts as normal.
+/// The distribution of the mobility (contact travel per radian) counts as normal if all possible mobilities are close
+/// to the mean. This constant is the largest accepted deviation from the mean, relative to the mean.
 const MAX_DEVIATION: f64 = 0.06;
 /// First guess of the standard deviation of the mobility (contact travel per radian), relative to the half-width of the
 /// set of possible mobilities.
@@ -448,8 +448,8 @@ impl PadEdgeSet {
             let step = std::f64::consts::PI / DIRECTIONS as f64;
             let mut programs = Programs::default();
             // For each direction: the normal curvature at the mean mobility (contact travel per radian), and the
-            // smallest and the largest difference from this curvature over all possible mobilities. The principal
-            // directions of the mean are among the directions.
+            // smallest and the largest difference from it over all possible mobilities. The principal directions of the
+            // mean are among these directions.
             let all: Vec<[f64; 3]> = (0..DIRECTIONS)
                 .map(|at| {
                     let angle_rad = first + step * at as f64;
@@ -461,9 +461,9 @@ impl PadEdgeSet {
                     [own, low - own, high - own]
                 })
                 .collect();
-            // As a function of the direction θ, the difference of the normal curvature from its value at the mean has
-            // the form m + r cos(2(θ − φ)). Between two neighbouring directions, this difference exceeds the larger of
-            // its values in these directions by at most `excess` times (the larger value − m).
+            // As a function of the direction θ, the normal curvature minus its value at the mean has the form m + r
+            // cos(2(θ − φ)). Let `larger` be the larger of two values in neighbouring directions. Between these
+            // directions, the function exceeds `larger` by at most `excess` times (`larger` − m).
             let excess = 1.0 / libm::cos(step) - 1.0;
             let mean =
                 [1, 2].map(|end| all.iter().map(|one| one[end]).sum::<f64>() / DIRECTIONS as f64);
@@ -502,9 +502,9 @@ fn entries(slopes: &Matrix2<f64>) -> Vector3<f64> {
     Vector3::new(slopes[(0, 0)], 2.0 * slopes[(0, 1)], slopes[(1, 1)])
 }
 
-/// The middle of the set of possible changes of the mobility (contact travel per radian): the mean of the extreme
-/// changes along the axes uu, uv, vv, the half-widths of the set along these axes, and the mean change of each roll's
-/// start.
+/// The middle of the set of possible changes of the mobility (contact travel per radian). The first part is the mean of
+/// the extreme changes along the axes uu, uv, vv. The second part contains the half-widths of the set along these axes,
+/// and the third part the mean change of each roll's start.
 type Middle = (Vector3<f64>, Vector3<f64>, Vec<Vector2<f64>>);
 
 /// Computes the middle of the set of possible changes of the mobility (contact travel per radian). `None` if the set is

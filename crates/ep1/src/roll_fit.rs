@@ -266,7 +266,7 @@ impl<const N: usize> RollFit<N> {
             chi_squared += residual.dot(&weighted);
             count += rows;
         }
-        // If the start or the rotation error is known, the derivatives of the readings with respect to it are 0, so the
+        // If the start or the rotation error is fixed, the derivatives of the readings with respect to it are 0, so the
         // fit does not change it. Its weight of 1 only keeps the matrix invertible. Unknown values have the inverse of
         // their prior variance as weight.
         let prior = 1.0 / (roll.start_std * roll.start_std);

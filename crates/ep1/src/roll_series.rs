@@ -10,8 +10,8 @@ use crate::crossings::{Run, without_chatter};
 pub struct RollSample {
     /// Time (s) since the start of the roll.
     pub time_s: f64,
-    /// Rotation vector of the probe since the start of the roll (rad). Its direction is the axis, and its length is the
-    /// angle, of the finite rotation. The components of the vector are along the axes at the pads' origin,
+    /// Rotation vector of the probe since the start of the roll (rad). Its direction is the axis of the finite
+    /// rotation, and its length is the angle. Its components are along the axes at the pads' origin, which are
     /// parallel-transported along the great circle to the contact point at the start of the roll.
     pub rotation: Vector3<f64>,
     /// Centre (length) of the active pad, or the contact point. The coordinates are those of the exponential map of the

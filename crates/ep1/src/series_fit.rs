@@ -37,12 +37,13 @@ const FLAT: LocalShape = LocalShape {
     terms: 1,
     tensors: [0.0; MAX_COEFFICIENTS],
 };
-/// If the largest and the smallest mobility in any direction (contact travel per radian) differ by more than this share
-/// of their sum, the crossings of pad edges are located again.
+/// If the mobility (contact travel per radian) depends on the direction, the crossings of pad edges are located again.
+/// This constant is the limit for the difference between the largest and the smallest mobility, divided by their sum.
 const ISOTROPY: f64 = 0.02;
 
-/// Rolls are reversed if the sum of the contacts' travels along the directions of the rolls, divided by the sum of all
-/// travels, is below this value. The ratio is near 1 for sound rolls, −1 for reversed rolls, and 0 for noise.
+/// Smallest accepted ratio of two sums: the contacts' travels along the directions of the rolls, and the magnitudes of
+/// all travels. Below this limit, the rolls count as reversed. The ratio is near 1 for sound rolls, −1 for reversed
+/// rolls, and 0 for noise.
 const REVERSED: f64 = -0.8;
 
 /// The curvature from time series of rolls of a probe of `radius`.
@@ -101,8 +102,8 @@ impl Problem<'_> {
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
             let mut first = SeriesFit::<3>::weighted(&data, &noise, FLAT, tolerance);
-            // If the curvature changes, a fit of constant curvature to exact readings may not converge, but it is good
-            // enough as the start of fits with more terms.
+            // If the curvature changes, a fit of constant curvature to exact readings may not converge. Its result is
+            // then still good enough as the start of fits with more terms.
             if is_exact && first.is_none() {
                 first = SeriesFit::new(&data, &noise, FLAT, ROUGH_TOLERANCE);
             }
@@ -414,9 +415,9 @@ impl Problem<'_> {
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);
         }
-        // Fits of fewer than three terms miss a change of curvature that is the same in opposite directions. On a
-        // paraboloid, the mean curvature along a roll of length s from the apex is lower by the fraction (k s)² / 2,
-        // where k is the curvature at the apex.
+        // A change of curvature that is the same in opposite directions is missed by fits with fewer than three terms.
+        // For example, a roll of length s starts at the apex of a paraboloid with the curvature k. The mean curvature
+        // along the roll is lower than k by the fraction (k s)² / 2.
         if all.iter().all(|one| one.estimate.terms < 3) {
             for Candidate { estimate, .. } in &mut all {
                 let entries = estimate.entries();

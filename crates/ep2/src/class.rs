@@ -71,8 +71,8 @@ impl Curvature {
         if !is_sound {
             return None;
         }
-        // If the standard deviation of H is so small that `low` and `high`, the ends of the range of H, are equal after
-        // rounding, treat it as 0.
+        // The standard deviation of H may be so small that `low` and `high`, the ends of the range of H, are equal
+        // after rounding. Then treat it as 0.
         if low < high && std >= f64::MIN_POSITIVE {
             let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
             for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
@@ -88,8 +88,8 @@ impl Curvature {
                         node if node % 2 == 1 => 4.0,
                         _ => 2.0,
                     };
-                    // Move the first and the last node of an interval of H slightly inwards, because at an end of the
-                    // interval rounding could select the class of the neighbouring interval.
+                    // Move the first and the last node of an interval of H slightly inwards. At an end of the interval,
+                    // rounding could select the class of the neighbouring interval.
                     let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
                     let mean = start + step * inside;
                     let deviate = (mean - centre) / std;
@@ -243,8 +243,8 @@ mod tests {
             0.841_344_746_068_542_9_f64.powi(2),
             epsilon = 1e-6
         );
-        // The errors of K and H are completely correlated. So the probability of the class is the smaller of two
-        // probabilities (that K and that H is within its thresholds), and not the product of both.
+        // The errors of K and H are completely correlated. Let P_K be the probability that K is within its threshold,
+        // and P_H the same for H. The probability of the class is the smaller of P_K and P_H, and not their product.
         let tied = curvature(-0.02, 0.06, [0.01, 0.01], -1.0);
         assert_relative_eq!(
             probability(&tied, ShapeClass::SaddleRidge),

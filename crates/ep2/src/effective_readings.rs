@@ -23,8 +23,8 @@ const MIN_STEP_GAP: f64 = 8.0;
 /// This share of the steps (distances between consecutive contacts), namely the shortest ones, always counts as steps
 /// of a resting finger. A gap is searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// Largest distance of a contact of a resting finger from the mean of the finger's contacts during the rest, divided by
-/// the typical step (distance between consecutive contacts) of a resting finger.
+/// Limit on the extent of a rest: the largest distance of a contact from the mean of the contacts during the rest. It
+/// is relative to the typical step (distance between consecutive contacts) of a resting finger.
 const MAX_REST_EXTENT: f64 = 3.0;
 /// Successive contacts at nearly the same place are merged into a run. This constant is the largest share of short
 /// steps among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and
@@ -34,11 +34,13 @@ const MAX_SHORT_BREAKS: f64 = 0.2;
 /// these pairs is estimated from contacts of a finger that are 2 or more rows apart. This constant is the largest
 /// number of rows between them.
 const MAX_CHANCE_LAG: usize = 17;
-/// Consecutive contacts that are near each other form a run. If the number of runs exceeds the number that is expected
-/// by chance by this number of standard deviations, all runs count as rests of a finger.
+/// A run consists of consecutive contacts that are near each other. The expected number of runs in a random order is
+/// computed. If the number of runs exceeds it by this number of standard deviations, all runs count as rests of a
+/// finger.
 const MIN_CHANCE_DEVIATIONS: f64 = 5.0;
-/// A run consists of consecutive contacts that are near each other. If chance may explain the number of runs, a run
-/// counts as a rest of a finger only if the expected number of chance runs of its length is below this value.
+/// A run consists of consecutive contacts that are near each other. If the total number of runs may be due to chance,
+/// each run is tested. It counts as a rest of a finger only if the expected number of chance runs of its length is
+/// below this value.
 const MAX_CHANCE_RUNS: f64 = 0.01;
 /// Several gaps in the sorted step lengths are tried as the limit between short and long steps, beginning with the gap
 /// between the shortest steps. This constant is the largest number of gaps that are tried.
@@ -49,9 +51,9 @@ const MIN_NOISY_REST: usize = 20;
 /// A finger may rest with noise that is as large as the steps of the moving finger. This constant is the largest
 /// distance of a contact of such a rest from the finger's median position, relative to the finger's median step.
 const MAX_NOISY_EXTENT: f64 = 2.5;
-/// Contacts near one position may be a rest of a finger with large noise. They count as a rest only if the median
-/// distance of all other contacts from this position is at least this number of times the largest allowed distance
-/// within the rest. Otherwise, the contacts may be in no order.
+/// Contacts near one position may be a rest of a finger with large noise, or contacts in no order. They count as a rest
+/// if the other contacts are far enough away. This constant is the smallest median distance of the other contacts from
+/// the position, relative to the largest allowed distance within the rest.
 const MIN_REST_DISTANCE: f64 = 4.0;
 /// The correlation between residuals is estimated from strokes until these contain this number of residuals. Further
 /// strokes are not used.
@@ -209,7 +211,7 @@ impl Runs {
                 .entry(contact.finger)
                 .filter(|&run| (position - first(run).position).norm() <= limit);
             let run = match (copied, rested) {
-                // If this contact is an exact copy of an earlier contact, it is merged with that contact, but does not
+                // This contact is an exact copy of an earlier contact. It is merged with that contact, but does not
                 // change the mean of the merged contacts.
                 (Some(run), _) => run,
                 (None, Some(run)) => {
@@ -318,9 +320,10 @@ fn breaks(contacts: &[Contact], runs: &Runs, longest: f64) -> [usize; 2] {
     [short, all]
 }
 
-/// Estimates the share of pairs of consecutive contacts that would be near each other by chance, if the contacts were
-/// in a random order. It is the share of pairs with a distance of at most `limit` among contacts of a finger that are
-/// several rows apart in the log. Pairs in the same run do not count as near.
+/// Probability that two consecutive contacts would be near each other by chance, if the contacts were in a random
+/// order. It is estimated from pairs of contacts of a finger that are several rows apart in the log. The estimate is
+/// the share of these pairs whose distance is at most `limit`. Pairs in the same run of merged contacts do not count as
+/// near.
 fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (row, contact) in contacts.iter().enumerate() {

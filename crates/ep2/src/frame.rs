@@ -249,8 +249,8 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
     let eigen = SymmetricEigen::new(scatter);
     let strongest = eigen.eigenvalues.imax();
     let axis = eigen.eigenvectors.column(strongest).into_owned();
-    // The sum of the eigenvalues minus the largest one is the smaller eigenvalue in the tangent plane, because the
-    // eigenvalue of the normal is 0.
+    // The eigenvalue of the normal is 0. So the sum of all eigenvalues minus the largest one is the smaller eigenvalue
+    // in the tangent plane.
     let across = eigen.eigenvalues.sum() - eigen.eigenvalues[strongest];
     if eigen.eigenvalues[strongest] <= LEAST_TRAVEL * across.max(0.0) {
         return None;

@@ -11,9 +11,9 @@ use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
-/// A contact is a gross outlier if it is farther from the spatial median of all contacts than this number of median
-/// distances. The median distance is the median of the distances of all contacts. In clean logs of strokes and caps,
-/// less than 0.01 % of the contacts exceed the limit.
+/// A contact is a gross outlier if its distance from the spatial median of all contacts exceeds this number of median
+/// distances. The median distance is the median of the distances of all contacts from the spatial median. In clean logs
+/// of strokes and caps, less than 0.01 % of the contacts exceed the limit.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
 /// The sorted distances of the contacts from their spatial median may have a gap. The contacts beyond a gap are gross
 /// outliers only if the first distance beyond it is larger than this number of median distances.

@@ -21,9 +21,9 @@ const FIRST_MEANS: usize = 30;
 /// Consecutive contacts may be replaced by their means. The longest stroke must then have at least this number of
 /// means.
 const MIN_MEANS: usize = 8;
-/// The contacts have a root-mean-square distance from a surface that is fitted to means of contacts, and another from a
-/// surface that is fitted to all contacts. This constant is the largest accepted ratio of the first distance to the
-/// second. At a larger ratio, the surface through the means is too smooth.
+/// Two surfaces are compared: one is fitted to means of contacts, the other to all contacts. This constant is the
+/// largest accepted ratio of the contacts' root-mean-square distance from the first surface to that from the second. At
+/// a larger ratio, the surface through the means is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
 /// Limit that replaces [`MAX_RESIDUAL_RATIO`] if consecutive contacts have correlated distances from the surface that
 /// is fitted to all contacts. At a smaller ratio, the noise causes the correlation, and the surface follows a part of
@@ -32,12 +32,12 @@ const MAX_CORRELATED_RATIO: f64 = 3.0;
 /// The distances of the contacts from a surface count as correlated if at least this number of consecutive distances
 /// counts as one independent distance.
 const MIN_CORRELATION: f64 = 1.5;
-/// A fit to means of contacts assumes a correlation length of the noise. The fit is repeated with means over more
-/// contacts if the correlation length of its residuals exceeds the assumed length by more than this factor.
+/// A fit to means of contacts assumes a correlation length of the noise. If the residuals have a correlation length
+/// that is larger by more than this factor, the fit is repeated with means over more contacts.
 const MAX_GROWTH: f64 = 1.3;
 
-/// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means, because a
-/// surface that is fitted to so many single contacts would follow their errors across a stroke.
+/// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means. A surface
+/// that is fitted to more single contacts would follow their errors across a stroke.
 const MAX_FITTED: usize = 10_000;
 /// Tests whether the contacts of a finger are in the order of its path. This constant is the largest ratio of two
 /// root-mean-square distances of contacts: from the means of consecutive contacts, and from the mean of all contacts.
@@ -142,15 +142,15 @@ impl IndependentFit {
 
     /// Increases the standard errors if the contacts lie on a plane, a sphere or a cylinder, so that the curvature of
     /// this shape is within one standard error of the estimate. The reason is the bias of the fitted surface on these
-    /// shapes. The bias can exceed the effect of the noise if there are many contacts, or if few strokes do not show
-    /// how the surface bends between them. Two kinds of fits do not change: fits that are based on an implicit quadric,
-    /// and fits whose standard error exceeds the largest difference between a shape and a paraboloid through the same
-    /// contacts.
+    /// shapes. The bias can exceed the effect of the noise if there are many contacts, or if the surface between few
+    /// strokes is uncertain. Fits that are based on an implicit quadric do not change. Fits with large standard errors
+    /// do not change either: those whose standard error exceeds the largest difference between a shape and a paraboloid
+    /// through the same contacts.
     ///
-    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline
-    /// instead of a shape: the mean square error of the quadric is at least the square of the difference between both
-    /// estimates plus the variance of the spline. Both methods are also compared with the fit around an implicit
-    /// quadric, such as an ellipsoid, that the contacts do not exclude.
+    /// A quadric (`is_quadric`) is biased on most other shapes. Therefore its estimate is compared with a penalised
+    /// spline instead of a shape. The mean square error of the quadric is at least the squared difference between both
+    /// estimates, plus the variance of the spline. Both methods are also compared with the fit around an implicit
+    /// quadric, such as an ellipsoid, if the contacts do not exclude this quadric.
     ///
     /// Heights on up to four strokes, or heights and normals on two strokes, do not show whether the surface bends like
     /// a circle or like a parabola across the strokes. The standard error of the mean curvature is at least the

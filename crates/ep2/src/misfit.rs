@@ -26,7 +26,7 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// due to rounding errors or to the approximation error of the series that describes the surface.
 const MIN_POSITION_STD: f64 = 5e-4;
 /// Assumed variance of the surface at a contact that was not used in the fit, divided by its variance in the most
-/// probable Gaussian process. The real variance is assumed to be at most this large.
+/// probable Gaussian process. The real variance is assumed to be smaller.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
 /// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
 /// position errors.

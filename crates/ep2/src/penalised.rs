@@ -43,7 +43,7 @@ const MAX_UNKNOWN_SHARE: f64 = 0.6;
 const EXTRA_COEFFICIENTS: usize = 5;
 
 /// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
-/// mean square curvature. For a paraboloid, m is 0; for a ball, m is the curvature.
+/// mean square curvature of the surface. For a paraboloid, m is 0; for a ball, m is the curvature.
 const SQUARE_TERM_PRIOR: f64 = 2.0;
 
 /// Largest number of effective degrees of freedom of a spline that is added to an implicit quadric. A larger number

@@ -101,8 +101,9 @@ pub struct ShapeSettings {
     /// Radius of a round fingertip whose centres are the positions of the contacts; 0 if the positions are on the
     /// object.
     pub tip_radius: f64,
-    /// Direction out of the object, for contacts without normals. It is not used if the object was touched all around,
-    /// or if it is nearly perpendicular to the mean normal of the fitted shape. Such objects are assumed to be convex.
+    /// Direction out of the object, for contacts without normals. It is not used in two cases, in which the object is
+    /// assumed to be convex: if the object was touched all around, or if the direction is nearly perpendicular to the
+    /// mean normal of the fitted shape.
     pub outward: Vector3<f64>,
     /// Stated noise of the contacts.
     pub noise: Noise,

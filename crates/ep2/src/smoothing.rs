@@ -30,8 +30,8 @@ use mesh::{Mesh, Roughness, next_knot};
 use observations::Observations;
 use triangle::Triangle;
 
-/// A diagonal entry of the triangular matrix counts as zero if the ratio of its square to the largest square of a
-/// diagonal entry is at most this value.
+/// A diagonal entry of the triangular matrix counts as zero if it is very small. This constant is the limit for its
+/// square, divided by the square of the largest diagonal entry.
 const RANK_TOLERANCE: f64 = 1e-16;
 /// Residuals count as rounding errors if their ratio to the heights is below this value.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;

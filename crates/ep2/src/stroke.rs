@@ -81,9 +81,9 @@ impl StrokeCurvature {
     }
 }
 
-/// The curvature along contacts that form a single stroke; `None` if the contacts scatter across it, or if there are
-/// fewer than 8. Positions and normals must be finite. If there are no normals, `outward` is used as the normal of the
-/// surface.
+/// Computes the curvature along contacts that form a single stroke. `None` if the contacts scatter across the stroke,
+/// or if there are fewer than 8 contacts. Positions and normals must be finite. Without normals, `outward` is used as
+/// the normal of the surface.
 pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<StrokeCurvature> {
     if contacts.len() < MIN_CONTACTS {
         return None;

@@ -32,8 +32,8 @@ const MAX_REPEATS: usize = 5;
 const ITERATIONS: usize = 16;
 const MAX_CHANGE: f64 = 0.03;
 /// At the start of a fit, distant contacts have no weight, because an outlier among them would determine the
-/// polynomial. A contact is distant if the ratio of its distance from the median place to the median distance exceeds
-/// this value, along u or along v.
+/// polynomial. A contact is distant if its distance from the median place exceeds the median distance by more than this
+/// factor, along u or along v.
 const MAX_START_RATIO: f64 = 3.0;
 /// Tukey's biweight is 0 if the residual exceeds this number of standard deviations.
 const BIWEIGHT: f64 = 4.685;
@@ -185,9 +185,9 @@ fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
 }
 
 /// Whether each contact is an outlier. `counts` contains the number of rows of the log that each contact represents; it
-/// is the weight of the contact. The weight is needed because outliers between the contacts of a slow finger make the
-/// steps long, so that many contacts are merged as a rest. Contacts beside the path of their finger (`is_beside_path`)
-/// are suspects, and have no weight.
+/// is the weight of the contact. The weight is needed if a slow finger has outliers between its contacts. The outliers
+/// make the steps long, so that many contacts are merged as a rest. Contacts beside the path of their finger
+/// (`is_beside_path`) are suspects, and have no weight.
 fn outliers(
     contacts: &[Contact],
     counts: &[usize],

@@ -154,8 +154,8 @@ mod tests {
             let [all, rough] = bends(0.7, 18, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!((0.5..1.5).contains(&rough), "{rough}");
-            // If the correlation length is long, the process is nearly a quadric. Then the second derivatives still
-            // have the variance 1 everywhere, but the variance `rough` of the part that is no quadric is small.
+            // If the correlation length is long, the process is nearly a quadric. Its second derivatives still have the
+            // variance 1 everywhere, but the part that is not a quadric has the small variance `rough`.
             let [all, rough] = bends(4.0, 12, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!(rough < 0.2, "{rough}");

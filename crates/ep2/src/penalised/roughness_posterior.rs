@@ -446,8 +446,8 @@ impl Process {
     }
 
     /// Averages over Gaussian processes with different amplitudes. `likely` contains these candidates, each with its
-    /// probability. Returns the sum of the probabilities, the mean of the random factors of the modes, and the
-    /// covariance of these factors multiplied by the sum of the probabilities.
+    /// probability. Returns three results: the sum of the probabilities, the mean of the random factors of the modes,
+    /// and the covariance of these factors, multiplied by the sum of the probabilities.
     fn mixture(&self, likely: &[(f64, &Candidate)]) -> (f64, Vec<f64>, DMatrix<f64>) {
         let size = self.right.len();
         let total: f64 = likely.iter().map(|(share, _)| share).sum();

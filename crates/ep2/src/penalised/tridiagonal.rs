@@ -67,8 +67,8 @@ impl Factors {
     /// Adds the inverse of 1 + s T, multiplied by `factor`, to the lower triangle of `sum`.
     pub(super) fn add_inverse(&self, sum: &mut DMatrix<f64>, factor: f64) {
         let size = self.pivots.len();
-        // In each row of the inverse, the entries to the right of the diagonal are proportional to the entries of the
-        // next row (Takahashi et al., 1973).
+        // In each row of the inverse, the entries right of the diagonal are proportional to the entries of the next row
+        // (Takahashi et al., 1973).
         let mut row = vec![0.0; size];
         for index in (0..size).rev() {
             let mut own = factor / self.pivots[index];

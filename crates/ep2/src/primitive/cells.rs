@@ -135,7 +135,8 @@ impl Cells {
 }
 
 /// Divides a group of contacts along its longest side until there are enough cells. Each cut is at the widest gap near
-/// a quantile, because the residuals of a cell that ends within a stroke would mostly have the same sign.
+/// a quantile, so that a cell does not end within a stroke. The residuals of a part of a stroke would mostly have the
+/// same sign.
 fn divide(
     places: &[Vector3<f64>],
     members: &mut [usize],

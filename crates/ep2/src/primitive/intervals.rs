@@ -53,8 +53,8 @@ pub(super) fn curvature_interval(
         widen(cells.covariance(solution, cloud) * scale, wide);
     }
     // A scan may round a coordinate to a few values, called levels. The rounding errors on a level have all values
-    // between plus and minus half a step, so they nearly cancel in sums, except at the edge of the patch. Because they
-    // are not a random sample, the number of levels does not limit the degrees of freedom.
+    // between plus and minus half a step. Therefore they nearly cancel in sums, except at the edge of the patch. They
+    // are not a random sample, so the number of levels does not limit the degrees of freedom.
     if let Some(levels) = Cells::of_levels(solution, cloud) {
         let wide = student_half_width(PROBABILITY, cloud.places.len());
         widen(levels.covariance(solution, cloud), wide);

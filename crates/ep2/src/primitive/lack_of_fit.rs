@@ -14,8 +14,8 @@ use crate::effective_readings::correlation_time;
 
 /// Largest degree of the polynomial that describes the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// A patch counts as a graph over its plane if the cosine of the angle between each normal and the mean normal is at
-/// least this value (72 degrees).
+/// A patch counts as a graph over its plane only if all normals are close to the mean normal. This constant is the
+/// smallest cosine of the angle between a normal and the mean normal (72 degrees).
 const MIN_GRAPH_COSINE: f64 = 0.3;
 /// A column of the equations is skipped if it is almost a linear combination of the earlier columns. This constant is
 /// the largest share of the column's squared length that may be independent of them.

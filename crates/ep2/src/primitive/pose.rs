@@ -120,9 +120,9 @@ impl Pose {
         }
     }
 
-    /// Returns four results: the vector q to the position `place`, the part of q across the axis of a cylinder (for
-    /// other shapes, q itself), √(1 + 2 k f), and the signed distance d. The vectors are in the axes of the pose. The
-    /// description of the module defines the symbols.
+    /// Returns four results. The first is the vector q to the position `place`. The second is the part of q across the
+    /// axis of a cylinder; for other shapes, it is q itself. The third is √(1 + 2 k f), and the fourth the signed
+    /// distance d. The vectors are in the axes of the pose. The description of the module defines the symbols.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);
@@ -131,9 +131,9 @@ impl Pose {
             Shape::Sphere | Shape::Plane => q,
         };
         let f = 0.5 * self.curvature * across.norm_squared() + q.z;
-        // `s` is the length of the vector n + k·`across`, where n is the normal of the pose, k the curvature, and
-        // `across` the position q without its component along the axis of a cylinder. This length is 0 on the axis of a
-        // cylinder and in the centre of a sphere.
+        // `s` is the length of the vector n + k·`across`, where n is the normal of the pose and k the curvature.
+        // `across` is the position q without its component along the axis of a cylinder. The length is 0 on the axis of
+        // a cylinder and in the centre of a sphere.
         let s = (1.0 + 2.0 * self.curvature * f).max(1e-18).sqrt();
         (q, across, s, 2.0 * f / (1.0 + s))
     }

@@ -34,15 +34,15 @@ const SUBSETS: u64 = 60;
 /// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
 const SUBSET_ITERATIONS: usize = 15;
-/// A robust fit starts either from all contacts or from a subset. The result from a subset is used only if its median
-/// distance and its variance are both below this share of those of the fit from all contacts.
+/// A robust fit starts from all contacts and from a subset. The result from the subset replaces the other result only
+/// if its median distance and its variance are both smaller by at least this factor.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits of outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
 /// There are too many outliers if a fit without more than a fifth of the contacts has a far smaller variance than the
-/// fit to all contacts. This constant is the largest ratio of the two variances that counts as far smaller.
+/// fit to all contacts. This constant is the limit for the ratio of these two variances.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
@@ -61,10 +61,10 @@ pub(super) struct Solution {
 
 /// Weights of distances and normals in the sum of squares.
 ///
-/// An error of a position along the surface changes the expected normal by k times the error. Therefore normals have
-/// the variance σ_n² + β k² with β = c σ_p²/2, where σ_n and σ_p are the standard deviations of normals and positions,
-/// and c is 2 for a sphere and 1 for a cylinder. With a constant variance, the fit would reduce the curvature k in
-/// order to reduce the sum of squares.
+/// An error of a position along the surface changes the expected normal by k times the error, where k is the curvature.
+/// Therefore normals have the variance σ_n² + β k² with β = c σ_p²/2. σ_n and σ_p are the standard deviations of
+/// normals and positions, and c is 2 for a sphere and 1 for a cylinder. With a constant variance, the fit would reduce
+/// k in order to reduce the sum of squares.
 #[derive(Clone, Copy, Debug)]
 struct Weights {
     of_distances: f64,

@@ -8,8 +8,8 @@ use super::{Candidate, Shape, start, wave_tests};
 
 /// If the p-value of the most probable shape has this value, "none of these shapes" is as probable as the shape.
 const NONE_P_VALUE: f64 = 0.01;
-/// The contacts count as lying on a line if the variance of their positions across the line is below this multiple of
-/// the variance of the noise.
+/// The contacts count as lying on a line if their positions hardly vary across it. This constant is the limit for the
+/// variance across the line, divided by the variance of the noise.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'
@@ -46,8 +46,8 @@ pub(super) fn choose(
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
     // If all contacts lie on one line, a sphere and a cylinder fit equally well except for position errors. The test
-    // for a line uses the smallest residual variance of all shapes, because the residuals of a shape that does not fit
-    // are far larger than the noise.
+    // for a line uses the smallest residual variance of all shapes. The residuals of a shape that does not fit would be
+    // far larger than the noise.
     let variances = candidates.iter().map(|one| one.solution.variances[0]);
     let variance = variances.fold(f64::INFINITY, f64::min);
     let cylinder = &candidates[Shape::Cylinder as usize].solution.pose;

@@ -12,8 +12,8 @@ use crate::effective_readings::EffectiveReadings;
 /// An object counts as touched all around if the mean of the shape's unit normals at the contacts is shorter than this
 /// value. Such an object is assumed to be convex.
 const MIN_MEAN_NORMAL: f64 = 0.5;
-/// The outward direction determines the outside of the shape only if the absolute cosine of its angle to the mean
-/// normal is at least this value.
+/// The outward direction determines the outside of the shape only if it is not nearly perpendicular to the mean normal.
+/// This constant is the smallest absolute cosine of the angle between them.
 const MIN_OUTWARD_COSINE: f64 = 0.1;
 
 impl ShapeSettings {

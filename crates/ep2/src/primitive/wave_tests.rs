@@ -11,9 +11,10 @@ use crate::patch::FingerMap;
 
 /// Largest number of contacts from which the wave is fitted.
 const MAX_CONTACTS: usize = 300;
-/// Steps of the search for the best wave. Each step compares the waves of a grid. For each step: the spacing of the
-/// grid, as a number of periods along a side of the rectangle that contains the contacts, and the number of grid points
-/// on each side of the middle. The first grid extends to 6 periods. The later grids are around the best wave so far.
+/// Steps of the search for the best wave. Each step compares the waves of a grid; the first number is the spacing of
+/// the grid, and the second the number of grid points on each side of its middle. The spacing is a number of periods
+/// along a side of the rectangle that contains the contacts. The first grid extends to 6 periods. The later grids are
+/// around the best wave so far.
 const STEPS: [(f64, i32); 3] = [(0.5, 12), (0.25, 1), (0.125, 1)];
 /// A wave counts only if it explains at least this share of the sum of squared distances. If the contacts are on a
 /// regular grid, the errors of rounded coordinates look like weaker waves.

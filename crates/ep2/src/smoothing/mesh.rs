@@ -1,5 +1,5 @@
-//! The knots of a tensor-product spline along both axes, with the order of the coefficients, the jumps of derivatives
-//! at the knots, and the choice of the next knot.
+//! The knots of a tensor-product spline along both axes. The module also computes the order of the coefficients, the
+//! jumps of derivatives at the knots, and the next knot to add.
 
 use super::observations::IntervalSums;
 use super::triangle::{Block, Triangle};

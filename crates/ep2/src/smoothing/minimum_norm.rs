@@ -44,7 +44,7 @@ impl Trapezoid {
     }
 
     /// The solution `x` of the equations `B x = g` with the smallest norm, where `B` is the matrix of this trapezoid
-    /// and `g` its right-hand side. This solution has no component in the null space of `B`.
+    /// and `g` its right-hand side. The solution has no component in the null space of `B`.
     ///
     /// The method is a QR decomposition `Bᵀ = Q G` with an orthogonal matrix `Q` and a triangular matrix `G`. The
     /// columns of `B` are merged into `G` one by one by rotations, from the last column to the first. The rows of `B`

@@ -4,7 +4,7 @@ const MOST_TRIALS: usize = 20;
 /// Factor for steps of the search while the smoothing parameter is far from the root. A parameter that is too large is
 /// multiplied by this factor, and a parameter that is too small is divided by it.
 const FAR: f64 = 0.04;
-/// If a step by the factor [`FAR`] would pass a bound of the search, the next parameter lies between the last trial and
+/// A step by the factor [`FAR`] may pass a bound of the search. Then the next parameter lies between the last trial and
 /// the bound. Its distance from the bound is this share of the distance between the last trial and the bound.
 const NEAR: f64 = 0.1;
 

@@ -336,8 +336,8 @@ proptest! {
         };
         let contacts: Vec<Contact> = (0..81).map(contact).collect();
         let patch = Patch::new(&contacts, &(turn * Vector3::z())).unwrap();
-        // Rounding errors of positions look like a curvature of the surface. Therefore the bound on the relative error
-        // of the curvature includes these rounding errors.
+        // Rounding errors of positions cause a false curvature. Therefore the bound on the relative error of the
+        // curvature includes these rounding errors.
         let bound = 1e-11 + 1e3 * f64::EPSILON * (1.0 + offset) / bend;
         let methods: [&dyn Method; 2] = [&Quadric::default(), &Penalised::default()];
         for method in methods {

@@ -122,7 +122,7 @@ pub(crate) const QUADRIC_LIKE: [Surface; 4] = [
     },
 ];
 
-/// Surfaces that are no quadrics: the top of a torus with the radii 3 and 2, and a bump.
+/// Surfaces that are not quadrics: the top of a torus with the radii 3 and 2, and a bump.
 pub(crate) const DETAILED: [Surface; 2] = [
     Surface {
         name: "torus",

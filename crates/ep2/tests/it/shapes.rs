@@ -348,8 +348,8 @@ fn chance_neighbours_are_no_rests() {
     }
 }
 
-/// Returns three results: the share of logs whose interval contains the true mean curvature, the share of logs that are
-/// reported to have correlated noise, and the median half-width of the intervals.
+/// Returns three results: the share of logs whose interval contains the true mean curvature, the share of logs with
+/// reported correlated noise, and the median half-width of the intervals.
 fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 3] {
     let (mut shares, mut widths) = ([0.0; 2], Vec::new());
     let mut count = 0.0;
