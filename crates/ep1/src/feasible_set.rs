@@ -72,7 +72,8 @@ pub(crate) struct RollRows {
 struct Corner {
     point: Vector3<f64>,
     /// For each of the three bounds (rows) through the corner: its index (`None` for a side of the bounding box), and
-    /// its multiplier. The direction is the sum of the normals of the three bounds, each times its multiplier.
+    /// its multiplier. The direction in which the corner is furthest is the sum of the normals of the three bounds,
+    /// each times its multiplier.
     shares: [(Option<usize>, f64); 3],
 }
 

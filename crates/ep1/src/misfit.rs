@@ -15,8 +15,8 @@ use crate::{Estimate, ProbeReading, ReadingNoise};
 
 /// Number of fitted entries of the mobility `B` (contact travel per radian), which is a symmetric 2×2 matrix.
 const MOBILITY_ENTRIES: usize = 3;
-/// Number of fitted parameters: the entries of the mobility `B`, and the two components of the shift that all probes on
-/// pads share.
+/// Number of fitted parameters: the entries of the mobility `B` (contact travel per radian), and the two components of
+/// the error of the first contact, which all probes on pads share.
 const UNKNOWNS: usize = 5;
 /// Smallest noise that is estimated from residuals, relative to the longest shift. Smaller residuals may be rounding
 /// errors.

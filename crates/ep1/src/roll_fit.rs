@@ -29,8 +29,8 @@ const STEP: f64 = 1e-6;
 /// A fit also ends if the largest change of an unknown is below this value, but above half of the largest change in the
 /// step before. Further steps would then hardly improve the fit.
 const SETTLED: f64 = 1e-5;
-/// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard deviation
-/// of the start. It is a little more than half a pad.
+/// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard
+/// deviation of the start. This distance is a little more than half a pad.
 const MAX_START: f64 = 2.2;
 /// If a step of a fit is longer than this fraction of the previous step, the next steps are halved.
 const ALTERNATING: f64 = 0.8;
@@ -355,8 +355,8 @@ impl<const N: usize> SeriesFit<N> {
             let mut change = step.amax();
             for (roll, state) in rolls.iter().zip(&mut fit.rolls) {
                 let own = state.step * (share * damping) + state.response * step;
-                // The roll starts on its first pad. Without this limit, a start that the crossings hardly determine would
-                // move far to reduce the residuals of a model with too few terms.
+                // Limit the start of the roll to its first pad. Otherwise, a start that the crossings hardly determine
+                // would move far, to reduce the residuals of a model with too few terms.
                 let before = state.start;
                 let limit = MAX_START * roll.start_std;
                 for part in 0..2 {

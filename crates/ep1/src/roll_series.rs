@@ -129,9 +129,10 @@ impl SeriesNoise {
 /// Methods that estimate the curvature from time series of rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SeriesMethod {
-    /// The curvature is constant along the rolls. The active pad bounds the position of the contact at each sample.
+    /// Assumes that the curvature is constant along the rolls. At each sample, the active pad bounds the position of
+    /// the contact.
     PadEdge,
-    /// The curvature changes along the rolls.
+    /// Estimates how the curvature changes along the rolls.
     Trajectory,
 }
 

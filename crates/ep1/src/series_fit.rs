@@ -130,7 +130,8 @@ impl Problem<'_> {
                     SeriesFit::new(&data, &noise, first.shape, tolerance).ok_or(undetermined)?;
             }
             let scale = first.estimated.map_or(1.0, |noise| noise.variance);
-            // Fits with different numbers of terms are comparable only if their smallest variances are equal.
+            // Use the same smallest variance in all fits, because only then the criteria of fits with different numbers
+            // of terms are comparable.
             if let Some(estimated) = first.estimated {
                 noise.min_variance = MIN_SHARE * MIN_SHARE * estimated.shared;
             }

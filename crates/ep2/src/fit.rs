@@ -101,7 +101,7 @@ fn check_side(side: usize) -> Result<(), Ep2Error> {
 }
 
 impl Fit {
-    /// The fit without standard errors. This makes the computation of curvatures faster.
+    /// Removes the standard errors from the fit, which makes the computation of curvatures faster.
     pub fn without_uncertainty(self) -> Self {
         Self {
             posterior: None,

@@ -26,8 +26,8 @@ const LONG: f64 = 1.15;
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis
-/// is the mean direction in which the fingers travel. If they have no common direction, it is the direction of a side
-/// of the patch. The origin is the mean contact, and the unit of length is half the patch's larger side.
+/// is the mean direction in which the fingers travel. If the fingers have no common direction, the u axis is parallel
+/// to a side of the patch. The origin is the mean contact, and the unit of length is half the patch's larger side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchFrame {
     origin: Point3<f64>,
@@ -184,9 +184,9 @@ impl Cloud {
 
     /// A unit tangent along a side of the patch. The patch is assumed to be either elongated or nearly square.
     ///
-    /// In an elongated patch, this is the principal direction of the contacts. In a square patch, the fourth moments
-    /// determine the diagonals: the sum Σ r⁴ cos 4(φ − φ₀) over the contacts is largest if φ₀ is the direction of a
-    /// diagonal. Here (r, φ) are the polar coordinates of a contact about the mean contact.
+    /// In an elongated patch, the tangent is the principal direction of the contacts. In a square patch, the fourth
+    /// moments determine the diagonals: the sum Σ r⁴ cos 4(φ − φ₀) over the contacts is largest if φ₀ is the direction
+    /// of a diagonal. Here (r, φ) are the polar coordinates of a contact about the mean contact.
     fn side(&self, contacts: &[Contact], normal: &Vector3<f64>) -> Option<Vector3<f64>> {
         let principal = (0..3)
             .rev()

@@ -215,8 +215,8 @@ pub(crate) fn within_share(
     Ok(outliers)
 }
 
-/// Spatial median of positions (by Weiszfeld's iteration, which starts at the median of each coordinate), and the
-/// median distance from it; `None` if at least half of the positions coincide.
+/// Spatial median of positions, and the median distance of the positions from it. Weiszfeld's iteration computes the
+/// spatial median, starting at the median of each coordinate. `None` if at least half of the positions coincide.
 fn centre_and_distance(places: &[Vector3<f64>]) -> Option<(Point3<f64>, f64)> {
     if places.len() < 3 {
         return None;

@@ -84,8 +84,8 @@ struct Weighted {
 }
 
 impl Model<'_> {
-    /// Goodness of fit and misfits of the contacts, for a surface that is the sum of a quadric and this Gaussian
-    /// process.
+    /// Goodness of fit and misfits of the contacts, for a surface that is the sum of a quadric and the Gaussian process
+    /// `process`.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if numbers are beyond the range of doubles.
@@ -328,8 +328,8 @@ impl Refit {
     }
 }
 
-/// Products of Chebyshev polynomials at a contact, one per column. The rows contain the products and their slopes along
-/// u and v.
+/// Matrix of the products of Chebyshev polynomials at a contact. Each column belongs to one product. The rows contain
+/// the products and their slopes along u and v.
 fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     let [a, b] = square.place([sample.u, sample.v]);
     let [half_u, half_v] = square.half();

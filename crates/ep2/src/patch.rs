@@ -51,7 +51,7 @@ pub(crate) struct FingerMap<T> {
 }
 
 impl<T: Default> FingerMap<T> {
-    /// The value of `finger`. If there is none, the default value is stored first.
+    /// The value of `finger`. If the finger has no value, the default value is stored first.
     #[inline]
     pub(crate) fn entry(&mut self, finger: usize) -> &mut T {
         let place = match self.last {

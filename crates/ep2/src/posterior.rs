@@ -103,7 +103,7 @@ impl Posterior {
 /// The linear maps from the coefficients of a Chebyshev series to the coefficients of its derivatives.
 struct Maps {
     slopes: [SparseMap; 2],
-    /// Maps from the coefficients of a first derivative to those of its own derivatives with respect to u and v.
+    /// Maps from the coefficients of a first derivative to the coefficients of its derivatives with respect to u and v.
     bends: [SparseMap; 2],
 }
 

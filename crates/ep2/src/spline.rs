@@ -29,7 +29,7 @@ pub(crate) struct Local<T = f64> {
 }
 
 impl Local<Lanes> {
-    /// Joins the B-splines at several places, which must be within the same knot interval.
+    /// Packs the values of the B-splines at several places, which must be within the same knot interval.
     #[inline]
     pub(crate) fn side_by_side(places: [&Local; LANES]) -> Self {
         let jets = std::array::from_fn(|order| {

@@ -59,7 +59,8 @@ impl Square {
     }
 }
 
-/// Matrix from the coefficients of 1, a, b, a², ab, b² to the coefficients of products of Chebyshev polynomials.
+/// Matrix that converts the coefficients of 1, a, b, a², ab, b² to the coefficients of products of Chebyshev
+/// polynomials.
 #[rustfmt::skip]
 pub(crate) const SERIES: Gram = Gram::new(
     1.0, 0.0, 0.0, 0.5, 0.0, 0.5,

@@ -46,9 +46,9 @@ pub struct StrokeCurvature {
 }
 
 impl StrokeCurvature {
-    /// The curvature with an interval for a case in which the outer side is uncertain. The interval is valid for any
-    /// outer side within a right angle of the assumed side. The normal curvature is the part of the stroke's curvature
-    /// in space that is along the unknown normal.
+    /// The curvature, for contacts whose outer side is uncertain. Its interval is valid for any outer side within a
+    /// right angle of the assumed side. The normal curvature is the component of the stroke's curvature in space along
+    /// the normal, which is unknown here.
     #[must_use]
     pub fn for_any_side(self) -> Self {
         let [low, high] = self.interval95;
@@ -248,8 +248,8 @@ fn powers(u: f64) -> Vector4<f64> {
     Vector4::new(1.0, u, u * u, u * u * u)
 }
 
-/// Coefficients of the fitted parameters in the height at u. The parameters are the height and its derivatives in the
-/// middle of the stroke.
+/// The height at u is a linear function of the fitted parameters: the height and its derivatives in the middle of the
+/// stroke. Returns the coefficients of this function.
 fn derivatives(u: f64) -> Row {
     let mut row = Row::from_element(1.0);
     for order in 1..UNKNOWNS {
@@ -258,7 +258,8 @@ fn derivatives(u: f64) -> Row {
     row
 }
 
-/// Coefficients of the fitted parameters in the slope at u. `row` contains the coefficients in the height at u.
+/// The slope at u is a linear function of the fitted parameters. Returns the coefficients of this function. `row`
+/// contains the coefficients for the height at u.
 fn shifted(row: &Row) -> Row {
     Row::from_fn(|order, _| if order == 0 { 0.0 } else { row[order - 1] })
 }

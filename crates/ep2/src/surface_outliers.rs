@@ -346,8 +346,8 @@ fn start_weights(patch: &Patch) -> Vec<f64> {
     weights
 }
 
-/// Standard deviation and coefficients of a robust polynomial fit. `None` if the contacts do not determine the
-/// polynomial.
+/// Standard deviation of the residuals, and coefficients, of a robust polynomial fit. `None` if the contacts do not
+/// determine the polynomial.
 fn robust(
     values: &[[f64; COUNT]],
     coefficients: usize,
@@ -391,7 +391,7 @@ fn robust(
     found.filter(|(std, solved)| std.is_finite() && solved.iter().all(|one| one.is_finite()))
 }
 
-/// Standard deviation that corresponds to the median of absolute residuals, after a fit of `coefficients`.
+/// Standard deviation that corresponds to the median of absolute residuals, after a fit of `coefficients` parameters.
 fn std(residuals: Vec<f64>, coefficients: usize) -> f64 {
     let freedom = residuals.len().saturating_sub(coefficients).max(1);
     let correction = 1.0 + 5.0 / freedom as f64;

@@ -32,8 +32,8 @@ pub enum Passes {
 /// The method of the 1996 paper.
 ///
 /// First, a smoothing spline is fitted to the contacts. Then a second spline is fitted to three points per contact. One
-/// is the point of the first spline at the contact. The other two points are one step to each side of the first point
-/// on a tangent line. This line is perpendicular to the fingers' travel (u in the patch's frame).
+/// of them is the point of the first spline at the contact. The other two are on a tangent through this point, one step
+/// to each side of it. The tangent is perpendicular to the fingers' travel (u in the patch's frame).
 ///
 /// The settings use a unit of length, which by default is the distance between fingers. Residuals and the tangent step
 /// are in this unit. The sum of `weight`² · `residual`² is compared with the smoothing sums. Weights of the contacts

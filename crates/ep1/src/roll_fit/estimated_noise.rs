@@ -10,8 +10,8 @@ use crate::rolled_path::LocalShape;
 /// far better than rotations do.
 pub(crate) const MIN_SHARE: f64 = 0.01;
 
-/// A fit that does not restrict the shared rotation errors of the rolls uses this variance for them. It is divided by
-/// the variance with which the readings determine these errors.
+/// Assumed variance of the shared rotation errors in a fit that does not restrict them. It is divided by the variance
+/// with which the readings determine these errors.
 const UNLIMITED: f64 = 1e8;
 
 /// Normal equations of the relative rotation error that the samples of a roll share. The position at the start of the

@@ -122,8 +122,8 @@ mod tests {
         }
     }
 
-    /// Variance of the process's second derivative along a at the place (a, b): for all products of polynomials, and
-    /// for all products except those of quadrics.
+    /// Variance of the process's second derivative along a at the place (a, b). The first result includes all products
+    /// of polynomials; the second omits the products that form quadrics.
     fn bends(length: f64, degree: usize, [a, b]: [f64; 2]) -> [f64; 2] {
         let [a, b] = [a, b].map(|x| values(x, degree).collect::<Vec<f64>>());
         let here: Vec<f64> = products(degree).map(|[i, j]| a[i] * b[j]).collect();

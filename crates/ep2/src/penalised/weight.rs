@@ -77,7 +77,7 @@ pub(super) struct Choice {
     pub(super) effective_unknowns: f64,
 }
 
-/// Sums over the modes at a smoothing weight λ. A prime denotes the derivative with respect to ln λ.
+/// Sums over the modes at a smoothing weight λ. The suffix `_prime` denotes the derivative with respect to ln λ.
 #[derive(Clone, Copy, Debug)]
 struct Sums<T = f64> {
     /// Weighted sum of squared residuals of the fit with the smoothing weight λ.

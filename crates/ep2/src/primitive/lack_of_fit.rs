@@ -295,8 +295,8 @@ fn tested(
         }
     }
     let of_normals: Vec<Vec<f64>> = normals.into_iter().flat_map(|[a, b, _]| [a, b]).collect();
-    // Positions and normals together determine the parameters of the deviation. Half of these parameters are counted
-    // for the positions, and half for the normals.
+    // Positions and normals together determine the parameters of the deviation. Half of these parameters are attributed
+    // to the positions, and half to the normals.
     let absorbed = if kinds > 1 { rank / 2 } else { rank };
     let found = [
         correlation_time(&distances, absorbed),

@@ -241,7 +241,8 @@ impl Deviation {
     }
 }
 
-/// Sums of squares and normal equations of the deviations of distances and normals, for variances of 1.
+/// Sums of squares, and normal equations, for the deviations of the contacts' distances and normals from the shape. All
+/// deviations are assumed to have variance 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
     pub(super) grams: [Gram; 2],

@@ -111,7 +111,8 @@ impl ShapeFit {
         let uncertainty = std.map(|std| Uncertainty {
             gaussian_std: gaussian_std * std,
             mean_std: mean_std * std,
-            // For a sphere, both curvatures are computed from one value, so they are completely correlated.
+            // For a sphere, the Gaussian and the mean curvature are computed from one value, so they are completely
+            // correlated.
             correlation: if gaussian > 0.0 { bend.signum() } else { 0.0 },
         });
         MapPoint {

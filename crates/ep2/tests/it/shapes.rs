@@ -282,8 +282,8 @@ fn correlated_positions_do_not_refute_a_ball() {
     assert_eq!(refuted.count(), 0);
 }
 
-/// Two logs: one whose readings depend on each other, and a similar log of independent readings. The third result is
-/// the smallest accepted coverage.
+/// Returns two logs and the smallest accepted coverage. The readings of the first log depend on each other; the second
+/// log is similar, but has independent readings.
 fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
     if kind < 3 {
         let plain = ball_log(random, 10);
