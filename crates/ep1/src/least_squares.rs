@@ -65,8 +65,8 @@ impl LeastSquares {
     ///
     /// # Errors
     /// [`Ep1Error`] if there are too few probes, if their rotations do not span the tangent plane, or if a rotation is
-    /// not finite; [`Ep1Error::OutOfRange`] if the radius is not finite and positive, if a number in `noise` is negative
-    /// or not finite, or if the rotations are below 1e-50 or above 1e50 rad.
+    /// not finite; [`Ep1Error::OutOfRange`] if the radius is not finite and positive, if a number in `noise` is
+    /// negative or not finite, or if the rotations are below 1e-50 or above 1e50 rad.
     pub fn new(
         radius: f64,
         noise: ReadingNoise,

@@ -393,9 +393,9 @@ impl SeriesEstimate {
         let mean = self.curvature.mean_curvature();
         let [low, high] = self.around(mean, self.std([0.5, 0.5, 0.0]));
         let is_flat = low.is_none_or(|low| low <= 0.0) && high.is_none_or(|high| high >= 0.0);
-        // If the object may be flat, the interval of the Gaussian curvature must include 0. Both principal curvatures of
-        // a posterior draw may then be only errors, and the product of two errors is seldom exactly 0. Therefore extend
-        // the interval to 0.
+        // If the object may be flat, the interval of the Gaussian curvature must include 0. Both principal curvatures
+        // of a posterior draw may then be only errors, and the product of two errors is seldom exactly 0. Therefore
+        // extend the interval to 0.
         let least = if is_flat {
             at(0.025).min(0.0)
         } else {
