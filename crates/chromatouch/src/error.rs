@@ -19,7 +19,7 @@ pub enum LayoutError {
     AroundTheSphere {
         /// Name of the setting that makes the row too long.
         setting: &'static str,
-        /// The counted work of a scene, with the number of drawn random numbers set to 0.
+        /// Angle (degrees) at the sphere's centre between the apex and the farthest marker; the limit is 180.
         reach_deg: f64,
     },
     /// The layout places its markers by angles at the sensor's centre, but the skin is flat, so there is no centre.

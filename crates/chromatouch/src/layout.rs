@@ -26,8 +26,8 @@ pub(crate) const MOST_MARKERS: usize = 100_000;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
-    /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces of which
-    /// the skin is made by folding them onto the sphere.
+    /// One marker at the apex, and rows of markers in each of several equal gores. A gore is a flat piece of the skin;
+    /// the gores are folded onto the sphere.
     Gores {
         /// Number of gores (flat pieces of the skin) around the sphere.
         gores: u32,
@@ -80,16 +80,16 @@ impl Layout {
         }
     }
 
-    /// Coordinates (x, y) of the markers on the skin of a sensor with the radius `sensor_radius`; all are lengths. A
-    /// marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along the skin (logarithm map at
-    /// the apex). The markers are sorted from the apex outward. Exceptions: the markers of a [`Layout::Line`] are
-    /// sorted along +x, and the markers of a [`Layout::Grid`] by y and then by x. For a flat skin, `sensor_radius` is
-    /// infinite.
+    /// Skin coordinates (x, y) of the markers (lengths). `sensor_radius` is the radius of the skin (length), which is
+    /// infinite for a flat skin. A marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along
+    /// the skin (the logarithm map of the sphere at the apex). The markers are sorted from the apex outward.
+    /// Exceptions: the markers of a [`Layout::Line`] are sorted along +x, and the markers of a [`Layout::Grid`] by y
+    /// and then by x.
     ///
     /// # Errors
     /// [`LayoutError`] if the radius is out of range or the layout is impossible.
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
-        // The limit of the sensor's radius ensures that the circumference of the sphere is a finite number.
+        // The radius is limited so that the circumference of the sphere does not overflow.
         let is_flat = sensor_radius == f64::INFINITY;
         let good = sensor_radius > 0.0 && sensor_radius <= 1e300 || is_flat;
         LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;
@@ -162,7 +162,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     let good = cap_deg > 0.0 && cap_deg <= 180.0;
     LayoutError::unless(good, "cap_deg", cap_deg, "above 0 and at most 180")?;
     let half_cap = 0.5 * cap_deg.to_radians();
-    // A cap whose rim is at the polar angle θ covers the share sin²(θ/2) of the sphere's area.
+    // The area of a cap with its rim at the polar angle θ is sin²(θ/2) times the area of the sphere.
     let share = libm::sin(half_cap) * libm::sin(half_cap);
     let good = pitch > 0.0 && pitch.is_finite();
     LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;

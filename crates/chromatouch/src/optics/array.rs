@@ -32,12 +32,12 @@ pub struct DiscDepths {
 pub struct DiscMotion {
     /// Displacement of the disc toward the sensor's centre (length).
     pub normal: f64,
-    /// Displacement along the skin (length), measured along the arc around the sensor's centre on which the disc moves.
-    /// Its components are along the marker's axes, which are the axes of the apex after parallel transport along the
+    /// Displacement along the skin (length): the length of the disc's arc around the sensor's centre. The components
+    /// are along the x and y axes of the marker. These are the axes of the apex after parallel transport along the
     /// meridian to the marker.
     pub tangential: [f64; 2],
-    /// Relative increase of the disc's diameter. It is due to the strain of the skin. The model assumes that the disc
-    /// stays a circle.
+    /// Relative increase of the disc's diameter due to the strain of the skin. The model assumes that the disc stays a
+    /// circle.
     pub stretch: f64,
     /// Relative stretch of the skin around the disc. The misalignment between the marker's two discs grows by the
     /// factor 1 + `skin_stretch`.
@@ -45,9 +45,9 @@ pub struct DiscMotion {
 }
 
 impl DiscMotion {
-    /// Angles (rad) at the sensor's centre between two positions: the position of the marker at rest, and the position
-    /// of one of its discs after a press. Each angle is the sum of `moved`, the disc's motion, and of the disc's
-    /// `misalignment`, which grows with the stretch of the skin.
+    /// Position of a disc after a press, relative to its marker at rest: two angles (rad) at the sensor's centre, along
+    /// the marker's axes. `moved` is the motion of the disc. `misalignment` is the offset of the disc at rest, which
+    /// grows with the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -94,8 +94,7 @@ pub(super) struct Stand {
     pub(super) misalignment: [f64; 2],
 }
 
-/// A disc as viewed from the camera: the disc covers all directions within its angular radius around the direction of
-/// its middle.
+/// A disc as viewed from the camera: the direction of its middle, and the sine and the cosine of its angular radius.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     pub(super) direction: Vector3<f64>,
@@ -186,8 +185,8 @@ impl MarkerArray {
         let most_rad = most * 2.0 * self.yellow.half_width;
         let mut stream = Stream::new(seed, trial, Channel::Misalignment);
         for stand in &mut self.stands {
-            // The share of a circle's area within the share r of its radius is r². Therefore a radius that is the
-            // square root of a uniform number gives a uniform density.
+            // The area of a circle is proportional to the square of its radius. Therefore the square root of a uniform
+            // number, used as the radius, gives a uniform density of points.
             let share = 0.5 * (stream.symmetric_uniform() + 1.0);
             let (sine, cosine) = libm::sincos(PI * stream.symmetric_uniform());
             let size = most_rad * share.sqrt();
@@ -345,9 +344,9 @@ impl Layer {
     }
 
     /// A disc as viewed from a camera that is not in the sensor's centre. The view is computed from `sight`, the view
-    /// from the sensor's centre. The disc is approximated by a circular cap with the same solid angle, which is correct
-    /// to first order in the solid angle. For a disc that moves behind the camera, the function returns the disc's
-    /// inward displacement as the error.
+    /// from the sensor's centre. The disc is approximated by a circular cap with the same solid angle. This
+    /// approximation is correct to first order in the solid angle. For a disc that moves behind the camera, the
+    /// function returns the disc's inward displacement as the error.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;

@@ -239,8 +239,8 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale of the image (pixels per radian), in all directions, for image points with polar angles
-    /// from 0 to `polar`. All these points must be in the field of view.
+    /// Upper bound of the image scale (pixels per radian) at polar angles from 0 to `polar`. It limits both the radial
+    /// and the azimuthal scale. All these polar angles must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -258,8 +258,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale of the image (pixels per radian), in all directions, for all image points in the field
-    /// of view.
+    /// Lower bound of the image scale (pixels per radian) in the field of view. It limits both the radial and the
+    /// azimuthal scale.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,
@@ -278,8 +278,8 @@ impl Camera {
         }
     }
 
-    /// Direction of the light at the image point (x, y), px from the image's centre, with y up. The function is also
-    /// valid for points a little beyond the image circle.
+    /// Direction of the light at the image point (x, y). The coordinates are px from the image's centre, with y up. The
+    /// function is also valid for points a little beyond the image circle.
     #[inline]
     pub(super) fn ray(&self, x: f64, y: f64) -> Ray {
         let [ray] = self.rays(x, y);

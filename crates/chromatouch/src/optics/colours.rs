@@ -48,8 +48,8 @@ pub(super) struct Contrast {
     pub(super) hue_turns: Option<f64>,
 }
 
-/// Contributions of a pixel in each of the three regions of a marker: covered only by the magenta disc, only by the
-/// yellow disc, or by both discs.
+/// Contributions of a pixel in each of the three regions of a marker. A region is covered only by the magenta disc,
+/// only by the yellow disc, or by both discs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrasts {
     pub(super) magenta: Contrast,

@@ -15,7 +15,7 @@ pub struct Departure {
     pub px_per_rad: f64,
     /// Shift of the camera (length): along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
-    /// Rotation (rad) of the camera about the axes along which `place` is measured.
+    /// Rotation vector (rad) of the camera. Its components are about the same three axes as those of `place`.
     pub turn_rad: [f64; 3],
     /// Difference of the transmittances of magenta discs for red, green and blue light.
     pub magenta: [f64; 3],
@@ -60,9 +60,9 @@ impl Camera {
 
 impl Optics {
     /// Returns the optics of a sensor whose parameters are those of this sensor plus the differences `departure`.
-    /// Transmittances may be a little outside of the range from 0 to 1, because a fit needs features of the markers
-    /// that are smooth functions at these limits. [`Optics::possible`] restricts a departure to physically possible
-    /// sensors.
+    /// Transmittances may be a little outside of the range from 0 to 1, so that the markers' features are smooth
+    /// functions at these limits; a fit needs smooth functions. [`Optics::possible`] restricts a departure to
+    /// physically possible sensors.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] if no sensor has these

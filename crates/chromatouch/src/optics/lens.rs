@@ -40,9 +40,9 @@ pub(super) struct Local {
     pub(super) area_bend: f64,
 }
 
-/// A region of the image: its area, px², and the first moment of the area, px³. The moment is about the image point of
-/// the direction at which the lens was expanded. Its first component points away from the image's centre. Its second
-/// component points in the direction of increasing azimuth.
+/// A region of the image: its area, px², and the first moment of the area, px³. The moment is about the image point at
+/// which the lens's map was expanded. Its first component is along the direction away from the image's centre, its
+/// second component along the direction of increasing azimuth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
     pub(super) area: f64,
@@ -235,8 +235,8 @@ fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
 /// k))^(3/2). The middle of the ellipse is at the distance f tan θ / (1 − k) from the image's centre.
 #[inline]
 fn pinhole_cap(local: &Local, sine: f64, cosine: f64) -> Region {
-    // `secant` is 1 / cos θ with the polar angle θ: the radial scale of a pinhole lens is f / cos² θ, and its lateral
-    // scale is f / cos θ, with the focal length f.
+    // `secant` is 1 / cos θ with the polar angle θ. It is the ratio of two scales of the pinhole lens: radial f / cos²
+    // θ, and lateral f / cos θ, with the focal length f.
     let secant = local.radial / local.lateral;
     let share = sine * sine * secant * secant;
     let rest = 1.0 - share;

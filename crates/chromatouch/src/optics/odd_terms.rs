@@ -143,8 +143,8 @@ impl OddTerms {
 mod tests {
     use super::*;
 
-    /// Odd terms of lenses whose map increases up to 1.5 rad. Some of the lenses are textbook projections; the terms of
-    /// the other lenses are close to the limits of the valid terms.
+    /// Odd terms of lenses whose map increases up to 1.5 rad. Some are textbook projections. The others have terms
+    /// close to the limits of the valid range.
     const TERMS: [OddTerms; 7] = [
         OddTerms { k3: 0.0, k5: 0.0 },
         OddTerms {

@@ -1,8 +1,8 @@
 //! Overlap of two discs as viewed from the camera.
 //!
-//! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. To second
-//! order in p, an area on the sphere is the area in the plane times 1 − p²/2, where p is the distance from the centre
-//! of the projection. The overlap of two circles consists of one segment of each circle. The moments of a segment are
+//! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. An area
+//! on the sphere is, to second order, the area in the plane times 1 − p²/2. Here p is the distance from the centre of
+//! the projection. The overlap of two circles consists of one segment of each circle. The moments of a segment are
 //! computed by exact formulas.
 
 use nalgebra::Vector3;
@@ -30,7 +30,7 @@ pub(super) struct Part {
     pub(super) angles: [HalfAngle; 2],
 }
 
-/// Moments, about a point on the axis of symmetry, of an area that is symmetric about this axis.
+/// Area and moments of a region that is symmetric about an axis. The moments are about a point on this axis.
 #[derive(Clone, Copy)]
 struct Moments {
     area: f64,
@@ -57,8 +57,8 @@ impl HalfAngle {
         }
     }
 
-    /// Half-angle with the sine `sine` and the cosine `cosine`. If this half-angle is close to the half-angle `self`,
-    /// it is computed from `self` by a short series, which is faster than an arctangent.
+    /// Half-angle with the sine `sine` and the cosine `cosine`. If the result is close to `self`, it is computed from
+    /// `self` by a short series, which is faster than an arctangent.
     fn beside(&self, sine: f64, cosine: f64) -> Self {
         let [across, along] = [
             sine * self.cosine - cosine * self.sine,
@@ -79,8 +79,8 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap, from which the new
-/// half-angles are computed faster.
+/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap; they make the
+/// computation of the new half-angles faster.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -121,8 +121,8 @@ fn part(
     near: Option<&[HalfAngle; 2]>,
 ) -> Part {
     let chord = square.sqrt();
-    // Moments are computed about a direction that is about half-way between the two edges of the overlap. An
-    // approximate direction is sufficient.
+    // The moments are computed about a direction approximately half-way between the two edges of the overlap. It need
+    // not be exact.
     let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
     let share = (0.5 + 0.5 * wider / chord).clamp(0.0, 1.0);
     let rest = 1.0 - share;

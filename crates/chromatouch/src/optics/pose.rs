@@ -59,7 +59,7 @@ impl Pose {
         Self::new(place.into(), turn.into())
     }
 
-    /// Checks this pose. Returns `None` for the default pose, and an error if the camera is farther than `farthest`
+    /// Checks this pose. Returns `None` for the default pose. Returns an error if the camera is farther than `farthest`
     /// from the sensor's centre, or if its rotation is out of range.
     pub(super) fn checked(self, farthest: f64) -> Result<Option<Self>, OpticsError> {
         let distance = self.place.norm();

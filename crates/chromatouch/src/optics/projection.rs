@@ -13,9 +13,9 @@ use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
 
 impl Optics {
     /// Features (centroid, hues and size) of each marker in the image, in the order of the markers. They equal the
-    /// features in a frame with very small pixels and without blur, uneven light, seams and noise. The features are
-    /// `None` for a missing marker (its motion is `None`), for a marker that is not completely in the image circle, and
-    /// for a marker that absorbs no light.
+    /// features in a frame with very small pixels and without blur, uneven light, seams or noise. The features are
+    /// `None` in three cases: the marker is missing (its motion is `None`), it is not completely in the image circle,
+    /// or it absorbs no light.
     ///
     /// The image of each disc has the accuracy of [`Camera::disc_area`]. The overlap of two discs is computed to second
     /// order in their angular radius α. The error of the size is of the order of α⁴ relative to the size. The error of
@@ -42,7 +42,7 @@ impl Optics {
     }
 }
 
-/// A direction in the polar coordinates of the camera, and the expansion of the lens at this direction.
+/// A direction in the polar coordinates of the camera, and the Taylor expansion of the lens's map at this direction.
 #[derive(Clone, Copy)]
 pub(super) struct Aim {
     polar: f64,
@@ -58,8 +58,8 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// Computes the same as [`Self::new`] for `direction`. If `direction` is near the direction of `self`, this is
-    /// faster, because the computation starts from `self`.
+    /// Computes the same as [`Self::new`] for `direction`. This function is faster than `new` if `direction` is near
+    /// the direction of `self`, because it starts from `self`.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
@@ -94,8 +94,8 @@ impl Aim {
         }
     }
 
-    /// Components of a vector that is tangent to the sphere of directions at this direction: away from the camera's
-    /// axis, and in the azimuthal direction.
+    /// Components of `tangent`, a tangent vector of the sphere of directions. The first component is away from the
+    /// camera's axis, the second in the azimuthal direction.
     #[inline]
     fn components(&self, tangent: &Vector3<f64>) -> [f64; 2] {
         let [x, y] = self.azimuth;

@@ -32,7 +32,7 @@ use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
 /// Number of quadrature nodes per direction for the mean square strain. For three or more gores, the quadrature error
-/// is below 1e-20. This error follows from the integrand's nearest singularity, which is at the imaginary shear s = 2i.
+/// is below 1e-20. This bound follows from the singularity of the integrand at the imaginary shear s = 2i.
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.

@@ -151,8 +151,8 @@ fn frames_show_what_is_projected_the_better_the_larger() {
             );
             // Check that errors decrease with the size of the frame. The errors of hue and size are compared directly,
             // and the error of the centroid relative to the size of the frame. The centroid of the pinhole lens is not
-            // compared, because its error comes mostly from the overlap of the discs and does not depend on the size of
-            // the frame.
+            // compared. Its error comes mostly from the overlap of the discs, so it does not depend on the size of the
+            // frame.
             assert!(
                 lens == Lens::Pinhole || large[0] / 2048.0 < 0.5 * small[0] / 256.0,
                 "{small:?} {large:?}"
@@ -167,7 +167,7 @@ fn frames_show_what_is_projected_the_better_the_larger() {
 
 #[test]
 fn discs_much_smaller_than_a_pixel_take_their_share() {
-    // There are many markers, so that the positions of markers relative to the pixel grid differ.
+    // The frame has many markers, so that their positions relative to the pixel grid differ.
     let layout = Layout::Lattice {
         pitch: 0.4,
         cap_deg: 35.0,

@@ -34,8 +34,8 @@ fn a_lattice_is_as_dense_as_asked_everywhere() {
     let (radius, pitch) = (20.0, 1.0);
     let layout = |cap_deg| Layout::Lattice { pitch, cap_deg };
     let places = layout(60.0).places(radius).unwrap();
-    // The expected number of markers within an angle θ of the apex is the area of this cap divided by pitch²:
-    // 2πR²(1 − cos θ) / pitch², with the sphere's radius R.
+    // There is one marker per area of pitch². A cap with its rim at the polar angle θ has the area 2πR²(1 − cos θ),
+    // with the sphere's radius R.
     for cap_deg in [15.0_f64, 30.0, 45.0, 60.0] {
         let angle = cap_deg.to_radians();
         let within = places

@@ -86,13 +86,13 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             ..Departure::default()
         });
         let Ok(departed) = departed else {
-            // Only the last lens of `TERMS` may be rejected. With its odd terms, points farther from the axis would no
-            // longer be imaged farther from the centre, already inside the rim of the image circle.
+            // Only the last lens of `TERMS` may be rejected. Its odd terms fold the image: the image radius stops
+            // growing with the angle before the rim of the image circle.
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
-        // The odd terms differ from their nominal values, but the image circle and the pixels per radian stay the same.
-        // Therefore the rim of the image circle is at another angle from the axis than before.
+        // The departure changes only the odd terms. The image circle and the pixels per radian stay the same, so the
+        // angle between the rim and the axis changes.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
         let (sine, cosine) = libm::sincos(0.9_f64);

@@ -139,8 +139,8 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
         );
         assert_relative_eq!(marker.centroid_px[0], 319.5, epsilon = 1e-9);
         assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
-        // Where the discs overlap, in the middle of the marker, the colour is red; the ring around the middle is
-        // magenta. The middle and the ring contribute red light, but only the ring contributes blue light.
+        // The middle of the marker is red, because both discs overlap there. The ring around the middle is magenta.
+        // Both parts contribute red light, but only the ring contributes blue light.
         let ring = area(17.0) - area(19.0);
         let turns = 1.0 - ring / area(17.0) / 6.0;
         assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);

@@ -69,8 +69,7 @@ impl Blemishes {
     }
 }
 
-/// A Gaussian blur of a frame, computed row by row. The rows that were read last are stored, already blurred along the
-/// row.
+/// A Gaussian blur of a frame, computed row by row. The last rows are stored after they were blurred along the row.
 pub(super) struct Blur {
     /// Weights of the blur: for a pixel, and for its neighbours on one side up to a distance of 3.5 standard
     /// deviations. The neighbours on the other side have the same weights. All weights together, with those of the
@@ -176,8 +175,8 @@ impl SeamLines {
                 } else {
                     libm::hypot(x, y)
                 };
-                // `half` is half the width of the seam in pixels: its half-width as an angle at the sensor's centre,
-                // divided by `lateral_rad`, the angle that one pixel covers across the seam.
+                // `half` is half the width of the seam in pixels. It is the angular half-width of the seam at the
+                // sensor's centre, divided by `lateral_rad`, the angle that one pixel covers across the seam.
                 let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);
                 // A seam that is narrower than a pixel covers only a share of the pixel.
                 let share = (0.5 + half - aside).clamp(0.0, (2.0 * half).min(1.0));

@@ -59,9 +59,9 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     }
     let size = f64::from(camera.size_px());
     // `reach` is an upper bound of the angle from the rectangle's centre to the edge of the disc. The rectangle's
-    // centre is the middle of the disc or, if this middle is outside of the field of view, the nearest point of the
-    // rim. If the rim cuts the disc, the bound must be larger, because the shortest path on the sphere from the
-    // rectangle's centre to the edge of the disc may leave the field of view.
+    // centre is the middle of the disc. If this middle is outside of the field of view, the centre is the nearest point
+    // of the rim. If the rim cuts the disc, the bound must be larger. The shortest path on the sphere from the
+    // rectangle's centre to the edge of the disc may then leave the field of view.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
@@ -113,9 +113,9 @@ impl DiscRaster {
     }
 
     /// Share of a pixel that the disc covers. The pixel is (x, y) px from the centre of the image. `inside` is the
-    /// position of the pixel relative to the disc's edge, as computed by [`Self::inside`]. The share minus 1/2 is an
-    /// odd function of `inside`. The solid angle of a cap depends linearly on v·n at its edge, so the shares of all
-    /// pixels add up to the area of the disc.
+    /// position of the pixel relative to the disc's edge, as computed by [`Self::inside`]. The shares of all pixels add
+    /// up to the area of the disc, for two reasons: the share minus 1/2 is an odd function of `inside`, and the solid
+    /// angle of a cap is a linear function of v·n at the cap's edge.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -242,10 +242,9 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
         return (0.5 + inside).clamp(0.0, 1.0);
     }
     let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
-    // The disc covers a share of the pixel (a unit square). This share is computed from the lengths of chords, which
-    // are lines through the pixel parallel to the edge of the disc. Between the two corners of the pixel that are
-    // nearest to its middle in the direction of the normal, all chords have the length 1 / `long`. Towards the other
-    // two corners, the length decreases linearly to 0.
+    // The pixel is a unit square. The covered share is the integral of the lengths of its chords, which are lines
+    // through the pixel parallel to the edge of the disc. Chords within (`long` − `short`)/2 of the pixel's centre have
+    // the length 1 / `long`. From there to the corner, the length decreases linearly to 0.
     let depth = inside.abs();
     let beyond = 0.5 * (long + short) - depth;
     let more = if beyond <= 0.0 {
