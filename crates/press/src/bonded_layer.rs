@@ -35,8 +35,7 @@ const STEPS: usize = 30;
 pub(crate) struct BondedLayer {
     thickness: f64,
     depth: f64,
-    /// Number by which the standard number of quadrature nodes is multiplied for contacts that are solved without a
-    /// table.
+    /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
     resolution: f64,
     /// Data that is shared by all models of this layer; there is one model per depth. `number` is the index of this
     /// model's depth.
@@ -72,9 +71,9 @@ pub(crate) struct LayerContact {
     /// to the thickness.
     depth: f64,
     contact: f64,
-    /// Four values that are computed from the pressure: the indentation, the indentation's derivative with respect to
-    /// the contact's radius, ∫ φ dt (from which the force follows), and −∫ φ'/t dt (from which the peak pressure
-    /// follows). φ(t) is the function that describes the pressure; see [`pressure`].
+    /// Four values that are computed from the pressure: the indentation, its derivative with respect to the contact's
+    /// radius, ∫ φ dt (proportional to the force), and −∫ φ'/t dt (proportional to the peak pressure). φ(t) is the
+    /// function that describes the pressure; see [`pressure`].
     numbers: [f64; 4],
     terms: Vec<Term>,
     base: Base,

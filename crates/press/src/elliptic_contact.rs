@@ -109,9 +109,9 @@ impl EllipticContact {
         }
         let ratio = axis_ratio(larger / smaller);
         let square = ratio * ratio;
-        // Let the longer semi-axis a be the unit of length. Then half of the smaller curvature, A, and the indentation
-        // δ have the ratio A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), where b is the shorter semi-axis and R_D and R_F
-        // are Carlson's elliptic integrals. This ratio determines the length of a.
+        // The longer semi-axis a follows from A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)). Here A is half of the smaller
+        // curvature, δ the indentation and b the shorter semi-axis. R_D and R_F are Carlson's elliptic integrals,
+        // computed with a as the unit of length.
         let [first, size] = [carlson_d(0.0, square, 1.0), carlson_f(0.0, 1.0, square)];
         let a = (indentation / (0.5 * smaller) * first / (3.0 * size)).sqrt();
         Ok(Self {

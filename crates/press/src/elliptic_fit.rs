@@ -159,7 +159,7 @@ impl ForwardFit {
     }
 }
 
-/// Holds the covariance of the fitted parameters, from which standard errors are computed to first order.
+/// Covariance of the fitted parameters. The methods compute standard errors from it, to first order in the noise.
 struct Stds(Square);
 
 impl Stds {
@@ -251,8 +251,8 @@ fn principal(tensor: &Vector3<f64>) -> ([f64; 2], f64) {
     ([mean + radius, mean - radius], angle)
 }
 
-/// The component of a symmetric tensor in the direction `angle` is a weighted sum of its components xx, xy and yy. This
-/// function returns the three weights.
+/// Three weights of the components xx, xy and yy of a symmetric tensor. The weighted sum is the tensor's component in
+/// the direction `angle`.
 fn along(angle: f64) -> Vector3<f64> {
     let (sine, cosine) = libm::sincos(angle);
     Vector3::new(cosine * cosine, 2.0 * sine * cosine, sine * sine)
@@ -473,14 +473,14 @@ impl<'a> Problem<'a> {
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }
         let across = stds.turn(angle);
-        // Noise increases the difference between the two eigenvalues of a tensor. `repulsion` is this bias of the
-        // difference, to second order.
+        // Noise increases the difference between the two eigenvalues of a tensor on average. `repulsion` is this bias,
+        // to second order in the noise.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
-        // The 95 % interval of the axis contains the angles at which the mixed component of the tensor, in axes that
-        // are rotated by this angle, is 0 within the noise. This component is gap · sin(2Δ)/2, where `gap` is the
-        // difference between the eigenvalues and Δ the difference between the angle and the estimated axis. If the
-        // noise allows every angle, the standard error is `unknown`.
+        // In axes that are rotated by the angle Δ from the estimated axis, the mixed component of the tensor is gap ·
+        // sin(2Δ)/2, where `gap` is the difference between the eigenvalues. The 95 % interval of the axis contains the
+        // angles at which this component is 0 within the noise. If the noise allows every angle, the standard error is
+        // `unknown`, which is that of a uniformly distributed axis.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {

@@ -134,7 +134,7 @@ pub enum PressError {
     OtherBody {
         /// Chi-squared of the readings, either with respect to unmoved markers or with respect to the best fit.
         chi_squared: f64,
-        /// Number of degrees of freedom. It is the expected value of chi-squared.
+        /// Number of degrees of freedom. Noise alone gives this value of chi-squared on average.
         freedom: usize,
     },
     /// The contact of the best fit is far from all markers.

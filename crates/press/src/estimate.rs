@@ -29,7 +29,7 @@ impl Estimated {
         }
     }
 
-    /// This estimate for a quantity that cannot be negative: negative ends of the interval become 0.
+    /// Limits this estimate to a quantity that cannot be negative: negative ends of the interval become 0.
     pub(crate) fn positive(mut self) -> Self {
         self.interval.low = self.interval.low.map(|low| low.max(0.0));
         self
@@ -61,8 +61,7 @@ impl Interval {
         }
     }
 
-    /// The interval whose ends are computed from the ends of this interval by the function `end`, which must be
-    /// increasing.
+    /// Applies the function `end` to both ends of this interval. The function must be increasing.
     pub(crate) fn map(self, end: impl Fn(f64) -> f64) -> Self {
         Self {
             low: self.low.map(&end),
@@ -131,8 +130,8 @@ pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
     /// Relative curvature 1/R_s + 1/R_o (1/length), corrected for the bias of least squares. The interval is computed
-    /// by profile likelihood. If one marker contradicts the other markers, but not enough to be rejected as an outlier,
-    /// the interval also contains the interval of a fit without this marker.
+    /// by profile likelihood. A marker may contradict the other markers, but not enough to be rejected as an outlier.
+    /// The interval then also contains the interval of a fit without this marker.
     pub relative_curvature: Estimated,
     /// Relative curvature (1/length) of the best fit, without bias correction.
     pub most_likely_curvature: f64,

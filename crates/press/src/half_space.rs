@@ -1,7 +1,7 @@
 //! Displacements in an elastic half-space under a Hertz contact, at any depth, computed by formulas.
 //!
-//! The pressure p₀ √(1 − r²/a²) under a paraboloid of radius R has the Hankel transform (p₀/a) (sin ka − ka cos ka)/k³,
-//! where a is the contact's radius. The displacements below the surface of the half-space are
+//! The pressure under a paraboloid of radius R is p₀ √(1 − r²/a²), where a is the contact's radius. Its Hankel
+//! transform is (p₀/a) (sin ka − ka cos ka)/k³. The displacements below the surface of the half-space are
 //!
 //! ```text
 //! u_z = c [2(1−ν) Q₃⁰ + z Q₂⁰]      u_r = −c [(1−2ν) Q₃¹ − z Q₂¹]      c = 2/(π(1−ν)R)
@@ -32,8 +32,8 @@ const TERMS: usize = 7;
 
 const ORDERS: usize = 2 * TERMS + 2;
 
-/// Number of integrals that are computed by series: Q₃⁰, Q₂⁰ and Q₁⁰ of order 0, Q₃¹, Q₂¹ and Q₁¹ of order 1, and S₁
-/// and S₀ for both orders. The fields of [`Moments`] define them.
+/// Number of integrals that are computed by series: Q₃⁰, Q₂⁰ and Q₁⁰ (order 0), Q₃¹, Q₂¹ and Q₁¹ (order 1), and S₁ and
+/// S₀ for both orders. The fields of [`Moments`] describe these integrals.
 const SERIES: usize = 10;
 
 /// Factors in the recurrence for the Legendre polynomial P_{m+1} at z/ρ: the factor of (z/ρ) P_m and the factor of
@@ -49,18 +49,17 @@ const RECURRENCE: [[f64; 2]; ORDERS] = {
     factors
 };
 
-/// Factors of the terms of each series, without the powers of −s², where s is the ratio of the contact's radius to the
-/// distance of the point. Each factor is a coefficient of the series sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)!
-/// or sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by m! or (m−1)!, where kᵐ is the power of the wavenumber in the
-/// integral.
+/// Factors of the terms of each series, without the powers of −s². Here s is the ratio of the contact's radius to the
+/// distance of the point. The factors are the coefficients of sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)! or of
+/// sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by m! or (m−1)!. In the integral, the wavenumber k has the power m.
 const FACTORS: [[f64; SERIES]; TERMS] = {
     let mut factors = [[0.0; SERIES]; TERMS];
     let mut n = 0;
     while n < TERMS {
         let even = 2.0 * n as f64;
         let (first, second, third) = (even + 1.0, even + 2.0, even + 3.0);
-        // The series of integrals with the Bessel function J₁ contain (m−1)! instead of m!, where m is the power of the
-        // wavenumber k. Divide by m = 2n, but for m = 0 by 1.
+        // Integrals with the Bessel function J₁ have the factor (m−1)! instead of m!, where m is the power of the
+        // wavenumber k. Therefore divide by m = 2n, but by 1 if m is 0.
         let lower = if n == 0 { 1.0 } else { even };
         factors[n] = [
             1.0 / (first * third),

@@ -10,7 +10,7 @@ use crate::{Body, Contact, PressError, Skin};
 pub(crate) trait LeastSquares {
     /// Values of the fit parameters, with chi-squared and its derivatives at these values.
     type Fit: Clone;
-    /// Limit for singular information matrices: a matrix is inverted only if the smallest diagonal entry of its scaled
+    /// Threshold for a singular information matrix: it is inverted only if the smallest diagonal entry of its scaled
     /// Cholesky factor exceeds this value.
     const SINGULAR: f64;
     /// Text for the error message if the information matrix is singular. It names the quantities that the readings do
@@ -86,8 +86,8 @@ pub(crate) trait LeastSquares {
     /// [`PressError`] if no press has these fit parameters.
     fn fit_at(&self, state: State) -> Result<Self::Fit, PressError>;
 
-    /// The fit after a step of the fit parameters that is predicted to decrease chi-squared by `promise`; `None` if
-    /// chi-squared increases instead.
+    /// Tries a step of the fit parameters. Returns the fit after the step, or `None` if the step increases chi-squared.
+    /// `promise` is the predicted decrease of chi-squared.
     fn advance(
         &self,
         from: &Self::Fit,
@@ -95,8 +95,8 @@ pub(crate) trait LeastSquares {
         promise: f64,
     ) -> Result<Option<Self::Fit>, PressError>;
 
-    /// The same fit with derivatives of the model that are computed again at its fit parameters. The result is `None`
-    /// if the derivatives already belong to these parameters.
+    /// Computes the derivatives of the model again at the parameters of the fit. Returns `None` if the derivatives
+    /// already belong to these parameters.
     fn refreshed(&self, _fit: &Self::Fit) -> Result<Option<Self::Fit>, PressError> {
         Ok(None)
     }

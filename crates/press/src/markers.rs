@@ -216,9 +216,8 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Returns an error if the markers cannot observe a contact with the radius `contact_radius`: if the nearest marker
-    /// is farther from the contact than twice this radius, and the markers on the same hemisphere do not surround the
-    /// contact.
+    /// Checks that the markers can observe a contact with the radius `contact_radius`. The distance of the nearest
+    /// marker must be at most twice this radius, or the markers on the same hemisphere must surround the contact.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
@@ -239,7 +238,7 @@ impl Markers {
         let half_square = 0.5 * chord.norm_squared();
         let half_chord = (0.5 * half_square).sqrt().min(1.0);
         let sine = 2.0 * half_chord * (1.0 - 0.5 * half_square).max(0.0).sqrt();
-        // If the marker is exactly at the contact, the direction from one to the other is undefined. Use +x.
+        // If the marker is exactly at the contact, the direction from the contact to the marker is undefined. Use +x.
         let unit = |along: Vector3<f64>, axes: &Place| {
             if sine > 0.0 {
                 Vector2::new(along.dot(&axes.x_axis), along.dot(&axes.y_axis)) / sine
@@ -257,8 +256,8 @@ impl Markers {
     }
 }
 
-/// Returns an error if the markers cannot observe the contact: if the nearest marker is farther from the contact than
-/// twice the radius `contact_radius`, and the markers at distances below `around` do not surround the contact.
+/// Checks that the markers can observe a contact with the radius `contact_radius`. The distance of the nearest marker
+/// must be at most twice this radius, or the markers at distances below `around` must surround the contact.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);

@@ -32,8 +32,8 @@ pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
 /// direction of the marker from this contact.
 ///
 /// The displacement is u_z inward and u_r along the skin, and r is the distance from the contact. Five patterns show
-/// that the body differs from the model: the size of u_z, the steepness of u_z, an offset of u_z, the size of u_r and
-/// the steepness of u_r. Two patterns show that the contact is elongated. The inward displacement then changes
+/// that the body differs from the model. They are changes of the size, the steepness and the offset of u_z, and of the
+/// size and the steepness of u_r. Two patterns show that the contact is elongated. The inward displacement then changes
 /// approximately by r ∂u_z/∂r cos 2θ, where θ is the angle from the contact's longer axis. The displacements along the
 /// skin change by the gradient of the potential r u_r cos 2θ.
 pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
@@ -93,8 +93,8 @@ impl Noise {
         }
     }
 
-    /// P-value of `explained`, the decrease of chi-squared by patterns in the residuals, if the readings have this
-    /// noise.
+    /// P-value of `explained`, the decrease of chi-squared by patterns in the residuals. It is computed for readings
+    /// with this noise.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -106,8 +106,8 @@ impl Noise {
     }
 }
 
-/// Weighted sums over the readings. Each term is the value of a pattern multiplied by another value: a derivative with
-/// respect to a fit parameter, the value of the same or another pattern, or a residual.
+/// Sums over the readings, in standard deviations: products of the patterns with the derivatives with respect to the
+/// fit parameters (`by_slopes`), with each other (`by_patterns`), and with the residuals (`by_residuals`).
 pub(crate) struct PatternSums {
     pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
     pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
@@ -135,9 +135,9 @@ impl PatternSums {
     }
 
     /// Decrease of chi-squared, to first order, if the amplitudes of the patterns with the indices `range` were fitted
-    /// too. At the best fit, the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. In
-    /// this case, the part of the residuals that a change of the fit parameters could explain is removed (Neyman's
-    /// C(α)).
+    /// too. At the best fit, the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. If
+    /// the gradient is not 0, the part of the residuals that a change of the fit parameters could explain is removed
+    /// (Neyman's C(α)).
     fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
         let Self {
             by_slopes,

@@ -12,7 +12,7 @@ use crate::{Estimated, GoodnessOfFit, PressError, PressEstimate, Verdict};
 const MAX_FITS: usize = 4;
 
 /// Calls `conclude`, which computes the estimate from a fit. If `conclude` returns a better fit instead of an estimate,
-/// it is called again with the better fit.
+/// this function calls it again with the better fit.
 ///
 /// # Errors
 /// Errors of `conclude`, and [`PressError::Undetermined`] if `conclude` returns a better fit again and again.

@@ -4,9 +4,8 @@ use crate::Interval;
 use crate::least_squares::{LeastSquares, minimise};
 use crate::unknowns::{CURVATURE, INDENTATION, State};
 
-/// Tolerance of the search for an end of the interval. At an end, the increase of chi-squared must have a given value;
-/// the tolerance is the largest relative error of the square root of this increase. An interpolation then improves the
-/// result.
+/// Relative tolerance of the search for an end of the interval. At an end, the square root of the increase of
+/// chi-squared must equal a given value within this tolerance. An interpolation then improves the end.
 const TOLERANCE: f64 = 0.03;
 const MAX_TRIES: usize = 40;
 /// Limit of the search for the ends of an interval: largest ratio between a tried curvature and the estimated
@@ -61,8 +60,8 @@ fn walk<P: LeastSquares>(
     sign: f64,
 ) -> Result<Option<f64>, State> {
     let (start, sums) = (P::state_of(best), P::sums_of(best));
-    // `from` contains the fit at the last step, the derivative of its parameters with respect to the logarithm of the
-    // curvature, and the last step.
+    // `from` describes the last tried step: the fit after the step, the derivative of the fit parameters with respect
+    // to the logarithm of the curvature, and the length of the step.
     let mut from = (best.clone(), sums.ridge(), 0.0);
     let std = (sums.hessian.row(CURVATURE) * from.1)[0].sqrt().recip();
     let mut at = |step: f64| -> Option<Result<Found, State>> {

@@ -25,7 +25,8 @@ pub enum ContactRegime {
     Flat,
     /// The object is concave with a smaller curvature than the sensor. The first contact is one point.
     Concave,
-    /// The object is concave with the curvature of the sensor. The surfaces fit, so there is no first contact point.
+    /// The object is concave with the curvature of the sensor. The surfaces touch everywhere at once, so there is no
+    /// first contact point.
     Conforming,
     /// The object is concave with a larger curvature than the sensor. The sensor touches the object's edge.
     Edge,

@@ -21,8 +21,8 @@ pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 /// Limit below which a standard deviation is treated as 0. A parameter counts as exact if the standard deviation of its
-/// prior, relative to the scale of the parameter, is at most this value, because rounding errors would spoil a fit with
-/// such a prior. The smallest noise that a fit assumes is this value times the largest displacement.
+/// prior is at most this value times the scale of the parameter. Rounding errors would spoil a fit with such a narrow
+/// prior. The smallest noise that a fit assumes is this value times the largest displacement.
 pub(crate) const EXACT: f64 = 1e-10;
 
 /// States which parameters of a press are fitted, and contains their normal priors.
@@ -35,8 +35,8 @@ pub(crate) struct Fitted {
 }
 
 impl Fitted {
-    /// Prepares a fit of all parameters. Only the indentation is not fitted if it is stated exactly; `None` means that
-    /// it is not stated. `others` contains the priors of the two fit parameters that depend on the kind of fit.
+    /// Prepares a fit of all parameters, except for an indentation that is stated exactly. `indentation` is `None` if
+    /// no indentation is stated. `others` contains the priors of the two fit parameters that depend on the kind of fit.
     pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
         let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
         sought[INDENTATION] = indentation.is_none_or(|known| known.std > EXACT * known.value);

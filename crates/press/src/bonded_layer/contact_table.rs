@@ -16,8 +16,8 @@ use crate::body::Field;
 
 /// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own tables.
 pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
-/// Number of contact radii in a table, and number of distances in a panel. A panel is an interval of distances from the
-/// contact.
+/// Number of interpolation nodes: of contact radii in a table, and of distances in a panel. A panel is an interval of
+/// distances from the contact.
 const NODES: usize = 16;
 /// Width of a panel within the contact and near it, relative to the layer's thickness. A panel is an interval of
 /// distances from the contact that has its own polynomial.
@@ -39,8 +39,8 @@ pub(super) struct Table {
 
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// Four results of [`Pressure`]: the indentation, the indentation's derivative with respect to the contact's
-    /// radius, and the integrals that determine the force and the peak pressure.
+    /// Four results of [`Pressure`]: the indentation, its derivative with respect to the contact's radius, and two
+    /// integrals to which the force and the peak pressure are proportional.
     pub(super) numbers: [f64; 4],
     pub(super) terms: Vec<Term>,
     pub(super) panels: Panels,
@@ -180,9 +180,9 @@ impl Panels {
 
 /// A row of a table, for one contact radius a. It contains, in this order: the values [`Entry::numbers`], the terms of
 /// the series of φ and of ∂φ/∂a, and Chebyshev coefficients for each panel of distances. The function φ describes the
-/// pressure; see [`Pressure`]. The coefficients describe the corrections of the normal and the radial displacement for
-/// the rigid base, and the derivatives of these corrections with respect to the contact's radius. Each value is divided
-/// by the power of the radius to which it is proportional for small contacts.
+/// pressure; see [`Pressure`]. The coefficients describe the effect of the rigid base on the normal and the radial
+/// displacement, and the derivatives of this effect with respect to the contact's radius. Each value is divided by the
+/// power of the radius to which it is proportional for small contacts.
 fn row(
     pressure: &Pressure,
     terms: usize,

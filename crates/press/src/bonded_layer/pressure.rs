@@ -2,9 +2,9 @@
 //!
 //! Lengths are in units of the layer's thickness, and displacements are for a relative curvature of 1. α is the
 //! contact's radius, and D is the indentation. The Hankel transform of the pressure is written as Q(k) = ∫₀^α φ(t)
-//! cos(kt) dt with a function φ, so that the pressure is automatically zero beyond α. The condition that the
-//! displacement within the contact is D − r²/2 becomes a Fredholm equation of the second kind for φ (Copson's method;
-//! Lebedev and Ufliand 1958):
+//! cos(kt) dt with a function φ. The pressure is then zero beyond α. The condition that the displacement within the
+//! contact is D − r²/2 becomes a Fredholm equation of the second kind for φ (Copson's method; Lebedev and Ufliand
+//! 1958):
 //!
 //! ```text
 //! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²)
@@ -25,8 +25,8 @@ use super::pressure_field::Term;
 use super::reflection;
 use crate::PressError;
 
-/// Smallest number of wavenumbers at which an integrand is evaluated. It is enough for an integrand that decays
-/// smoothly and does not oscillate.
+/// Smallest number of wavenumbers in a quadrature. It is sufficient for an integrand that decays smoothly and does not
+/// oscillate.
 const SMOOTH: f64 = 48.0;
 /// Threshold for rounding errors. The last coefficients of a series are discarded if their ratio to the largest
 /// coefficient is below this value.
@@ -92,7 +92,7 @@ impl Pressure {
     fn assemble(contact: f64, shares: &[[f64; 2]], ones: &[f64], squares: &[f64]) -> Self {
         let (one, square) = (legendre(shares, ones), legendre(shares, squares));
         let edge: f64 = one.iter().sum();
-        // `indentation` is the indentation divided by the square of the contact's radius.
+        // `indentation` is the ratio of the indentation to the squared contact radius.
         let indentation = square.iter().sum::<f64>() / edge;
         let unit = contact * contact;
         let values: Vec<f64> = ones

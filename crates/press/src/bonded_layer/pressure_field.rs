@@ -18,10 +18,10 @@ use crate::half_space::{self, Spheroidal};
 /// Below this ratio of the contact's radius to the distance of a point from the contact, the contact is treated as a
 /// point force.
 const POINT: f64 = 1e-10;
-/// The radial functions qₙ of the spheroidal harmonics are computed by an upward recurrence if this recurrence
-/// amplifies rounding errors by at most a factor of e^`UPWARD`, and otherwise by a downward recurrence.
+/// Limit for the upward recurrence of the radial functions qₙ of the spheroidal harmonics. It is used if it amplifies
+/// rounding errors by at most the factor e^`UPWARD`. Otherwise a downward recurrence is used.
 const UPWARD: f64 = 9.0;
-/// The series ends at the order beyond which its terms decay below e^−`NEGLIGIBLE`.
+/// The series ends at the order at which its terms have decayed by the factor e^−`NEGLIGIBLE`.
 const NEGLIGIBLE: f64 = 32.0;
 /// The downward recurrence starts at a higher order than needed, so that the error of its start value decays to e^(−2
 /// `START_DECAY`).

@@ -20,8 +20,8 @@ use crate::body::Field;
 /// A term e^{−x} counts as negligible if x exceeds this value.
 const NEGLIGIBLE: f64 = 36.0;
 
-/// Difference between the displacements of half-space and layer at the surface, relative to the half-space: 1 − (sinh
-/// 2H − 2H)/(cosh 2H + 2H² + 1), with the wavenumber H.
+/// Effect of the rigid base on displacements at the surface: the displacement of a half-space minus that of the layer,
+/// divided by that of the half-space. With the wavenumber H, it is 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
 pub(super) fn at_surface(wavenumber: f64) -> f64 {
     let h = wavenumber;
     let q = libm::exp(-2.0 * h);
@@ -31,8 +31,9 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
 /// The wavenumber beyond which the effect of the rigid base on displacements at the surface is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
-/// The difference between the displacements of layer and half-space at the depth `depth`, for one wavenumber: the
-/// factor of the Bessel function J₀ (inward displacement) and the factor of J₁ (outward displacement).
+/// Effect of the rigid base at the depth `depth`, for one wavenumber: the displacement of the layer minus that of a
+/// half-space. The first value is the factor of the Bessel function J₀ (inward displacement), the second the factor of
+/// J₁ (outward displacement).
 fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
@@ -54,8 +55,7 @@ fn reach_at(depth: f64) -> f64 {
 }
 
 /// Distance from the contact's edge, in units of the layer's thickness, beyond which all displacements are below 1e-9
-/// of the largest displacement. At the distance r, they decay as e^{−0.739 r}, where 0.739 is the solution of cos x =
-/// x.
+/// of the largest displacement. At the distance r, they decay as e^{−0.739 r}; the number 0.739 solves cos x = x.
 pub(super) const BEYOND: f64 = 30.0;
 
 /// Largest distance from the contact's edge, in units of the layer's thickness, at which the first sum over wavenumbers
@@ -83,8 +83,8 @@ pub(super) struct Wave {
     pub(super) per_contact: [f64; 2],
 }
 
-/// Wavenumbers with their quadrature weights, and two Hankel transforms at each wavenumber: of the contact's pressure,
-/// and of the derivative of this pressure with respect to the contact's radius.
+/// Wavenumbers with their quadrature weights. For each wavenumber, it contains the Hankel transform of the contact's
+/// pressure, and the derivative of this transform with respect to the contact's radius.
 pub(super) struct Spectrum {
     nodes: Vec<[f64; 2]>,
     transforms: Vec<[f64; 2]>,

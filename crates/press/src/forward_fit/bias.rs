@@ -66,9 +66,9 @@ impl Problem<'_> {
     }
 }
 
-/// The estimated curvature, corrected for its relative bias `bias` and limited to its interval. If `bias` is above 1,
-/// the estimated effective radius is within about one standard error of 0, and the correction is not valid. The result
-/// is then the inverse of a radius that equals two of its standard errors.
+/// The estimated curvature, corrected for its relative bias `bias` and limited to its interval. The correction is not
+/// valid if `bias` is above 1: the estimated effective radius is then less than about one standard error. In this case,
+/// the result is the curvature for an effective radius of two standard errors.
 fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())
@@ -89,8 +89,8 @@ const STEP: f64 = 0.3;
 ///
 /// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature
 /// therefore has a long tail towards sharp objects. If the variance is large, or if the second differences would need
-/// impossible presses, the result is the variance of the logarithm, which is the bias of 1/x for a normally distributed
-/// x.
+/// impossible presses, the result is the variance of the logarithm. This is the relative bias of 1/x for a normally
+/// distributed x.
 fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {

@@ -92,11 +92,11 @@ fn squared(residuals: [f64; 3]) -> f64 {
     residuals.iter().map(|one| one * one).sum()
 }
 
-/// The normal displacement that all markers have if there is no contact (the baseline): its most likely value, computed
-/// from the mean reading and the prior of the baseline.
+/// The most likely baseline if there is no contact, computed from the mean reading and the prior of the baseline. The
+/// baseline is the normal displacement that is common to all markers.
 fn resting(problem: &Problem<'_>) -> f64 {
-    // The baseline is the normal displacement that is common to all markers. Its prior has the mean 0, and the same
-    // weight as `known` readings of 0.
+    // The baseline is the normal displacement that is common to all markers. Its prior has the mean 0, and weighs as
+    // much as `known` additional readings with the value 0.
     let known = match problem.fit.baseline {
         Prior::Exact => return 0.0,
         Prior::Within(std) => (problem.normal_std / std).powi(2),

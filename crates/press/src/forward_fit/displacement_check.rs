@@ -12,8 +12,8 @@ use crate::misfit::{Noise, PatternSums, Patterns, patterns, stated_indentation};
 use crate::unknowns::{INDENTATION, Square, State, Sums};
 use crate::{PressError, PressEstimate};
 
-/// The stated noise is reported as wrong only if the ratio between the stated noise and the noise of the residuals, in
-/// either direction, is at least this value.
+/// Smallest ratio for which the stated noise is reported as wrong. The ratio compares the stated noise with the noise
+/// of the residuals; the larger of both is divided by the smaller.
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {

@@ -10,19 +10,19 @@ use crate::misfit::Noise;
 use crate::unknowns::{CURVATURE, Square, State, Sums, Unknowns};
 
 /// If the noise is estimated, outliers are tested only if the ratio of this noise to the largest displacement exceeds
-/// this value. A smaller residual may only be the rounding of the readings.
+/// this value. Smaller residuals may be only rounding errors of the readings.
 const ROUNDING: f64 = 1e-3;
 /// Tests with estimated noise need at least this number of degrees of freedom.
 const MIN_FREEDOM: usize = 8;
 
-/// Smallest share of a reading's noise variance that must remain in the reading's residual. If the share is smaller,
-/// the fit follows this marker's noise, and the test uses a fit without the marker.
+/// Smallest share of the noise variance of a reading that must remain in its residual. If the share is smaller, the fit
+/// follows the noise of this marker, so the marker is compared with a fit without it.
 const MIN_RESIDUAL_SHARE: f64 = 0.1;
 
 impl Problem<'_> {
     /// The noise that is used by the tests for outliers and for patterns in the residuals. The result is `None` (no
-    /// tests) in three cases: the Gaussian approximation is fitted, there are hardly more equations than fit
-    /// parameters, or the estimated noise may be due to rounding.
+    /// tests) in three cases: a fit of the Gaussian approximation, hardly more equations than fit parameters, or an
+    /// estimated noise that may be only rounding.
     pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
         let freedom = self.freedom();
         let largest = self.reading.normal.iter();
@@ -55,8 +55,8 @@ impl Problem<'_> {
             let slopes = slopes.map(|slopes| self.of_sought(&slopes));
             let by = slopes.map(|slopes| covariance * slopes);
             let moves: f64 = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
-            // If an error of this marker is large enough to change the curvature noticeably, the fit rejects the marker
-            // anyway. Smaller errors do not matter for the interval, so this marker is not tested.
+            // Even an error at the outlier threshold would change the curvature by less than its standard error. The
+            // fit rejects markers with larger errors, so this marker is not tested.
             if WRONG * WRONG * moves < variance {
                 return None;
             }

@@ -19,8 +19,8 @@ use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// If there are at least this number of outliers, a fit without one more marker is also tried, because a single wrong
-/// marker that was not rejected can make several correct markers look like outliers.
+/// Smallest number of outliers for which a fit without one more marker is also tried. A single wrong marker that was
+/// not rejected can make several correct markers look like outliers.
 const SEVERAL: usize = 2;
 /// Significance level for the marker that contradicts the other markers most. If the p-value of this contradiction is
 /// lower, the 95 % interval is extended by the interval of a fit without the marker.
@@ -30,13 +30,13 @@ const SUSPECT: f64 = 0.05;
 const ROBUST: f64 = 3.0;
 /// The robust fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-2;
-/// Smallest relative change of an estimated noise that counts as a change. With many readings, the limit is lower, so
-/// that a change below the limit changes chi-squared by at most 2 `MAX_RISE`.
+/// Relative change below which an estimated noise counts as unchanged. With many readings, a lower limit is used, so
+/// that such a change affects chi-squared by at most 2 `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
-/// A search first uses a selection of the markers: this number of markers with the largest displacements, and about as
-/// many of the remaining markers. If there are at most twice this number of markers, the search uses all markers from
-/// the start.
+/// Number of markers with the largest displacements in the first stage of a search. The first stage also uses about as
+/// many of the other markers. If there are at most twice this number of markers, the search uses all markers from the
+/// start.
 const MAX_START_MARKERS: usize = 10_000;
 
 #[derive(Clone)]
@@ -48,7 +48,7 @@ pub(super) struct Search<'a> {
     find_tangential: bool,
     /// The largest displacement (length) in the reading.
     largest: f64,
-    /// Fit parameters at all minima of chi-squared, which were found by fits from different start values.
+    /// Fit parameters at all minima of chi-squared that the fits from different start values found.
     rivals: Vec<State>,
 }
 
@@ -105,8 +105,8 @@ impl<'a> Search<'a> {
                         (self, state, sums) = *found;
                         None
                     }
-                    // The noise was estimated, so the bad fit may be a wrong local minimum. Therefore report the bad
-                    // fit and not the range of curvatures.
+                    // The noise was estimated, so the bad fit may be a wrong local minimum. Therefore return the error
+                    // of the bad fit, not the estimate of an undetected contact.
                     Some(Found::Left(_)) if matches!(shown, Err(PressError::OtherBody { .. })) => {
                         shown?
                     }
@@ -210,8 +210,7 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If the interval around this other minimum of chi-squared is unbounded, the combined interval is unbounded
-            // too.
+            // If there is no interval around this other minimum of chi-squared, the combined interval is unbounded.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
@@ -334,14 +333,14 @@ impl<'a> Search<'a> {
         Ok(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// If there are several outliers, tries a fit without the marker that is nearest to the contact, because an error
-    /// of this marker would look like a sharp object under it. Returns this fit if it explains the readings of all
-    /// markers better, otherwise `None`.
+    /// If there are several outliers, tries a fit without the marker nearest to the contact. An error of this marker
+    /// would look like a sharp object under it. Returns the new fit if it explains the readings of all markers better,
+    /// otherwise `None`.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // Do not try a fit without the nearest marker if a window is set, because the markers outside of the window are
-        // unused, but are not outliers. Do not try it either if the noise is estimated, because the residuals of the
-        // two fits then cannot be compared.
+        // Do not fit without the nearest marker if a window is set: the unused markers outside of the window are not
+        // outliers. Do not fit without it either if the noise is estimated, because the residuals of the two fits then
+        // cannot be compared.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {
@@ -463,8 +462,8 @@ impl<'a> Search<'a> {
         Ok((0..problem.kept.len()).map(of_marker).collect())
     }
 
-    /// Estimates the standard deviations of the noise from the residuals of the used markers: from the median of the
-    /// residuals' magnitudes if `robustly` is true, otherwise from the squared residuals.
+    /// Estimates the standard deviations of the noise from the residuals of the used markers. If `robustly` is true,
+    /// they follow from the median of the residuals' magnitudes, otherwise from the squared residuals.
     fn find_noise(&mut self, residuals: &[[f64; 3]], robustly: bool) {
         if !(self.find_normal || self.find_tangential) {
             return;

@@ -17,8 +17,8 @@ const MARKERS: usize = 4;
 /// Distances at which contacts outside the area of the markers are tried, in units of the length scale
 /// `Markers::scale`, which is at most the sensor's radius.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
-/// A contact outside the area of the markers is a start value only if its chi-squared exceeds the smallest chi-squared
-/// of all tried contacts by less than this value.
+/// Limit for a contact outside the area of the markers: it is a start value only if its chi-squared is less than this
+/// value above the smallest chi-squared of the contacts among the markers.
 const MAX_EXCESS: f64 = 50.0;
 /// Contact radii that are tried, in units of the length scale `Markers::scale`, which is at most the sensor's radius.
 /// The first entry is a medium radius, which is tried at all places.
@@ -27,7 +27,7 @@ pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 const VIEWS: usize = 3;
 
 /// Start values: the `few` most likely contacts among the markers, and the most likely contact outside the area of the
-/// markers. The latter is omitted if it is much less likely than the contacts among the markers.
+/// markers. The contact outside is omitted if it is much less likely than the contacts among the markers.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
     let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));

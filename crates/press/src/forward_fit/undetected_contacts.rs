@@ -142,8 +142,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
 }
 
 impl UndetectedContacts<'_, '_> {
-    /// Measure of how clearly a contact would show in the readings: the sum of the squares of the displacements that it
-    /// causes, each in standard deviations of the noise.
+    /// Signal of a contact in the readings: the sum of the squared displacements that the contact causes, in standard
+    /// deviations of the noise.
     fn clarity(&self, state: &State) -> f64 {
         let problem = self.problem;
         let Ok(contact) = problem.contact(state) else {

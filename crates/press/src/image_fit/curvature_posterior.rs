@@ -10,8 +10,8 @@ use super::image_problem::Problem;
 use crate::least_squares::{LeastSquares, inverse};
 use crate::unknowns::{CURVATURE, Square, State, Unknowns};
 
-/// Step of the logarithm of the curvature for a numerical derivative, in standard errors. All other fit parameters are
-/// changed with the curvature such that chi-squared stays minimal.
+/// Step of the logarithm of the curvature for a numerical derivative, in standard errors. The other fit parameters
+/// follow the step such that chi-squared stays minimal.
 const STEP: f64 = 0.3;
 /// Largest variance of the logarithm of the curvature for which the posterior mean of the curvature is computed. If the
 /// variance is larger, the images only determine the order of magnitude of the curvature.
@@ -41,14 +41,13 @@ impl Problem<'_> {
         }
     }
 
-    /// The result of [`Self::log_determinant`] after the fit parameters changed by `step`, and the sensor's parameters
-    /// changed to the values that then fit best; `None` if it cannot be computed.
+    /// [`Self::log_determinant`] after a step `step` of the fit parameters. The sensor's parameters are changed to the
+    /// values that fit best after this step. The result is `None` if it cannot be computed.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
-        // Before the step, the determinant is computed at `self.sensor`, which differs slightly from the sensor
-        // parameters that fit best. Therefore the determinant after the step is computed at `self.sensor` plus the
-        // change that the step causes in the best-fitting sensor parameters.
+        // `self.sensor` differs slightly from the sensor parameters that fit best before the step. So that both
+        // determinants are comparable, add only the change of the best-fitting parameters that the step causes.
         sensor.shift(&self.sensor, &self.updated_sensor(&weighed.residuals).ok()?);
         let state: State = self.stepped(&weighed.state, step);
         let mut there = self.clone();

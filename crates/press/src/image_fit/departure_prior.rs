@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::PressError;
 
 /// A prior of some sensor deviations, which are differences between the sensor's parameters and their nominal values.
-/// It comes from another frame of the same sensor, or from an earlier fit of the frame at rest itself. The fit then
-/// ignores the information on these sensor deviations that the frame at rest contains, so that no frame is used twice.
+/// It comes from another frame of the same sensor, or from an earlier fit of the frame at rest itself. The prior
+/// replaces the information that the frame at rest contains on these sensor deviations, so that no frame is used twice.
 /// The frame at rest still determines the remaining sensor deviations and the misalignments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
@@ -66,10 +66,10 @@ impl DeparturePrior {
 }
 
 impl FreePrior {
-    /// Inserts the prior into the equations of a frame. It replaces the frame's own information on the sensor
-    /// deviations of the prior. Let C be the sensor deviations in the prior, and D the other sensor deviations. The
-    /// conditional distribution of D given C does not change, and the marginal distribution of C becomes the prior. The
-    /// result is `None` if the equations do not determine D.
+    /// Inserts the prior into the equations of a frame. The prior replaces the frame's own information on its sensor
+    /// deviations. Let C be the sensor deviations in the prior, and D the other sensor deviations. The conditional
+    /// distribution of D given C does not change, and the marginal distribution of C becomes the prior. The result is
+    /// `None` if the equations do not determine D.
     pub(super) fn cut(
         &self,
         common: &DVector<f64>,

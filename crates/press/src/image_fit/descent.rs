@@ -12,20 +12,21 @@ const MAX_STEPS: usize = 200;
 const DAMPING: f64 = 1.0;
 /// A search ends if its Levenberg–Marquardt damping exceeds this value.
 const MAX_DAMPING: f64 = 1e9;
-/// A search in which the variances of the readings have their stated values ends after a step that decreases
+/// Convergence limit for searches with the stated variances of the readings: a search ends after a step that decreases
 /// chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
-/// A search in which the variances of the readings are increased ends after a step that decreases chi-squared by less
-/// than this value. Such a search need not be exact.
+/// Convergence limit for searches with increased variances of the readings, which need not be exact: a search ends
+/// after a step that decreases chi-squared by less than this value.
 const ROUGHLY: f64 = 1.0;
 /// Largest factor by which the variances of the readings are multiplied.
 const MAX_VARIANCE: f64 = 1e12;
 const FALL: f64 = 10.0;
-/// Each sequence of searches first multiplies the variances of the readings by v^e, where v is the variance of the
-/// first residuals in units of the stated variances. These are the exponents e, in the order in which they are tried.
+/// Exponents e of the first factor v^e on the variances of the readings, in the order in which they are tried. Here v
+/// is the variance of the first residuals, in units of the stated variances. One sequence of searches starts with each
+/// factor.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 /// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. With a correct sensor
-/// model, this happens with a probability equal to this constant.
+/// model, the probability of a further search equals this constant.
 const PLAUSIBLE: f64 = 1e-3;
 
 struct Minimum {
@@ -34,8 +35,8 @@ struct Minimum {
     cost: Cost,
 }
 
-/// Measure of how badly sensor parameters fit the frame at rest: first the number of hidden markers, which have a
-/// reading but are not visible in the model, then the sum of squared residuals of the other markers.
+/// Misfit between sensor parameters and the frame at rest. The first criterion is the number of hidden markers, which
+/// have a reading but are not visible in the model. The second is the sum of squared residuals of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,
@@ -59,8 +60,8 @@ impl Resting<'_> {
         };
         let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
         let mut least: Option<(Minimum, f64)> = None;
-        // Each search first multiplies the variances of the readings by a factor, which then decreases to 1. Searches
-        // with different first factors may end in different minima, so start several searches and use the best minimum.
+        // A sequence of searches multiplies the variances of the readings by a factor that decreases to 1. Sequences
+        // with different first factors may end in different minima, so try several and use the best minimum.
         for root in ROOTS {
             let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
                 continue;
@@ -93,10 +94,10 @@ impl Resting<'_> {
         Ok(self.result(state, equations, slopes, cost.squares))
     }
 
-    /// Finds the minimum by a sequence of searches in which the variances of the readings are multiplied by a factor
-    /// that decreases to 1. Chi-squared has local minima and narrow valleys far from its global minimum, but they
-    /// disappear if the variances are as large as the first squared residuals. While the factor decreases, the search
-    /// stays near the global minimum.
+    /// Finds the minimum by a sequence of searches. Each search multiplies the variances of the readings by a factor,
+    /// which decreases to 1 from search to search. Far from its global minimum, chi-squared has local minima and narrow
+    /// valleys. They disappear if the variances are as large as the first squared residuals. While the factor
+    /// decreases, the searches stay near the global minimum.
     fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
         while variance > 1.0 {
             let noisier = self.noisier(variance);

@@ -6,9 +6,8 @@ use crate::least_squares::{LeastSquares, solve};
 use crate::unknowns::{Fitted, State, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// Limit of the decrease of chi-squared that is predicted for the next undamped step; it corresponds to four standard
-/// deviations. If the predicted decrease exceeds this limit at the end of a search, the search may have ended far from
-/// a minimum.
+/// Limit of the predicted decrease of chi-squared in the next undamped step: the square of four standard deviations. If
+/// the prediction exceeds this limit at the end of a search, the search may have ended far from a minimum.
 const STUCK: f64 = 16.0;
 
 /// If the logarithm of the curvature changes by at most this value, the derivatives of the images are reused instead of
@@ -20,12 +19,12 @@ pub(super) struct FitState {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) slopes: Slopes,
-    /// For each marker that the fit uses, the change of its image per inward displacement of both its discs. The change
-    /// is the norm of the derivative of the image's four numbers, in standard deviations.
+    /// For each used marker, the sensitivity of its image to an equal inward displacement of both its discs. It is the
+    /// norm of the derivatives of the image's four numbers, in standard deviations per length.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
-    /// Whether the search may reuse derivatives from earlier fit parameters, to save time, as long as these derivatives
-    /// predict chi-squared well.
+    /// Whether the search may reuse derivatives from earlier fit parameters to save time. It reuses them as long as
+    /// they predict chi-squared well.
     pub(super) keeps_slopes: bool,
 }
 

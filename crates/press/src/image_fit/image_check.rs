@@ -100,8 +100,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Changes of the markers' images, in standard deviations (whitened), if both discs of each marker are additionally
-    /// displaced by a pattern of displacements. There is one column per pattern.
+    /// Changes of the markers' images due to each pattern of displacements, one column per pattern. A pattern is added
+    /// to the displacements of both discs of each marker. The changes are in standard deviations (whitened).
     fn patterns(&self, state: &State) -> Result<DMatrix<f64>, PressError> {
         let fit = self.fit;
         let slopes = self.by_displacements(&self.displaced(state)?)?;

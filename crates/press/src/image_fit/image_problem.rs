@@ -32,16 +32,16 @@ pub(super) type Jacobian = MatrixXx6<f64>;
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// The part of `jacobian` that changes of the sensor's parameters can also explain: its coordinates, with one row
-    /// per sensor parameter.
+    /// Coordinates of the part of `jacobian` that changes of the sensor's parameters can also explain. There is one row
+    /// per sensor parameter and one column per fit parameter.
     pub(super) shared: Jacobian,
-    /// For each pair of fit parameters, the scalar product of their columns of `jacobian`, without the part that
-    /// changes of the sensor's parameters can also explain.
+    /// Matrix of the scalar products of the columns of `jacobian`, with one row and one column per fit parameter. The
+    /// part that changes of the sensor's parameters can also explain is subtracted.
     pub(super) square: Square,
 }
 
-/// The least-squares problem of an image fit: the readings, the fitted parameters, and the weights of the readings.
-/// Only [`Problem::weigh`] and [`Problem::weigh_at_rest`] compute the weights again.
+/// The least-squares problem of an image fit: the readings, the fitted parameters, and the weights of the readings. The
+/// weights change only in [`Problem::weigh`] and [`Problem::weigh_at_rest`].
 #[derive(Clone)]
 pub(super) struct Problem<'a> {
     pub(super) fit: &'a ImageFit,
@@ -62,8 +62,8 @@ pub(super) struct Problem<'a> {
     pub(super) whiten: Vec<Matrix4<f64>>,
     /// Derivatives of the whitened images of the used markers with respect to the misalignments of these markers.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
-    /// For each marker, the difference between two whitened images, to first order: the image for the sensor parameters
-    /// that were fitted at rest, minus the image for the parameters in `sensor`.
+    /// For each marker, the whitened image for the sensor parameters that were fitted at rest, minus the whitened image
+    /// for the parameters in `sensor`, to first order.
     from_rest: Vec<Vector4<f64>>,
     /// Derivatives of the whitened images with respect to the uncertain sensor parameters that are common to all
     /// markers. There is one row per equation and one column per parameter.
@@ -325,8 +325,8 @@ impl<'a> Problem<'a> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// The part of the whitened derivatives or residuals `columns` that changes of the sensor's parameters can also
-    /// explain: its coordinates, with one row per sensor parameter.
+    /// Coordinates of the part of `columns` that changes of the sensor's parameters can also explain. `columns`
+    /// contains whitened derivatives or residuals. The result has one row per sensor parameter.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
         columns: &Matrix<f64, Dyn, C, S>,

@@ -16,16 +16,16 @@ use crate::{Estimated, GoodnessOfFit, Measured, PressError, PressEstimate};
 /// Outlier threshold: a marker is an outlier if the sum of its four squared residuals is above this value. Noise alone
 /// causes this once in three million markers.
 pub(super) const WRONG: f64 = 36.0;
-/// In the robust fit, which precedes the rejection of outliers, a marker has a reduced weight if the sum of its four
-/// squared residuals is above this value.
+/// Limit for the robust fit, which precedes the rejection of outliers: a marker has a reduced weight if the sum of its
+/// four squared residuals is above this value.
 const ROBUST: f64 = 16.0;
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
 const ROUNDS: usize = 20;
 const SENSOR_UPDATES: usize = 5;
-/// The updates of the sensor parameters end if the next step of the fit is predicted to decrease chi-squared by less
-/// than this value, which is the square of 1/20 standard deviation.
+/// Limit for the updates of the sensor parameters: they end if the next step of the fit is predicted to decrease
+/// chi-squared by less than this value. It is the square of 1/20 standard deviation.
 const SETTLED: f64 = 2.5e-3;
 /// A contact counts as detected if it decreases chi-squared by at least this value, compared with no contact. A fit of
 /// displacements with 240 markers has the same threshold. Fits of images usually have fewer markers, but each marker
@@ -207,8 +207,8 @@ fn robust(problem: &mut Problem<'_>) -> Result<FitState, PressError> {
     let near = best.ok_or(failure)?;
     let near = problem.weigh(&near.state)?;
     let mut best = minimise(problem, near.keeping_slopes(), ROUGHLY, None)?;
-    // Outliers may cause a bad fit. Therefore markers with large residuals get smaller weights, and the fit is
-    // repeated, before it is rejected.
+    // Outliers may cause a bad fit. Before the fit is rejected, repeat it with smaller weights for the markers with
+    // large residuals.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best.residuals)?;
@@ -266,8 +266,8 @@ impl Problem<'_> {
         }
     }
 
-    /// For each used marker, the sum of the squared residuals, without the part that changes of the sensor's parameters
-    /// can explain.
+    /// For each used marker, the sum of its squared residuals after subtracting the part that changes of the sensor's
+    /// parameters can explain.
     pub(super) fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
         let own = self.own(residuals)?;
         Ok((0..self.counting.len())
@@ -278,7 +278,8 @@ impl Problem<'_> {
 
 /// Contact radii that are tried for the start values, relative to the sensor's radius.
 const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
-/// Contacts are tried in the middle of the displaced markers, and also at this number of markers that moved most.
+/// Number of markers at which start values of the contact are tried, in addition to the middle of the displaced
+/// markers. They are the markers that moved most.
 const BESIDE: usize = 2;
 
 impl Problem<'_> {

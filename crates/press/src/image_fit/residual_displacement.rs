@@ -11,9 +11,9 @@ use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 impl ImageFit {
     /// For each marker, its actual displacement minus the displacement that the estimated press causes. The difference
-    /// is estimated from the image of this marker alone by least squares. The difference is assumed to be the same for
-    /// both discs of the marker. The result is `None` for a marker that is not visible in both frames, and for a marker
-    /// whose image does not determine all components of the difference.
+    /// is estimated by least squares from the image of this marker alone. It is assumed to be the same for both discs
+    /// of the marker. The result is `None` for a marker that is not visible in both frames, and for a marker whose
+    /// image does not determine all components of the difference.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for invalid settings and readings;

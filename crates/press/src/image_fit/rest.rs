@@ -29,11 +29,10 @@ pub struct Rest {
     /// Information matrix (inverse covariance) of the uncertain deviations in `common`, from the frame at rest and the
     /// priors.
     pub(super) information: DMatrix<f64>,
-    /// For each marker with a reading, how its estimated misalignment depends on the uncertain sensor parameters (a
-    /// linear function), and the covariance that the misalignment would have if these parameters were known. `None` for
-    /// a marker without a reading.
+    /// Uncertainty of each marker's misalignment: its linear dependence on the uncertain sensor parameters, and its
+    /// covariance if these parameters were exact. `None` for a marker without a reading.
     pub(super) local: Vec<Option<Local>>,
-    /// Images of the markers at rest that the model predicts, and their derivatives, for the sensor parameters at which
+    /// Predicted images of the markers at rest, and their derivatives. They belong to the sensor parameters at which
     /// the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
     pub(super) frame: Arc<RestFrame>,
@@ -47,8 +46,8 @@ impl Rest {
         }
     }
 
-    /// Covariance of the uncertain deviations of the sensor's parameters in [`Self::common`], where each deviation is
-    /// divided by the standard deviation of its prior. The result is `None` if the covariance cannot be computed.
+    /// Covariance of the uncertain deviations of the sensor's parameters in [`Self::common`]. Each deviation is in
+    /// units of the standard deviation of its prior. The result is `None` if the covariance cannot be computed.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let factor = self.information.clone().cholesky()?;
         Some(factor.inverse())

@@ -1,7 +1,7 @@
 //! Updates the sensor's parameters with the frame at rest and the pressed frame together.
 //!
-//! The model of the pressed frame is linearised with respect to the sensor's parameters. This is inaccurate if the
-//! edges of a marker's two discs nearly touch, because the image is then nonlinear within the uncertainty of these
+//! The model of the pressed frame is linearised with respect to the sensor's parameters. The linear model is inaccurate
+//! if the edges of a marker's two discs nearly touch. The image is then nonlinear within the uncertainty of these
 //! parameters. Therefore the model is linearised again at the parameters that fit both frames best, and the fit is
 //! continued.
 
@@ -15,8 +15,8 @@ use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor};
 use crate::PressError;
 
 impl Problem<'_> {
-    /// Uncertain sensor parameters that were fitted at rest, minus the parameters in the field `sensor`, in standard
-    /// deviations of their priors.
+    /// Difference between two values of each uncertain sensor parameter: the value from the fit at rest, minus the
+    /// value in the field `sensor`. The unit is the standard deviation of the parameter's prior.
     pub(super) fn to_rest(&self) -> DVector<f64> {
         let free = self.fit.free();
         let steps = free.iter().map(|&number| {
@@ -25,14 +25,14 @@ impl Problem<'_> {
         DVector::from_iterator(free.len(), steps)
     }
 
-    /// Misalignment (rad) of a marker that was fitted at rest, minus its misalignment in the field `sensor`.
+    /// Misalignment (rad) of the marker `marker` from the fit at rest, minus its misalignment in the field `sensor`.
     pub(super) fn to_rest_of(&self, marker: usize) -> Vector2<f64> {
         Vector2::from(self.rest.misalignments[marker])
             - Vector2::from(self.sensor.misalignments[marker])
     }
 
-    /// Uncertain sensor parameters that fit both frames best, minus the parameters that were fitted at rest, in
-    /// standard deviations of their priors.
+    /// Difference between two values of each uncertain sensor parameter: the value that fits both frames best, minus
+    /// the value from the fit at rest. The unit is the standard deviation of the parameter's prior.
     pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
         let departures = self
             .root

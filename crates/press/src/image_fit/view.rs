@@ -256,10 +256,10 @@ impl ImageFit {
         slopes.filter(|slopes| slopes.are_of(moved.len(), departures.len()))
     }
 
-    /// Images of the markers with their derivatives with respect to the uncertain parameters of the sensor: the
-    /// deviations from the nominal values (in standard deviations) and the misalignments. `moved` contains the
-    /// displacements of the discs, and `per_depth` the derivatives of these displacements with respect to the depths of
-    /// the discs.
+    /// Images of the markers, and the derivatives of these images with respect to the uncertain parameters of the
+    /// sensor. These parameters are the deviations from the nominal values (in standard deviations) and the
+    /// misalignments. `moved` contains the displacements of the discs, and `per_depth` the derivatives of these
+    /// displacements with respect to the depths of the discs.
     pub(super) fn slopes(
         &self,
         sensor: &SensorState<'_>,

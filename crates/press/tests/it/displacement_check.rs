@@ -105,8 +105,8 @@ fn smaller_noise_than_stated_is_found() {
 
 #[test]
 fn a_smaller_stated_indentation_is_found() {
-    // This test uses only a stated indentation that is too small. If the stated indentation is too large, the misfit is
-    // seldom found, because a sharper object that is pressed deeper moves the markers almost in the same way.
+    // This test uses only a stated indentation that is too small. A stated indentation that is too large seldom causes
+    // a misfit: a sharper object that is pressed deeper moves the markers almost in the same way.
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let exact = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0));
@@ -127,8 +127,8 @@ fn an_elongated_press_is_not_round() {
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
     let [x, y] = at(6.0, 20.0);
     let codes = codes(TRIALS, [&body; 2], STATED, |readings, _| {
-        // The readings are a weighted sum of the displacements by three contacts: one at the place (x, y), and one on
-        // each side of it, at x − 6 and at x + 6.
+        // Simulate an elongated contact by a weighted sum of the displacements by three contacts. They are at (x, y),
+        // (x − 6, y) and (x + 6, y).
         for side in [-6.0, 6.0] {
             let beside = Readings::of(&markers, &contact, [x + side, y]);
             for (normal, more) in readings.normal.iter_mut().zip(beside.normal) {

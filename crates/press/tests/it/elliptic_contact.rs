@@ -2,9 +2,9 @@
 
 use palpate_press::{Body, EllipticContact};
 
-/// Columns: half of the relative curvature along x, half of the relative curvature along y, indentation, Poisson's
-/// ratio, semi-axes, peak pressure divided by E*, depth, x, y, and displacements inward, along x and along y. The
-/// values were computed by quadrature of Boussinesq's point forces.
+/// Columns: half of the relative curvatures along x and along y, indentation, Poisson's ratio, semi-axes, peak pressure
+/// divided by E*, depth, x, y, and displacements inward, along x and along y. The values were computed by quadrature of
+/// Boussinesq's point forces.
 const GOLDEN: &str = include_str!("elliptic-half-space.csv");
 
 #[test]

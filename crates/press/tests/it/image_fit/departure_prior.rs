@@ -63,8 +63,8 @@ fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit {
     known
 }
 
-/// If the camera is calibrated from the frame at rest that the fit also uses, the result does not change, because the
-/// information in a frame is used only once.
+/// The camera is calibrated from the frame at rest that the fit also uses. The calibration does not change the result,
+/// because the fit uses the information of a frame only once.
 #[test]
 fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
     let truth = Truth::drawn(11, ROUGHLY);

@@ -1,5 +1,5 @@
-//! Tests image fits at their limits: sensors of any size, presses that images can hardly resolve, and impossible
-//! inputs, for which the name of the error is checked.
+//! Tests image fits at their limits: sensors of any size, presses that images can hardly resolve, and the names of the
+//! errors for impossible inputs.
 
 use palpate_press::Rest;
 
