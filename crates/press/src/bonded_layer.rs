@@ -1,9 +1,9 @@
 //! Contact with an incompressible elastic layer bonded to a rigid core.
 //!
 //! The object is modelled as a frictionless rigid paraboloid, whose curvature is the relative curvature of sensor and
-//! object. The layer is flat, and depths are measured from its surface. The displacement is the sum of two parts. One
-//! part is the displacement of a half-space under the contact's pressure, which is computed by a formula
-//! ([`pressure_field`]). The other part is the correction for the rigid base, which is a sum over wavenumbers
+//! object. The layer is flat, and depths are measured from its surface. The displacement is the sum of two parts. The
+//! first part is the displacement of a half-space under the contact's pressure, which is computed by a formula
+//! ([`pressure_field`]). The second part is the effect of the rigid base, which is a sum over wavenumbers
 //! ([`reflection`]) or is interpolated in a table ([`contact_table`]).
 //!
 //! The displacement of a point depends only on three lengths: the contact's radius, the depth of the point and its
@@ -37,8 +37,8 @@ pub(crate) struct BondedLayer {
     depth: f64,
     /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
     resolution: f64,
-    /// Data that is shared by all models of this layer; there is one model per depth. `number` is the index of this
-    /// model's depth.
+    /// Data that all models of this layer share; each model computes displacements at another depth. `number` is the
+    /// index of this model's depth.
     family: Arc<Family>,
     number: usize,
 }
@@ -47,8 +47,8 @@ pub(crate) struct BondedLayer {
 struct Family {
     /// Depths at which the models compute displacements, relative to the layer's thickness.
     depths: Vec<f64>,
-    /// For each range of contact radii, one table per depth. The tables of a range are computed when they are first
-    /// needed.
+    /// One entry per range of contact radii: the tables for all depths. The tables of a range are computed when they
+    /// are first needed.
     tables: [OnceLock<Result<Vec<Table>, PressError>>; ENDS.len() - 1],
 }
 
@@ -79,8 +79,7 @@ pub(crate) struct LayerContact {
     base: Base,
 }
 
-/// How the correction of the displacement for the rigid base is computed: as a sum over wavenumbers, or by
-/// interpolation in a table.
+/// Method for the effect of the rigid base on the displacement: a sum over wavenumbers, or interpolation in a table.
 #[derive(Clone, Debug)]
 enum Base {
     Waves(Waves),
@@ -93,8 +92,8 @@ impl BondedLayer {
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Models of one layer, one for each depth in `depths`, in the same order. The tables of all models are computed
-    /// together, in little more time than the tables for one depth.
+    /// Models of one layer: one model for each depth in `depths`, in the order of `depths`. The tables of all models
+    /// are computed together, in little more time than the tables for one depth.
     pub(crate) fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;

@@ -54,7 +54,7 @@ impl Measured {
     }
 }
 
-/// Prior of a parameter that describes an error common to all normal displacements: the baseline or the gain.
+/// Prior of the baseline or of the gain. These parameters describe errors that are common to all normal displacements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
     /// The parameter is not fitted. It has the value of an ideal sensor: 0 for a baseline, 1 for a gain.

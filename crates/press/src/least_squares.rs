@@ -28,7 +28,7 @@ pub(crate) trait LeastSquares {
 
     fn fitted(&self) -> &Fitted;
 
-    /// Number of markers that the fit uses, and number of equations per marker.
+    /// Two numbers: the number of markers that the fit uses, and the number of equations per marker.
     fn used(&self) -> [usize; 2];
 
     fn estimates_noise(&self) -> bool {
@@ -101,8 +101,8 @@ pub(crate) trait LeastSquares {
         Ok(None)
     }
 
-    /// The fit after the last, very small step of a search. Chi-squared and its derivatives are predicted by a
-    /// quadratic approximation, not computed. By default, the last step is not made, and the result is `None`.
+    /// The fit after the last, very small step of a search. A quadratic approximation predicts chi-squared and its
+    /// derivatives, which saves their computation. By default, the last step is omitted, and the result is `None`.
     fn last_step(&self, _from: &Self::Fit, _step: &Unknowns) -> Option<Self::Fit> {
         None
     }

@@ -1,8 +1,8 @@
-//! Contacts that are interpolated in a table, which is fast enough for fits. The table contains solved contacts for a
-//! few radii; contacts with other radii are interpolated by polynomials.
+//! Interpolates contacts in a table, which is fast enough for fits. The table contains solved contacts for a few radii;
+//! contacts with other radii are interpolated by polynomials.
 //!
-//! For each solved contact, the table contains the coefficients of the pressure's series and the correction of the
-//! displacements for the rigid base. These values are smooth functions of the contact's radius, and the correction is
+//! For each solved contact, the table contains the coefficients of the pressure's series and the effect of the rigid
+//! base on the displacements. These values are smooth functions of the contact's radius, and the effect of the base is
 //! also a smooth function of the distance. The displacement of a half-space under the pressure is not smooth at the
 //! edge of the contact, so it is computed from the interpolated coefficients of the pressure.
 
@@ -46,7 +46,7 @@ pub(super) struct Entry {
     pub(super) panels: Panels,
 }
 
-/// Correction of the displacement for the rigid base, as polynomials of the distance from the contact.
+/// Effect of the rigid base on the displacement, as polynomials of the distance from the contact.
 #[derive(Clone, Debug)]
 pub(super) struct Panels {
     ends: Vec<f64>,
@@ -153,7 +153,7 @@ fn numbers_of(row: &[f64], a: f64) -> [f64; 4] {
 }
 
 impl Panels {
-    /// Correction of the displacement for the rigid base at the distance `r` from the contact; 0 beyond the last panel.
+    /// Effect of the rigid base on the displacement at the distance `r` from the contact; 0 beyond the last panel.
     pub(super) fn field(&self, r: f64) -> Field {
         let place = self.ends[1..].partition_point(|end| *end < r);
         if place + 1 >= self.ends.len() {

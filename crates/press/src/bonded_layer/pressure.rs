@@ -43,13 +43,14 @@ pub(super) struct Pressure {
     pub(super) slope: f64,
     /// ∫ φ dt, which is the force divided by π E* C_r, with the effective modulus E* and the relative curvature C_r.
     pub(super) force: f64,
-    /// −∫ φ'/t dt, which is the pressure in the middle of the contact divided by E* C_r/2. E* is the effective modulus,
-    /// and C_r the relative curvature.
+    /// −∫ φ'/t dt, which is the pressure in the middle of the contact divided by E* C_r/2, with the effective modulus
+    /// E* and the relative curvature C_r.
     pub(super) peak: f64,
-    /// Coefficients of φ and of ∂φ/∂α as series of Legendre polynomials.
+    /// Coefficients of two series of Legendre polynomials: of φ, the function that describes the pressure, and of
+    /// ∂φ/∂α.
     pub(super) terms: Vec<Term>,
-    /// Three numbers for each quadrature node t of the pressure: t itself, and φ and ∂φ/∂α at t, both multiplied by the
-    /// weight of the node.
+    /// Quadrature nodes t of the function φ that describes the pressure. Each entry contains t, φ(t) and ∂φ/∂α; both
+    /// function values are multiplied by the weight of the node.
     nodes: Vec<[f64; 3]>,
 }
 

@@ -32,8 +32,8 @@ const FEW: usize = 64;
 /// contact's edge.
 const EDGE: f64 = 1e-7;
 
-/// Coefficients of the Legendre polynomial Pₙ (n = 2j) in the series of a pressure: (−1)ʲ cₙ for the function φ and for
-/// its derivative ∂φ/∂a.
+/// Coefficients (−1)ʲ cₙ of the Legendre polynomial Pₙ (n = 2j) in two series: of the function φ that describes the
+/// pressure, and of its derivative ∂φ/∂a.
 pub(super) type Term = [f64; 2];
 
 /// The displacements, and their derivatives, at the distance `r` and the depth `z` in a half-space. A pressure with the
@@ -106,13 +106,14 @@ struct Sums {
     by_xi: f64,
     by_eta: f64,
     by_both: f64,
-    /// The sum Σ n(n+1) cₙ Pₙ qₙ over all terms cₙ Pₙ qₙ of the series of Φ. The second derivatives of Φ follow from
-    /// this sum by Legendre's equation.
+    /// The sum Σ n(n+1) cₙ Pₙ qₙ over all terms cₙ Pₙ qₙ of the series of the potential Φ. The second derivatives of Φ
+    /// follow from this sum by Legendre's equation.
     weighted: f64,
 }
 
-/// The harmonic potential Φ of the pressure with the coefficients `terms`, and its derivatives, at a point. The first
-/// result is for φ, the second for ∂φ/∂a. For ∂φ/∂a, second derivatives are not computed.
+/// The harmonic potential Φ of a pressure with the coefficients `terms`, and its derivatives, at a point. The first
+/// result is for the function φ that describes the pressure. The second is for ∂φ/∂a, where a is the contact's radius;
+/// it has no second derivatives.
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];

@@ -11,12 +11,12 @@ use crate::markers::see;
 use crate::outcome::no_contact;
 use crate::unknowns::State;
 
-/// False alarm rate: probability that a contact is detected although there is none, if contacts are tried only at the
-/// positions of the markers. On a thin layer, a fit also finds contacts between the markers, which increases the
-/// probability by about 0.005.
+/// False alarm rate: probability that a contact is detected although there is none. The value is valid if contacts are
+/// tried only at the positions of the markers. On a thin layer, a fit also finds contacts between the markers, which
+/// increases the probability by about 0.005.
 const FALSE_ALARM_RATE: f64 = 0.04;
-/// If one marker moved significantly, a contact must also decrease chi-squared of the other markers by at least this
-/// value. Otherwise this marker alone shows the contact, and it may be an outlier.
+/// Smallest decrease of chi-squared by a contact, summed over all markers except the one with the largest decrease. If
+/// the sum is smaller and this one marker moved significantly, it alone shows the contact and may be an outlier.
 const MIN_IMPROVEMENT_OF_OTHERS: f64 = 9.0;
 
 impl Problem<'_> {
@@ -24,9 +24,9 @@ impl Problem<'_> {
     /// detected.
     ///
     /// If there is only noise, a contact can still be fitted at each marker. Its indentation and its width are two
-    /// degrees of freedom. In half of these contacts, the indentation would be negative, which is impossible. The
-    /// number of independent positions of the contact is at most the number of markers (Bonferroni). If the noise is
-    /// estimated from the residuals, the test uses the F distribution.
+    /// degrees of freedom. Half of these contacts would have a negative indentation, which is impossible. The number of
+    /// independent tests is at most the number of markers (Bonferroni). If the noise is estimated from the residuals,
+    /// the test uses the F distribution.
     pub(super) fn needed(&self) -> f64 {
         let odds = libm::log(self.counting().count() as f64 / (2.0 * FALSE_ALARM_RATE));
         if self.knows_noise() {

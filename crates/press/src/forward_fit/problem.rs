@@ -209,9 +209,9 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Sum of slope × value over all readings of the used markers. A slope is the derivative of a
-    /// reading with respect to the fit parameters, and `values` contains one value per reading. Slopes and values are
-    /// in standard deviations.
+    /// Sum of slope × value over all readings of the used markers. A slope is the derivative of a predicted reading
+    /// with respect to the fit parameters. `values` contains one value per reading. Slopes and values are in standard
+    /// deviations of the noise.
     pub(super) fn projected(
         &self,
         state: &State,
@@ -232,8 +232,8 @@ impl<'a> Problem<'a> {
         Ok(self.counting().map(residuals).collect())
     }
 
-    /// Derivatives of the readings with respect to all fit parameters, in standard deviations. There is one entry per
-    /// used marker: the normal component and two tangential components.
+    /// Derivatives of the predicted readings with respect to all fit parameters, in standard deviations of the noise.
+    /// There is one entry per used marker, with three components: one normal and two tangential.
     pub(super) fn slopes(
         &self,
         state: &State,
@@ -396,8 +396,8 @@ impl LeastSquares for Problem<'_> {
     fn is_better(&self, (state, sums): &Self::Fit, (_, best): &Self::Fit) -> bool {
         let is_less =
             |sums: &Sums| sums.chi_squared - best.chi_squared < -1e-6 * (1.0 + best.chi_squared);
-        // `sums` are extrapolated from the current state, so chi-squared is computed again at the new state before that
-        // state is accepted.
+        // `sums` may be extrapolated from an earlier state. Therefore compute chi-squared at `state` before accepting
+        // it.
         is_less(sums) && self.sums(state).is_ok_and(|sums| is_less(&sums))
     }
 }

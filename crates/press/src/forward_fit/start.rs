@@ -11,8 +11,8 @@ use crate::markers::Sight;
 use crate::unknowns::State;
 use crate::{Displacement, Place};
 
-/// Number of markers at which contacts are tried. They are the markers that moved most. Contacts are also tried at the
-/// mean positions of the first two, three and four of these markers.
+/// Number of markers at which contacts are tried: the markers that moved most. Contacts are also tried at the mean
+/// positions of the first two, three and four of these markers.
 const MARKERS: usize = 4;
 /// Distances at which contacts outside the area of the markers are tried, in units of the length scale
 /// `Markers::scale`, which is at most the sensor's radius.
@@ -44,8 +44,9 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
         .collect()
 }
 
-/// Tables of displacements for contacts with several radii. The displacements are stored at nodes, which are distances
-/// from the contact. The nodes extend to half the circumference of a sphere with the radius `Markers::scale`.
+/// Tables of displacements, one for each of several contact radii. A table contains the displacements at nodes, which
+/// are fixed distances from the contact. The nodes extend to half the circumference of a sphere with the radius
+/// `Markers::scale`.
 pub(super) struct Shapes {
     furthest: f64,
     /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` if the

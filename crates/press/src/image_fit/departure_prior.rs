@@ -66,10 +66,10 @@ impl DeparturePrior {
 }
 
 impl FreePrior {
-    /// Inserts the prior into the equations of a frame. The prior replaces the frame's own information on its sensor
-    /// deviations. Let C be the sensor deviations in the prior, and D the other sensor deviations. The conditional
-    /// distribution of D given C does not change, and the marginal distribution of C becomes the prior. The result is
-    /// `None` if the equations do not determine D.
+    /// Inserts the prior into the equations of a frame. The prior replaces the information of the frame on the sensor
+    /// deviations to which the prior applies. Let C be the sensor deviations in the prior, and D the other sensor
+    /// deviations. The conditional distribution of D given C does not change, and the marginal distribution of C
+    /// becomes the prior. The result is `None` if the equations do not determine D.
     pub(super) fn cut(
         &self,
         common: &DVector<f64>,
