@@ -284,8 +284,8 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     !bearings.windows(2).any(is_gap)
 }
 
-/// Derivatives of a marker's displacement with respect to four fit parameters: the logarithm of the relative curvature,
-/// the positions of the contact along the x and y axes at the contact, and the indentation.
+/// Derivatives of a marker's displacement with respect to four fit parameters: logarithm of the relative curvature,
+/// position of the contact along x and along y, and indentation.
 pub(crate) type Slopes = [f64; 4];
 
 /// Values of a contact from which the derivatives of displacements are computed.

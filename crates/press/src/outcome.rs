@@ -141,11 +141,11 @@ impl Stds {
 /// Significance level of the test whether the markers moved.
 const SIGNIFICANCE_LEVEL: f64 = 1e-6;
 
-/// Returns the error for a press without a detected contact, in which the fitted contact decreases chi-squared by
-/// `improvement`, which is less than `needed`. The error is [`PressError::OtherBody`] if the markers moved
-/// significantly, otherwise [`PressError::NoContact`]. `squares` contains one value per marker: chi-squared of the
-/// hypothesis that the marker did not move. Each value is a sum over `each` readings. The marker that moved most is
-/// ignored in this test, because it may be an outlier.
+/// Returns the error for a press without a detected contact: the fitted contact decreases chi-squared by `improvement`,
+/// which is less than `needed`. The error is [`PressError::OtherBody`] if the markers moved significantly, otherwise
+/// [`PressError::NoContact`]. `squares` contains one value per marker: chi-squared of the hypothesis that the marker
+/// did not move. Each value is a sum over `each` readings. The marker that moved most is ignored in this test, because
+/// it may be an outlier.
 pub(crate) fn no_contact(
     (improvement, needed): (f64, f64),
     squares: impl Iterator<Item = f64>,

@@ -13,8 +13,8 @@ pub(crate) const ALONG: usize = 1;
 /// Index, among the fit parameters, of the contact's position along the y axis at the contact.
 pub(crate) const ACROSS: usize = 2;
 pub(crate) const INDENTATION: usize = 3;
-/// Index of the first of the two fit parameters that depend on the kind of fit: baseline and gain in a fit of
-/// displacements, the object's sideways shift in a fit of images.
+/// Index of the first of the two fit parameters that depend on the kind of fit. They are baseline and gain in a fit of
+/// displacements, and the object's sideways shift in a fit of images.
 pub(crate) const OTHERS: usize = 4;
 
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;

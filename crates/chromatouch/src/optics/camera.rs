@@ -239,8 +239,8 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the image scale (pixels per radian) at polar angles from 0 to `polar`. It limits both the radial
-    /// and the azimuthal scale. All these polar angles must be in the field of view.
+    /// Upper bound of the image scale (pixels per radian) at polar angles from 0 to `polar`. The bound is valid for the
+    /// radial and for the azimuthal scale. All these polar angles must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -258,8 +258,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the image scale (pixels per radian) in the field of view. It limits both the radial and the
-    /// azimuthal scale.
+    /// Lower bound of the image scale (pixels per radian) in the field of view. The bound is valid for the radial and
+    /// for the azimuthal scale.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,

@@ -15,7 +15,7 @@ pub struct Departure {
     pub px_per_rad: f64,
     /// Shift of the camera (length): along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
-    /// Rotation vector (rad) of the camera. Its components are about the same three axes as those of `place`.
+    /// Rotation vector (rad) of the camera. Its components belong to the same three axes as the components of `place`.
     pub turn_rad: [f64; 3],
     /// Difference of the transmittances of magenta discs for red, green and blue light.
     pub magenta: [f64; 3],

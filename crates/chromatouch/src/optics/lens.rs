@@ -32,7 +32,7 @@ pub(super) struct Local {
     /// The expression r′ cot θ − r / sin² θ, which is the second derivative of the radial image coordinate in the
     /// azimuthal direction.
     pub(super) bend: f64,
-    /// Image area J per solid angle.
+    /// Image area J per solid angle, px²/sr.
     pub(super) area: f64,
     pub(super) area_slope: f64,
     pub(super) area_curve: f64,

@@ -121,8 +121,8 @@ fn part(
     near: Option<&[HalfAngle; 2]>,
 ) -> Part {
     let chord = square.sqrt();
-    // The moments are computed about a direction approximately half-way between the two edges of the overlap. It need
-    // not be exact.
+    // The moments are computed about a direction approximately half-way between the two edges of the overlap. The
+    // direction need not be exact.
     let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
     let share = (0.5 + 0.5 * wider / chord).clamp(0.0, 1.0);
     let rest = 1.0 - share;

@@ -9,8 +9,8 @@ use super::{DiscMotion, MarkerMotion, Pose};
 
 /// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the disc's inward motion.
 pub(super) const INWARD: usize = 0;
-/// Index of the first of two columns of [`SightSlopes::by`]. They contain the derivatives with respect to the disc's
-/// motion along the two axes of the skin.
+/// Index of the first of two columns of [`SightSlopes::by`] with the derivatives with respect to the disc's motion
+/// along the two axes of the skin.
 pub(super) const X: usize = 1;
 /// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the disc's depth.
 pub(super) const DEEPER: usize = 3;

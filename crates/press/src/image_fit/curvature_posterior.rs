@@ -41,8 +41,8 @@ impl Problem<'_> {
         }
     }
 
-    /// [`Self::log_determinant`] after a step `step` of the fit parameters. The sensor's parameters are changed to the
-    /// values that fit best after this step. The result is `None` if it cannot be computed.
+    /// Value of [`Self::log_determinant`] after a step `step` of the fit parameters. The sensor's parameters are
+    /// changed to the values that fit best after this step. The result is `None` if it cannot be computed.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;

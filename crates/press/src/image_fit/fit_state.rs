@@ -51,8 +51,8 @@ impl FitState {
         })
     }
 
-    /// Median, over the markers that the fit uses, of the standard error of a marker's normal displacement. This
-    /// displacement is estimated from the image of the marker alone; both discs are assumed to move equally.
+    /// Typical standard error of a marker's normal displacement: the median over the used markers. Each displacement is
+    /// estimated from the image of its marker alone; both discs are assumed to move equally.
     pub(super) fn normal_std(&self) -> f64 {
         let mut stds: Vec<f64> = self
             .normal_slopes

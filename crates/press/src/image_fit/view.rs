@@ -47,7 +47,7 @@ impl Seen {
         }
         let good = self.covariance.cholesky().is_some();
         let least = self.covariance.diagonal().min();
-        let expected = "the smallest variance of a positive definite covariance matrix, so > 0";
+        let expected = "positive definite (the value shown is its smallest variance)";
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 

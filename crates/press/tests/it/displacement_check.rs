@@ -105,8 +105,8 @@ fn smaller_noise_than_stated_is_found() {
 
 #[test]
 fn a_smaller_stated_indentation_is_found() {
-    // This test uses only a stated indentation that is too small. A stated indentation that is too large seldom causes
-    // a misfit: a sharper object that is pressed deeper moves the markers almost in the same way.
+    // The stated indentation in this test is too small. An indentation that is too large seldom causes a misfit: a
+    // sharper object that is pressed deeper moves the markers almost in the same way.
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let exact = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0));

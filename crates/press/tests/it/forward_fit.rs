@@ -137,9 +137,9 @@ fn the_bound_matches_an_independent_calculation() {
     assert!(by(1e-300).is_none());
 }
 
-/// In 400 presses, the root-mean-square error is equal to the Cramér–Rao bound within its statistical uncertainty, and
-/// the 95 % intervals contain the true value as often as they should. The indentation is stated, or it is fitted
-/// together with tangential readings.
+/// In 400 presses, the root-mean-square error equals the Cramér–Rao bound within its statistical uncertainty. The 95 %
+/// intervals contain the true value as often as they should. The indentation is stated, or it is fitted together with
+/// tangential readings.
 #[test]
 fn errors_from_noisy_readings_reach_the_bound() {
     const PRESSES: u64 = 400;
