@@ -18,8 +18,8 @@ use crate::half_space::{self, Spheroidal};
 /// Below this ratio of the contact's radius to the distance of a point from the contact, the contact is treated as a
 /// point force.
 const POINT: f64 = 1e-10;
-/// Limit for the upward recurrence of the radial functions qₙ of the spheroidal harmonics. It is used if it amplifies
-/// rounding errors by at most the factor e^`UPWARD`. Otherwise a downward recurrence is used.
+/// Limit for the upward recurrence of the radial functions qₙ of the spheroidal harmonics. The upward recurrence is
+/// used if it amplifies rounding errors by at most the factor e^`UPWARD`. Otherwise a downward recurrence is used.
 const UPWARD: f64 = 9.0;
 /// The series ends at the order at which its terms have decayed by the factor e^−`NEGLIGIBLE`.
 const NEGLIGIBLE: f64 = 32.0;

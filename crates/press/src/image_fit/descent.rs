@@ -22,8 +22,8 @@ const ROUGHLY: f64 = 1.0;
 const MAX_VARIANCE: f64 = 1e12;
 const FALL: f64 = 10.0;
 /// Exponents e of the first factor v^e on the variances of the readings, in the order in which they are tried. Here v
-/// is the variance of the first residuals, in units of the stated variances. One sequence of searches starts with each
-/// factor.
+/// is the variance of the first residuals, in units of the stated variances. For each exponent, one sequence of
+/// searches starts with this factor.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 /// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. With a correct sensor
 /// model, the probability of a further search equals this constant.
