@@ -33,8 +33,8 @@ pub(crate) struct CellTrials<'a> {
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// Creates the scenes of the study. Those varied fields that are not searched are fixed to one combination of their
-/// values.
+/// Creates the scenes of the study for one combination of values of the varied fields that are not searched. These
+/// fields have the fixed values `fixed`.
 struct Source<'a> {
     study: &'a Study,
     region: &'a Region,
@@ -52,8 +52,7 @@ enum Setup {
 }
 
 impl<'a> CellTrials<'a> {
-    /// Creates a store that holds no trials yet. `place` is one combination of values of those varied fields that are
-    /// not searched.
+    /// Creates a store that holds no trials yet. `place` contains one value of each varied field that is not searched.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,
@@ -258,8 +257,8 @@ impl TrialCounts {
         }
     }
 
-    /// Text that states the share of failed trials and the share of the most frequent kind of failure. `trials` is what
-    /// the text calls a trial (for example `presses`), and `at` describes the cell.
+    /// Text that states the share of failed trials and the share of the most frequent kind of failure. In the text,
+    /// trials are called `trials` (for example `presses`), and `at` describes the cell.
     pub(crate) fn failures_in_words(&self, trials: &str, at: &str) -> String {
         let kind = |share: String| match self.main_failure {
             Some((kind, _)) => format!(" (`{kind}`{share})"),

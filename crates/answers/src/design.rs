@@ -1,15 +1,16 @@
 //! Finds, by Monte Carlo simulation, which values of one or several fields of a study meet a target.
 //!
 //! One field is searched. The other varied fields form a grid, and the search is repeated at each combination of the
-//! grid's values. If the question asks for the best value of the searched field, more combinations are added to the
-//! grid near the best one.
+//! grid's values. If the question asks for the best value of the searched field, the grid is refined: combinations near
+//! the best one are added and searched too.
 //!
 //! At each tested value, the same trials are run as in a study with this value in its config. Trials with the same
 //! number draw the same random numbers at every value, so that values can be compared trial by trial. If the study
-//! itself sweeps fields, each combination of the swept values (a cell of the study) must meet the target. Failed trials
-//! count as misses, because the result of the remaining trials alone would be too good.
+//! itself sweeps fields, each combination of the swept values (a cell of the study) must meet the target. A value at
+//! which too many trials fail misses the target, because the statistics of the successful trials alone would be too
+//! good.
 //!
-//! The question states a confidence with which all parts of the answer must be right together. Therefore, the allowed
+//! The question states the probability (confidence) with which the whole answer must be right. Therefore, the allowed
 //! probability of an error is divided evenly among the searches.
 
 use std::cell::Cell;
@@ -31,8 +32,8 @@ const BEST_VALUE_TRIALS: u64 = 4096;
 /// combination.
 const REFINEMENTS: usize = 3;
 
-/// Finds the values of one or several fields that meet a target. If the question asks for it, also finds the best value
-/// of one of these fields.
+/// Finds the values of one or several fields that meet a target. If the question requests an optimum, also finds the
+/// best value of one of these fields.
 ///
 /// `progress` receives the number of tested values and the number of trials so far. Without a time budget, the result
 /// depends only on the study and the question. If several fields are varied, all searches together must keep within the
@@ -130,8 +131,8 @@ struct Searches<'a> {
     runner: &'a Runner,
     clock: &'a Clock<'a>,
     progress: &'a dyn Fn(usize, u64),
-    /// Largest possible number of combinations of the grid's values, including the combinations that refine the grid.
-    /// The grid consists of the varied fields that are not searched.
+    /// Largest possible number of searches: one for each combination of the grid's values, including the combinations
+    /// that refine the grid. The grid consists of the varied fields that are not searched.
     max_columns: usize,
     /// Number of tested values and number of trials so far, in all searches together.
     done: Cell<(usize, u64)>,
@@ -204,7 +205,7 @@ impl Searches<'_> {
     }
 }
 
-/// Whether `value` meets or misses the target, according to the range in `runs` that contains `value`. `None` if no
+/// Whether `value` meets or misses the target: the result for the range in `runs` that contains `value`; `None` if no
 /// range contains it.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));

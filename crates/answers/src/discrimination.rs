@@ -300,8 +300,8 @@ impl Discrimination {
         })
     }
 
-    /// Heat map with one panel per group of objects. A field of the map shows the probability that one trial of each of
-    /// two objects distinguishes them. `name` is the name of the figure's files.
+    /// Heat map with one panel per group of objects. Each square of the map belongs to a pair of objects. It shows the
+    /// probability that one trial of each object distinguishes them. `name` is the name of the figure's files.
     ///
     /// # Errors
     /// [`ReportError`] if the figure cannot be drawn.

@@ -11,8 +11,8 @@ use crate::error::{AnswerError, MAX_CELLS};
 /// The classification of a patch counts as correct if the share of correctly classified points is larger than this
 /// value.
 const MAJORITY: f64 = 0.5;
-/// Difference between the first trial numbers of consecutive cells of the study. Trials with equal numbers have equal
-/// random numbers, so the difference is so large that no two cells use the same trial numbers.
+/// Difference between the first trial numbers of consecutive cells of the study. Trials with equal numbers draw equal
+/// random numbers. Because of this large difference, no two cells use the same trial numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
 /// Computes two results for each pair of objects that a study sweeps. The first is the probability that one trial of
@@ -142,8 +142,8 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// The index of the compared quantity among the quantities of the scene, and the quantity itself. If the user names no
-/// quantity, the object's curvature is compared.
+/// Returns the compared quantity, and its index among the quantities of the scene. If the user names no quantity, the
+/// object's curvature is compared.
 pub(crate) fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,

@@ -10,8 +10,8 @@ pub(crate) const MAX_COLUMNS: usize = 64;
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
 /// All combinations of the grid fields' values. The value of the last field changes fastest. If `fields` is empty,
-/// there is one empty combination. Values within a range are rounded to steps that are small compared with `gap`, the
-/// largest gap that the answer may leave undecided.
+/// there is one empty combination. Values within a range are rounded. The rounding step is small compared with `gap`,
+/// the largest undecided gap that the answer may contain.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];
@@ -34,9 +34,9 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// New combinations that differ from the combination `best` in one field with a range. The value of this field is
-/// halfway between its value in `best` and its nearest smaller or larger value. The nearest values are those of the
-/// `known` combinations that differ from `best` only in this field.
+/// New combinations around the combination `best`. Each one differs from `best` in a single field with a range. The new
+/// value of this field is halfway between its value in `best` and the next smaller or larger value. This next value
+/// comes from the `known` combinations that differ from `best` only in this field.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

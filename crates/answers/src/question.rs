@@ -27,9 +27,9 @@ pub struct Question {
     /// Largest allowed share of failed trials, above 0 and at most 1. A value with more failures misses the target. If
     /// the share is 1, failed trials are ignored.
     pub max_failures: f64,
-    /// Largest gap that the answer may leave between values that meet the target and values that miss it. On a range
-    /// with logarithmic spacing, the gap is relative to the lower of the two values. On other ranges, the gap is
-    /// relative to half the range.
+    /// Largest undecided gap that the answer may contain between a value that meets the target and a value that misses
+    /// it. On a range with logarithmic spacing, the gap is divided by the lower of these two values. On other ranges,
+    /// it is divided by half the width of the range.
     pub gap: f64,
     /// Largest number of trials of one cell of the study at one value of the searched field.
     pub most_trials: u64,
@@ -59,7 +59,7 @@ pub enum Extreme {
 
 impl Question {
     /// A question about these fields with the default settings. The defaults are at most 5 % failed trials, a gap of 5
-    /// %, at most 4,194,304 trials of a study's cell at one value, no time limit, and a confidence of 95 %.
+    /// %, at most 4,194,304 trials per cell and tested value, no time limit, and a confidence of 95 %.
     ///
     /// If the optimised field has a range, it is the searched field. Otherwise, the last field with a range is
     /// searched. If no field has a range, the optimised field is searched or, if there is none, the last field. The
@@ -136,8 +136,8 @@ impl Extreme {
         }
     }
 
-    /// The adjective for the best value (such as `largest`), and the word for values beyond the best value (such as
-    /// `more`).
+    /// Two words: the adjective for the best value (such as `largest`), and the word for values beyond it, which miss
+    /// the target (such as `more`).
     pub(crate) const fn words(self) -> [&'static str; 2] {
         match self {
             Self::Largest => ["largest", "more"],

@@ -210,7 +210,7 @@ impl Region {
         best
     }
 
-    /// Limit of the searched field beyond which all values miss the target, at every combination of the other varied
+    /// Value of the searched field beyond which all values miss the target, at every combination of the other varied
     /// fields' values. `None` if the limit is undecided at some combination, if the searched field is not the optimised
     /// field, or if the values of the searched field are listed.
     pub(crate) fn missed_from(&self) -> Option<f64> {
@@ -244,10 +244,10 @@ impl Region {
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// Of all tested values in `columns` (combinations of the grid's values), the value that comes nearest to meeting
-    /// the target: the one with the best statistic or, if too many trials fail at every value, with the fewest
-    /// failures. Returns its column, the value, and the result of the cell that decides whether the value meets the
-    /// target.
+    /// Finds the tested value in `columns` (combinations of the grid's values) that comes nearest to meeting the
+    /// target. It is the value with the best statistic; if too many trials fail at every value, it is the value with
+    /// the smallest share of failures. Returns its column, the value, and the result of the cell that decides whether
+    /// the value meets the target.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,
@@ -259,9 +259,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Compares the results of two cells of the study; the worse result is the greater one. A result with too many
-    /// failures or without a statistic is worse than a result with a statistic. Of two such results, the one with the
-    /// larger share of failures is worse. Other results are compared by their statistics.
+    /// Compares the results of two cells of the study; the worse result is the greater one. Results with too many
+    /// failures or without a statistic are worse than all other results. Among each other, they are compared by their
+    /// share of failures. All other results are compared by their statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),

@@ -27,8 +27,8 @@ impl Region {
         format!("{}.", capitalized(&text))
     }
 
-    /// The lines that follow the sentence. They state the target, the numbers of values and trials, the searches that
-    /// reached a limit, and the answer at each combination of the grid.
+    /// The lines below the sentence that states the answer. They state the target, the numbers of values and trials,
+    /// the searches that reached a limit, and the answer at each combination of the grid.
     pub fn lines(&self) -> Vec<String> {
         let samples = || self.columns.iter().flat_map(RegionColumn::samples);
         let points = self.columns.iter().flat_map(|column| &column.points);
@@ -151,8 +151,8 @@ impl Region {
         }
         let points = || self.columns.iter().flat_map(|column| &column.points);
         let decided = |cell: &usize| points().filter(|point| point.worst == *cell).count();
-        // `max_by_key` returns the last of several equal maxima. Here, the cells are in reverse order, so the first of
-        // these cells is returned.
+        // `max_by_key` returns the last of several equal maxima. The cells are in reverse order here, so the cell with
+        // the smallest index is returned.
         let worst = (0..self.cells.len()).rev().max_by_key(decided);
         let settings = settings_in_words(&self.cell_columns, &self.cells[worst.unwrap_or(0)]);
         format!("; the worst cell is mostly {settings}")
@@ -204,8 +204,8 @@ impl Region {
         }
     }
 
-    /// Looks for values at which too many trials fail, among the ends of ranges that miss the target. Ends of the whole
-    /// searched range are ignored. Returns the first such value, and the result of the cell with most failures there.
+    /// Examines the ends of the ranges that miss the target, except the ends of the whole searched range. Returns the
+    /// first end at which too many trials fail, and the result of the cell with the largest share of failures there.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,

@@ -3,10 +3,10 @@
 //!
 //! The trials at all values use the same random numbers. The answer is verified with fresh trials. The probability that
 //! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly
-//! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. Each
-//! attempt to verify an end may be wrong with half the probability of the previous attempt. These bounds do not depend
-//! on the shape of the curve of scores over values. However, if the curve crosses the limit of the target twice between
-//! two tested values, the search does not detect this.
+//! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. An end has
+//! up to five attempts; each attempt may be wrong with half the probability of the previous one. These bounds do not
+//! depend on the shape of the curve of scores over values. However, if the curve crosses the limit of the target twice
+//! between two tested values, the search does not detect this.
 
 mod explore;
 mod limits;
@@ -26,7 +26,7 @@ pub use points::Side;
 pub use span::Span;
 pub use verify::Run;
 
-/// Scores of one cell of the study for the two conditions of a target. A score is the number of standard deviations by
+/// Scores of one cell of the study for the two conditions of a target. A score is the number of standard errors by
 /// which the condition is met; it is negative if the condition is missed. The first condition limits the statistic, the
 /// second limits the share of trials that fail.
 pub(crate) type Scores = [f64; 2];

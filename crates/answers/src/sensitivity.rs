@@ -12,8 +12,8 @@ use crate::error::AnswerError;
 
 /// Number of trials in a block. All trials of a block run on the same thread.
 const BLOCK: u64 = 32;
-/// Largest length of a list in a config whose numbers are changed one by one. Longer lists are skipped, because a
-/// designer does not choose each of their numbers separately.
+/// Lists in the config with more than this number of entries are skipped, because a designer does not choose each of
+/// their numbers separately. The numbers in shorter lists are changed one by one.
 const LONGEST_LIST: usize = 3;
 /// An rms error counts as a rounding error if it is at most this share of the true value.
 const ROUNDING: f64 = 1e-10;
@@ -179,8 +179,8 @@ struct ErrorRuns<'a> {
 }
 
 impl ErrorRuns<'_> {
-    /// Runs the trials with the values `fields` of some config fields. Returns the root mean square of the true values,
-    /// and the squared error of the quantity in each trial.
+    /// Runs the trials after some fields of the config were set to the values in `fields`. Returns the root mean square
+    /// of the true values, and the squared error of the quantity in each trial.
     fn at(
         &self,
         fields: &[(String, Vec<toml::Value>)],
@@ -214,8 +214,8 @@ impl ErrorRuns<'_> {
         Ok((truth.sqrt(), errors))
     }
 
-    /// Effect on the rms error of the field `path`, whose value in the config is `value`; or the reason why it cannot
-    /// be measured.
+    /// Effect of the field at `path` on the rms error. `value` is the value of this field in the config. The error
+    /// states why the effect cannot be measured.
     fn effect(
         &self,
         path: &str,
@@ -264,8 +264,8 @@ impl ErrorRuns<'_> {
         if !effect.is_finite() {
             return Err("no trial succeeds at both values, or one value has no error".to_owned());
         }
-        // Compute the standard error of the effect from pairs of trials with the same random numbers, because the
-        // errors of the two mean squared errors are correlated.
+        // Trials with the same number draw the same random numbers at both values, so the two mean squared errors are
+        // correlated. Therefore, compute the standard error of the effect from pairs of such trials.
         let influences = pairs
             .iter()
             .map(|pair| 0.5 * (pair[1] / means[1] - pair[0] / means[0]));

@@ -9,8 +9,8 @@ use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_a
 /// If all trials of a cell of the study fail, the target's statistic does not exist. The cell misses the target if its
 /// share of failed trials is significantly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
-/// Resolution of an estimated quantile, relative to the distance between the quantile and the true value. It is
-/// limited, because quantiles are computed from a histogram.
+/// Rounding error of an estimated quantile, as a share of the distance between the quantile and the true value.
+/// Quantiles are rounded because they are computed from a histogram.
 const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
 /// The target of a question, for one scene: a limit on a statistic of one of the scene's quantities.
@@ -115,8 +115,8 @@ impl SceneTarget {
         Ok(([of_statistic, of_failures], estimate))
     }
 
-    /// Reason why the target's statistic would be undefined for any number of trials. `None` if more trials may define
-    /// it.
+    /// Reason why the target's statistic would be undefined for any number of trials. `None` if it may be defined with
+    /// more trials.
     fn why_undefined(&self, all: &CellStatistics) -> Option<&'static str> {
         let summary = &all.quantities[self.place];
         let is_relative = matches!(

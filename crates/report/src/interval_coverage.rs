@@ -1,12 +1,12 @@
-//! Coverage of the stated intervals, for each estimator. Coverage is the share of the intervals that contain the true
+//! Coverage of the intervals that each estimator reports. Coverage is the share of the intervals that contain the true
 //! value.
 
 use crate::records::by_key;
 use crate::{Study, Table};
 use palpate_study::Statistic;
 
-/// The statistics `coverage50`, `coverage80` and `coverage95` of `cells.csv`, each with the probability that its
-/// intervals state.
+/// The statistics `coverage50`, `coverage80` and `coverage95` of `cells.csv`, each with the nominal probability of its
+/// intervals.
 pub(crate) const STATED: [(Statistic, f64); 3] = [
     (Statistic::Coverage50, 0.50),
     (Statistic::Coverage80, 0.80),

@@ -56,7 +56,7 @@ fn estimator(estimator: &Estimator, studies: &[Study]) -> Value {
     context! { name => &estimator.name, studies => of_studies, ..counted(&rows) }
 }
 
-/// Values for the page template: number of table rows, mean coverage over these rows, and number of rows whose
+/// Values for the page template: the number of `rows`, the mean coverage over these rows, and the number of rows whose
 /// intervals are too narrow.
 fn counted(rows: &[&Coverage]) -> Value {
     let shares = mean_shares(rows.iter().copied()).map(percent);
@@ -168,8 +168,8 @@ fn peers(folder: &Files) -> Result<Value, ReportError> {
     Ok(context! { table => shown(parts), machine })
 }
 
-/// Removes the column `name` of a table if all cells of this column have the same text. Returns this text, and `None`
-/// if the column was not removed.
+/// If all cells of the column `name` have the same text, removes the column and returns this text. Otherwise, returns
+/// `None`.
 fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     let at = header.iter().position(|column| column == name)?;
     let constant = rows.first()?[at].clone();
@@ -210,8 +210,8 @@ fn spoken(cell: &str) -> Value {
     }
 }
 
-/// Section with the glossary of `palpate explain`: first the terms by subject, then quantities and statistics. Only
-/// terms can be targets of links.
+/// Section with the glossary of `palpate explain`: first the terms by subject, then quantities and statistics. Other
+/// parts of the page can link to a term, but not to a quantity or a statistic.
 pub(crate) fn glossary() -> Vec<Value> {
     let words = SUBJECTS.iter().map(|subject| {
         let terms = subject.terms.iter();

@@ -42,8 +42,7 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     }
 }
 
-/// A sentence that consists of the settings in `shared`, which are the same for all points of a plot, and of the text
-/// `then`.
+/// The sentence "For `shared`: `then`." The settings in `shared` are the same for all points of a plot.
 pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     let shared = match shared {
         [] => String::new(),
@@ -56,8 +55,8 @@ pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
-/// Text of a model's cost: the number of instructions, the time (from ns), or both. A number that is `None` is left
-/// out.
+/// Text of a model's cost: the time (`ns`, in nanoseconds), the number of instructions, or both. A number that is
+/// `None` is left out.
 pub(crate) fn cost(instructions: Option<f64>, ns: Option<f64>) -> String {
     let time = ns.map(|ns| match ns {
         _ if ns < 1e3 => format!("{} ns", number::significant(ns, 2)),

@@ -48,7 +48,7 @@ pub use press_trace::press_figures;
 pub(crate) use style::{DARK, hex, on_dark};
 
 /// Draws every `[[plot]]` of the study, in the order of the config. A study without a `[[plot]]` gets one figure. It
-/// shows the relative rms error of the object's curvature over the first swept field, with one line for each value of
+/// shows the relative rms error of the object's curvature over the first swept field. It has one line for each value of
 /// the second swept field, and one panel for each value of the third.
 ///
 /// Plots of the kinds `class-map`, `class-surface` and `profile` show `map.csv`; plots of the kind `contacts` show

@@ -7,8 +7,8 @@ use palpate_study::number::finite;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Texts of a CSV file in which no two columns have the same name. `places` are the indices of the columns that were
-/// requested when the file was read.
+/// Contents of a CSV file, as texts. All columns have different names. `places` are the indices, in the header, of the
+/// columns that were requested when the file was read.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,
@@ -101,8 +101,8 @@ impl Records {
         &self.header
     }
 
-    /// Index, in the header, of a column that was requested when the file was read. `column` is its index among the
-    /// requested columns.
+    /// Converts an index among the columns that were requested when the file was read to an index in the header of the
+    /// file.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }
@@ -200,7 +200,7 @@ impl Records {
 
 const EMPTY: &str = "the table is empty";
 
-/// Largest accepted absolute value of a coordinate. It is so small that the squares of coordinates are finite.
+/// Largest accepted absolute value of a number in a table. The squares of such numbers do not overflow.
 const LARGEST: f64 = 1e100;
 
 /// Groups items by their keys. Groups are in the order in which their keys first appear.

@@ -189,8 +189,8 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// The table with the label `label` among the TOML tables that the study sweeps at `path`; `None` if there is none.
-    /// If such a table has no label, its `kind` counts as its label.
+    /// Searches the TOML tables that the study sweeps at `path`, and returns the table with the label `label`; `None`
+    /// if there is none. If a table has no label, its `kind` is used as its label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
         let mut tables = sweeps
@@ -214,8 +214,8 @@ impl Study {
     }
 }
 
-/// Values that `sweep`, one of the study's sweeps, sets for the field at `path`. A sweep may vary one field alone, or
-/// several fields together.
+/// Values of the field at `path` in `sweep`, one of the study's sweeps; empty if this sweep does not vary the field. A
+/// sweep may vary one field alone, or several fields together.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();

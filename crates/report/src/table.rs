@@ -114,8 +114,8 @@ impl Table {
         &self.axes
     }
 
-    /// The swept field with this path; `None` if the field is not swept. The unit of the field may be missing from the
-    /// path.
+    /// The swept field with this path; `None` if the field is not swept. `path` may be the name of the column without
+    /// its unit.
     pub(crate) fn axis(&self, path: &str) -> Option<&Axis> {
         self.axes.iter().find(|axis| axis.is(path))
     }

@@ -21,8 +21,8 @@ pub(crate) struct Tradeoff {
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Definition of the error of the compared models or settings (rungs): the quantity whose error it is, and the
-    /// scale by which this error is divided.
+    /// Definition of the error of the rungs, as text: the quantity whose error is computed, and the scale by which this
+    /// error is divided.
     pub(crate) error_of: String,
     /// The computation whose cost was measured for each rung.
     pub(crate) evaluation: String,
@@ -32,7 +32,7 @@ pub(crate) struct Ladder {
 /// Errors and costs of all rungs on one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LadderScene {
-    /// How easy it is to be accurate on this scene: `easy`, `typical` or `hard`.
+    /// How easily accurate results are obtained on this scene: `easy`, `typical` or `hard`.
     pub(crate) ease: String,
     pub(crate) what: String,
     pub(crate) rungs: Vec<Rung>,
@@ -197,8 +197,8 @@ pub(crate) struct AutoModel {
     pub(crate) successes: usize,
     /// Number of scenes on which at least one model besides the chosen model meets the tolerance.
     pub(crate) with_rivals: usize,
-    /// Largest ratio, over all scenes, of the instructions of the chosen model to the instructions of the cheapest
-    /// model within the tolerance. `None` if `promise.csv` does not state it.
+    /// Number of instructions of the chosen model, divided by that of the cheapest model within the tolerance: the
+    /// largest such ratio over all scenes. `None` if `promise.csv` does not state it.
     pub(crate) largest_ratio: Option<f64>,
 }
 

@@ -30,8 +30,8 @@ pub enum EndReason {
 const EXPLORATION_SHARE: f64 = 0.6;
 /// Factor by which the number of trials at an undecided value is increased in each round of trials.
 const GROWTH: f64 = 4.0;
-/// Upper limit of the factor by which the number of trials is increased in one round. It applies to undecided values
-/// within a crossing (a change between meeting and missing the target).
+/// Largest factor by which the number of trials is increased in one round, for undecided values within a crossing (a
+/// change between meeting and missing the target).
 const MOST_GROWTH: f64 = 16.0;
 /// Smallest factor by which the number of trials is increased in a round. If the time budget is too short for a larger
 /// factor, the factor is halved repeatedly. The exploration ends when the factor would be smaller than this.
@@ -39,8 +39,8 @@ const LEAST_GROWTH: f64 = 1.5;
 /// Largest distance between neighbouring tested values within a crossing (a change between meeting and missing the
 /// target), as a share of the crossing's width. If two neighbours are farther apart, a value between them is tested.
 const MAX_SPACING: f64 = 0.34;
-/// Width of a crossing's range of undecided values that the search aims at, as a share of the allowed gap. A crossing
-/// is a change between meeting and missing the target.
+/// Width to which the search tries to reduce the range of undecided values at a crossing, as a share of the allowed
+/// gap. A crossing is a change between meeting and missing the target.
 const UNDECIDED_SHARE: f64 = 0.6;
 
 /// Tests values until each crossing (change from meeting the target to missing it, or back) is located accurately
@@ -129,8 +129,9 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
 }
 
 enum Stretch {
-    /// Indices of the first and the last of several consecutive undecided values. The range ends at these values, or
-    /// the decided values before and after them both meet the target or both miss it.
+    /// Indices of the first and the last of several consecutive undecided values that are not at a crossing. Either
+    /// they are at an end of the searched range, or the decided values before and after them both meet the target or
+    /// both miss it.
     Open(usize, usize),
     /// Indices of two tested values, in ascending order: one meets the target, the other misses it. All tested values
     /// between them are undecided.
@@ -241,8 +242,8 @@ fn closer(
         return;
     };
     // The width of the range of undecided values is inversely proportional to the square root of the number of trials.
-    // The range must shrink from the width `open_wide` to a part of the requested `gap`, so the number of trials is
-    // multiplied by the square of the ratio of these two widths.
+    // Its width must shrink from `open_wide` to the share `UNDECIDED_SHARE` of the requested `gap`, so the number of
+    // trials is multiplied by the square of the ratio of these two widths.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

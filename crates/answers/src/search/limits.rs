@@ -50,8 +50,9 @@ impl Rules {
         }
     }
 
-    /// Score that fresh trials must reach to confirm one of the `sides` range ends in the answer. `attempt` is the
-    /// number of the attempt, from 0; the allowed probability of an error is halved with each attempt.
+    /// Smallest score of fresh trials that confirms an end of a range in the answer. `sides` is the number of all range
+    /// ends in the answer. `attempt` is the number of the attempt, from 0; the allowed probability of an error is
+    /// halved with each attempt.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
@@ -97,7 +98,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of the next `trials` trials that can run in the remaining time, at most 1.
+    /// Share of `trials` further trials that can run in the remaining time budget, at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

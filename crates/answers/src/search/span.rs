@@ -16,8 +16,8 @@ pub struct Span {
 
 /// Values are spaced logarithmically if the ratio of the two ends of the range exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Values are rounded to multiples of a step. About this many steps fit into the gap that the answer may leave
-/// undecided.
+/// Approximate number of rounding steps per allowed gap. Tested values are rounded to multiples of such a step, and the
+/// gap is the largest undecided gap that the answer may contain.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
@@ -32,8 +32,8 @@ impl Span {
         }
     }
 
-    /// Distance between two values, where `low` ≤ `high`: relative to `low` on a logarithmic range, otherwise relative
-    /// to half the range.
+    /// Relative distance between two values, where `low` ≤ `high`. On a logarithmic range, the distance is divided by
+    /// `low`; otherwise, it is divided by half the width of the range.
     pub(crate) fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
             true => high / low - 1.0,

@@ -40,7 +40,7 @@ enum Kind {
     Low,
     High,
     /// Not an end. The range covers the whole explored range, or is a single listed value, so it has no ends to verify.
-    /// The value with the smallest score is verified instead.
+    /// The value with the smallest absolute score is verified instead, because it is the least certain one.
     Weakest,
 }
 
@@ -116,8 +116,8 @@ fn place_of(end: &End) -> usize {
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // If a range covers all tried values, it has no ends. Then the value with the smallest score is verified instead
-    // (`Weakest`). If an attempt fails, the next attempt verifies the same value with more trials.
+    // If a range covers all tried values, it has no ends. Then the value with the smallest absolute score is verified
+    // instead (`Weakest`). If an attempt fails, the next attempt verifies the same value with more trials.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,
@@ -134,7 +134,7 @@ fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<Sc
     }
 }
 
-/// The ranges of neighbouring values that all meet the target, or all miss it, according to the search. Each listed
+/// The ranges of neighbouring values that all meet the target, or all miss it, in the trials of the search. Each listed
 /// value is a range of its own.
 fn candidates(points: &Points, among: SearchRange, rules: &Rules) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();

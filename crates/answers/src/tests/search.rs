@@ -158,8 +158,8 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// For each range that the search found, whether it meets or misses the target. The second result states whether all
-/// these verdicts are right at both ends of their ranges.
+/// For each range that the search found, whether it meets or misses the target. The second result is true if the curve
+/// agrees at both ends of every range.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;

@@ -17,13 +17,13 @@ pub(super) const fn is(value: f64) -> Bound {
     Bound::Between(value, value)
 }
 
-/// Whether two numbers are equal, except for rounding in decimal text.
+/// Whether two numbers are equal, except for rounding errors: they differ by at most 10⁻⁹ of the smaller absolute
+/// value.
 pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
 }
 
-/// Returns a function that tests whether the number that `number` computes from a row of the table meets the bound
-/// `bound`.
+/// Returns a test of a table row. A row passes the test if `number(row)` is a number that meets `bound`.
 pub(super) fn within(
     number: impl Fn(&Row<'_>) -> Option<f64>,
     bound: Bound,

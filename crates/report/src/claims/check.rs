@@ -33,8 +33,8 @@ pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 /// values must meet.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
-    /// Computes the checked values from the rows of the table. Each value is returned with one row: the row from which
-    /// it was computed or, for a value of a group of rows, one row of this group.
+    /// Computes the checked values from the rows of the table. Each value is returned with a row. It is the row from
+    /// which the value was computed, or one of them if the value was computed from a group of rows.
     pub(super) values: Values,
     /// Returns a name for the value that was computed from a row of the table. All values with the same name are
     /// compared and printed as one range. With `None`, each value is compared by itself.
@@ -76,8 +76,8 @@ struct Item {
 }
 
 impl Check {
-    /// Applies the check to those rows of the table to which its claim applies. The result is an error if the check
-    /// needs rows that are missing, and `None` if the check may be skipped and has no values.
+    /// Applies the check to `rows`, the table rows to which its claim applies. Returns an error if the check needs rows
+    /// that are missing. Returns `None` if the check has no values and may be skipped.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
@@ -155,7 +155,8 @@ impl Check {
     }
 }
 
-/// Text that replaces the placeholder `{key}` in a check's sentence; `None` if no placeholder has the name `key`.
+/// Text that replaces the placeholder `{key}` in the sentence of a check; `None` if there is no placeholder with the
+/// name `key`.
 fn shown(
     key: &str,
     items: &[Item],

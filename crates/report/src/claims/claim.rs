@@ -6,8 +6,8 @@ use super::check::{Check, Keep, Outcome, Portion, Role};
 use super::row::{Row, groups, sorted};
 use crate::{Study, phrases};
 
-/// A claim of a paper and its checks. A method that restricts or describes a check changes only the check that was
-/// added last.
+/// A claim of a paper and its checks. Methods such as `values` add a check. The methods that restrict or describe a
+/// check change only the check that was added last.
 pub(super) struct Claim {
     pub(super) number: u32,
     /// The claim in at most six words.
@@ -75,8 +75,8 @@ impl Claim {
         Self { remark, ..self }
     }
 
-    /// Adds a check. `values` computes its values from the rows of the table, and returns each value with one row to
-    /// which it belongs.
+    /// Adds a check. `values` computes its values from the rows of the table, and returns each value with a row from
+    /// which it was computed.
     pub(super) fn values(
         mut self,
         values: impl for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)> + 'static,
@@ -119,8 +119,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios y₂/y₁, where y₁ and y₂ are the values `y` of successive table rows, sorted by `x`.
-    /// Two rows are compared only if they differ only in swept fields whose paths begin with one of the texts in
+    /// Adds a check of the ratios y₂/y₁. Here y₁ and y₂ are the values `y` of two successive table rows of a group,
+    /// sorted by `x`. The rows of a group differ only in swept fields whose paths begin with one of the texts in
     /// `free`.
     pub(super) fn steps(
         self,
@@ -145,9 +145,9 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios `value(one) / value(other)` for all pairs of table rows that `is_pair` accepts and
-    /// that differ only in swept fields whose paths begin with one of the texts in `free`. Each ratio belongs to the
-    /// row `other`.
+    /// Adds a check of the ratios `value(one) / value(other)` for all pairs of table rows that `is_pair` accepts. The
+    /// rows of a pair differ only in swept fields whose paths begin with one of the texts in `free`. Each ratio is
+    /// returned with the row `other`.
     pub(super) fn pairs(
         self,
         free: &'static [&'static str],
@@ -206,8 +206,8 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// Restricts the comparison with the bound, in the check that was added last, to the table rows that `compared`
-    /// accepts. The values of all other rows are only printed.
+    /// In the check that was added last, compares only the values of the table rows that `compared` accepts with the
+    /// bound. The values of all other rows are only printed.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }
@@ -233,7 +233,8 @@ impl Claim {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }
 
-    /// Sets the sentence of a check that decides the verdict, without the full stop.
+    /// Sets the sentence, without the full stop, of the check that was added last. The sentence is used twice: for the
+    /// result, with the values, and for the rule, with the bound.
     ///
     /// In the result, placeholders are replaced: `{count}` by the number of compared values that meet the bound, `{n}`
     /// by the number of all values, `{range}` and `{max}` by the range and the largest of the compared values, and

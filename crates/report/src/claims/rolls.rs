@@ -233,7 +233,7 @@ fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
 
-/// Largest slope for which `is_below` returns true, found by bisection.
+/// Slope up to which `is_below` returns true, found by bisection.
 fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..200 {
@@ -246,15 +246,15 @@ fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Relative error, without noise, of the curvature at the apex of z = −c r² that is estimated from a roll from the
-/// apex. The estimate is the mean curvature along the roll: the slope angle atan(2 c r) at its end, divided by the arc
-/// length. `share` is the product of c and the arc length.
+/// Relative error of the estimated curvature at the apex of the paraboloid z = −c r², without noise. The roll begins at
+/// the apex. The estimate is the mean curvature along the roll: the slope angle atan(2 c r) at the end of the roll,
+/// divided by the arc length. `share` is the product of c and the arc length (no unit).
 fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// Arc length at which the estimated curvature of the apex of a paraboloid has a relative error of 15 % without noise.
-/// It is multiplied by the coefficient c of the paraboloid.
+/// Arc length of a roll from the apex of the paraboloid z = −c r², multiplied by c (no unit). For this arc length, the
+/// estimated curvature at the apex has a relative error of 15 % without noise.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }

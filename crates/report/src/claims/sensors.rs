@@ -171,12 +171,12 @@ fn slope(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(line.slope / row.millimetres()?)
 }
 
-/// Slope of a line through hues, divided by the published slope.
+/// Slope of a line that is fitted to hues, divided by the slope in the paper.
 fn hue_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / HUE_SLOPE)
 }
 
-/// Slope of a line through centroids, divided by the published slope.
+/// Slope of a line that is fitted to centroids, divided by the slope in the paper.
 fn centroid_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / CENTROID_SLOPE)
 }
@@ -191,8 +191,9 @@ fn is_rigid(row: &Row<'_>) -> bool {
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// For each line that is fitted to hues, the larger of two relative deviations from the published slopes: the deviation
-/// of this line, and the smallest deviation among the lines that are fitted to centroids of the same sensor.
+/// For each line that is fitted to hues, returns the larger of two relative deviations from the published slopes. The
+/// first is the deviation of this line from the slope of the hue. The second is the smallest deviation from the slope
+/// of the centroid, among all centroid lines of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);

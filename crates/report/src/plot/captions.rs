@@ -5,7 +5,7 @@ use crate::{Study, study};
 use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
 
-/// Text of a swept value, to be shown below a heading that already states the name and the unit of the field.
+/// Text of a swept value without the name and the unit of its field, because a heading already states them.
 pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     match axis.header.as_str() {
         "quantity" => label::quantity(value),
@@ -20,8 +20,8 @@ pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     match (axis.header.as_str(), number::finite(value)) {
         ("quantity", _) => label::quantity(value),
         (_, Some(_)) => format!("{} {}", field.words, field.value(value)),
-        // The label of an object or an estimator, and a label of several words, are clear by themselves. Print the name
-        // of the field before any other label.
+        // Print the label of an object or of an estimator, and any label of several words, without the name of the
+        // field: such labels are clear by themselves.
         ("scene.object" | "scene.estimator", None) => value.to_owned(),
         (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),

@@ -84,8 +84,8 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// Smallest width of a panel for which the longest word below the x axis fits, up to `LARGEST_WIDTH`. It is 0 if
-    /// the x axis shows numbers instead of names.
+    /// Smallest width of a panel in which the longest word below the x axis fits, at most `LARGEST_WIDTH`; in drawing
+    /// units (1/3 px). It is 0 if the x axis shows numbers instead of names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());
@@ -93,8 +93,8 @@ impl Chart<'_> {
         (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
     }
 
-    /// Number of panels per row, such that all rows have nearly the same number of panels and the names below the x
-    /// axes fit.
+    /// Number of panels per row. It is chosen so that the names below the x axes fit, and that all rows have nearly the
+    /// same number of panels.
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
@@ -213,8 +213,8 @@ impl PanelLayout {
 
 /// Length of a tick mark, and also the gap between the mark and its label, in drawing units (1/3 px).
 const TICK: i32 = 15;
-/// Size of the areas that the plotters library reserves for labels, in drawing units (1/3 px). Labels may extend beyond
-/// these areas.
+/// Width and height of the areas that the plotters library reserves for labels, in drawing units (1/3 px). Labels may
+/// extend beyond these areas.
 const LABELS: i32 = 60;
 
 /// A chart of the plotters library whose axes have the type [`Scale`].
@@ -261,8 +261,9 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws a vertical error bar at `x`, between the two `ends`. A bar that is completely behind the point's marker, which
-/// is `hidden` drawing units (1/3 px) high, is left out. The bar has no cap at an end that is outside the panel.
+/// Draws a vertical error bar at `x`, between the two `ends`. `hidden` is the height of the point's marker, in drawing
+/// units (1/3 px). A bar that the marker would cover completely is not drawn. An end outside the panel has no cap
+/// (short cross line).
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

@@ -25,9 +25,11 @@ pub(crate) struct Maps {
 pub(crate) struct CellMap {
     pub(crate) cell: u64,
     pub(crate) side: usize,
-    /// Coordinate x of each grid line, in ascending order: the mean x of the points on the line.
+    /// Coordinate x of each grid line that is parallel to the y axis, in ascending order. It is the mean x of the
+    /// points on this line.
     pub(crate) x: Vec<f64>,
-    /// Coordinate y of each grid line, in ascending order: the mean y of the points on the line.
+    /// Coordinate y of each grid line that is parallel to the x axis, in ascending order. It is the mean y of the
+    /// points on this line.
     pub(crate) y: Vec<f64>,
     pub(crate) estimated: Vec<Class>,
     pub(crate) truth: Vec<Class>,
@@ -102,8 +104,8 @@ fn class(table: &Records, row: usize, column: usize) -> Result<Class, ReportErro
     }
 }
 
-/// A rectangle of grid squares that have the same class. It extends from the grid line `x.0` to `x.1` along x, and from
-/// `y.0` to `y.1` along y.
+/// A rectangle of neighbouring grid squares that have the same class. Along x, it contains the squares with the indices
+/// from `x.0` to `x.1` − 1; along y, from `y.0` to `y.1` − 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) class: Class,
@@ -111,8 +113,9 @@ pub(crate) struct Band {
     pub(crate) y: (usize, usize),
 }
 
-/// Covers the grid with few rectangles, each of one class: neighbouring squares of the same class are joined along y,
-/// and neighbouring columns with equal squares are joined along x. `classes` are sorted by x, then by y.
+/// Covers the grid with a small number of rectangles, each of one class. First, neighbouring squares of the same class
+/// are joined along y. Then, neighbouring columns with equal classes are joined along x. `classes` are sorted by x,
+/// then by y.
 pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     let mut start = 0;
@@ -135,7 +138,8 @@ pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     bands
 }
 
-/// Edge between two grid squares. Both ends are corners (x, y) of squares, with whole coordinates from 0 to `side`.
+/// Edge between two grid squares: the corners (x, y) at its two ends. The coordinates are whole numbers from 0 to
+/// `side`, counted in squares.
 pub(crate) type Edge = [(usize, usize); 2];
 
 pub(crate) fn boundaries(side: usize, classes: &[Class]) -> Vec<Edge> {

@@ -90,8 +90,8 @@ struct MapPanel<'a> {
     is_truth: bool,
 }
 
-/// The panels of a row of the figure. The map of the true classes is in the first column. If the row has no such map,
-/// this column is empty.
+/// The panels of a row of the figure. The first column shows the map of the true classes. It is empty if the row has no
+/// such map.
 fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     let truth = row.truth.map(|map| MapPanel {
         column: 0,
@@ -269,8 +269,8 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// Edges of the grid squares whose centres are the numbers `lines`. Each inner edge is halfway between two neighbouring
-/// centres.
+/// Coordinates of the edges of the grid squares. `lines` are the coordinates of the centres of the squares. Each inner
+/// edge is halfway between two neighbouring centres.
 fn ends(lines: &[f64]) -> Vec<f64> {
     let [first, .., last] = lines else {
         let only = lines.first().copied().unwrap_or(0.0);
@@ -293,7 +293,7 @@ fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
 
 /// Largest number of the study's cells in a row of panels.
 const MAX_PER_ROW: usize = 5;
-/// Number of the study's cells in a row of panels, if the values of no swept field fit into one row.
+/// Number of the study's cells in a row of panels, if every swept field has too many values for one row.
 const DEFAULT_PER_ROW: usize = 4;
 
 #[derive(Clone, Copy)]
@@ -304,9 +304,9 @@ struct Shown<'a> {
 
 struct CellRow<'a> {
     heading: String,
-    /// Map of the true classes; `None` if a row of panels above already shows the same map.
+    /// Map of the true classes; `None` if an earlier row of panels already shows the same map.
     truth: Option<&'a CellMap>,
-    /// Text and map of each cell. The text states the swept values in which the cells of a row of panels differ.
+    /// Title and map of each cell. The title states the swept values in which the cells of this row differ.
     cells: Vec<(String, &'a CellMap)>,
 }
 
@@ -353,9 +353,9 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     rows_of_cells
 }
 
-/// The swept field whose values are side by side in a row of panels. It is the field with the most values among the
-/// fields whose values fit into one row; the last of several such fields is used. If the values of no field fit, it is
-/// the last field. `None` if no field varies.
+/// Returns the swept field whose values are side by side in a row of panels. Of the fields with at most [`MAX_PER_ROW`]
+/// values, it is the field with the most values; if there are several, it is the last one. If all fields have more
+/// values, the last field is returned. `None` if no field varies.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

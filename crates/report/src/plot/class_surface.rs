@@ -19,8 +19,8 @@ use plotters::style::Color;
 const MAX_SURFACES: usize = 6;
 /// Side length of the coloured squares in the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 54;
-/// Share of the ink colour in the colour of the lines between the squares of a surface. The rest is the colour of the
-/// square.
+/// Share of ink (the dark colour of text) in the colour of the lines between the squares of a surface, from 0 to 1. The
+/// rest is the colour of the square.
 const LINE_INK: f64 = 0.25;
 
 /// A fitted surface: the positions of the points in the map of one cell.
@@ -120,7 +120,7 @@ fn key(surfaces: &[Surface<'_>]) -> Key {
 /// Draws a square around each point of a surface. Distant squares are drawn first, so that near squares cover them.
 fn draw(space: &Space<'_>, surface: &Surface<'_>) -> Drawn {
     let side = surface.map.side;
-    // Each corner of a square is the mean of the points around it.
+    // Each corner of a square is at the mean position of the grid points that surround the corner.
     let corner = |i: usize, j: usize| -> Vector {
         let near = |at: usize| [at.saturating_sub(1), at.min(side - 1)];
         let mut sum = [0.0; 3];

@@ -10,8 +10,8 @@ const TRACE: [&str; 10] = [
 ];
 const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
 
-/// A reading counts as equal to a true contact if their distance is below this share of the size of the box around all
-/// contacts.
+/// A reading counts as equal to the true contact if the distance between them is at most this share of the longest side
+/// of a box around all contacts.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
 #[derive(Debug, Clone, Copy)]
@@ -35,10 +35,10 @@ pub(crate) struct Contacts {
     pub(crate) unit: String,
     /// The fingers in order of appearance. There is at least one finger, and each finger has at least one contact.
     pub(crate) fingers: Vec<Finger>,
-    /// Root-mean-square distance between readings and true contacts. `None` if the readings equal the contacts, or if
-    /// there are not as many readings as contacts.
+    /// Root-mean-square distance between readings and true contacts. `None` if all readings equal the contacts, or if
+    /// the numbers of readings and contacts differ.
     pub(crate) off: Option<f64>,
-    /// Whether the centres of the fingertips are at other positions than the contacts.
+    /// Whether the centre of a fingertip differs from its contact point, as for a fingertip with a radius above 0.
     pub(crate) tips_apart: bool,
 }
 
@@ -88,8 +88,8 @@ pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     })
 }
 
-/// Adds the readings to their fingers, unless they equal the contacts. Returns the root-mean-square distance between
-/// readings and contacts.
+/// Adds the readings to their fingers. Returns the root-mean-square distance between readings and contacts. If all
+/// readings equal the contacts, adds no readings and returns `None`.
 fn add_readings(
     files: &Files,
     fingers: &mut [Finger],

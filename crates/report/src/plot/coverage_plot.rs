@@ -1,5 +1,5 @@
-//! Figure with one panel per estimator. It shows how often the estimator's intervals contain the true value, over the
-//! probability that the intervals state.
+//! Figure with one panel per estimator. It shows the measured coverage of the estimator's intervals (the share that
+//! contains the true value) over their stated coverage.
 
 use super::drawing::Figure;
 use super::scale::Scale;
@@ -13,7 +13,8 @@ use crate::interval_coverage::{Estimator, STATED};
 const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 
 /// Draws the measured coverage, that is, the share of intervals that contain the true value. Each point is the median
-/// over all cells of studies with the estimator; its bar extends from the 5 % to the 95 % quantile over these cells.
+/// coverage over the cells of all studies with the estimator. The bar of the point extends from the 5 % to the 95 %
+/// quantile over these cells.
 pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
     let words = Words::new(
         "calibration-of-intervals",

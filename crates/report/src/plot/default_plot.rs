@@ -81,7 +81,8 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     }))
 }
 
-/// Whether the axis `axis` has different values in rows that have the same values on all axes `others`.
+/// Whether `axis` varies independently of the axes `others`: two of the `rows` have equal values on all axes `others`,
+/// but different values on `axis`.
 fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     let mut known: BTreeMap<Vec<&str>, BTreeSet<&str>> = BTreeMap::new();
     for &row in rows {

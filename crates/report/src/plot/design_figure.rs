@@ -125,8 +125,8 @@ pub struct Stretch {
 }
 
 const MEETS: Colour = Colour(190, 220, 242);
-/// Background colour where it is undecided whether values meet the target. The lightness of this grey differs from that
-/// of the other background colours, so it can be distinguished also in a grey print.
+/// Background colour where it is undecided whether values meet the target. This grey is lighter or darker than the
+/// other background colours, so readers can distinguish it even in a grey print.
 const OPEN: Colour = Colour(226, 226, 226);
 const MISSES: Colour = WHITE;
 /// Width of the line that shows the target's limit, in drawing units (1/3 px).
@@ -144,7 +144,8 @@ const BEST_SIZE: f64 = 36.0;
 /// Half the width of the background area of a single tested value, relative to the width of the panel. An area without
 /// width would not be visible.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of the background area if the other field has only one value, relative to the width of the panel.
+/// Half the width of the background area of one value of the other field, relative to the width of the panel. It is
+/// used if the other field has only one value, or names as values.
 const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
@@ -216,7 +217,8 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
     let is_log = least > 0.0 && most / least > MIN_LOG_RATIO;
     let spacings = [field.spacing(), Spacing::log(is_log)];
     let factors = [field.factor(), curve.statistic.factor];
-    // On a logarithmic axis, an error bar may reach far below all points. Such an end does not extend the axis.
+    // On a logarithmic axis, the lower end of an error bar may be far below all points. The axis is not extended to
+    // such an end.
     let bars = points().flat_map(|point| normal(point.y, point.std));
     let ys = values()
         .chain(bars)
@@ -363,7 +365,7 @@ impl FieldAxis {
         Scale::around(self.spacing(), ends)
     }
 
-    /// Factor by which the field's values in the tables are multiplied for the axis.
+    /// Factor from a value of the field in the tables to the number that the axis shows.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,
@@ -373,7 +375,7 @@ impl FieldAxis {
 }
 
 /// Converts ranges of values of the searched field to areas and lines in a panel. `along` is the scale of the searched
-/// field, and `across` is the scale of the other field. Positions on both scales run from 0 to 1.
+/// field, and `across` is the scale of the other axis. Positions on both scales are from 0 to 1.
 struct Bands<'a> {
     field: &'a FieldAxis,
     along: Scale,
@@ -410,9 +412,9 @@ impl Bands<'_> {
         [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
     }
 
-    /// Whether areas and contours connect two columns. In both columns, the ranges that meet and the ranges that miss
-    /// the target must follow each other in the same order, and both fields must have numbers as values. `is_named`
-    /// states whether the values of the other field are names.
+    /// Whether areas and contours connect two columns. The values of both fields must be numbers. In both columns, the
+    /// ranges that meet and those that miss the target must have the same order. `is_named` states whether the values
+    /// of the other field are names.
     fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }
@@ -447,8 +449,8 @@ impl Bands<'_> {
         grounds
     }
 
-    /// Adds the background areas between two columns. The ranges of `one` are drawn at `left`, the ranges of `other`
-    /// at `right`.
+    /// Adds the background areas between two columns. An area extends from a range of `one`, at the position `left`, to
+    /// the same range of `other`, at the position `right`.
     fn between(
         &self,
         (left, one): (f64, &Column),
@@ -480,8 +482,8 @@ impl Bands<'_> {
         }
     }
 
-    /// Contours on which the target is just met. A contour connects neighbouring columns if their ranges of values that
-    /// meet and miss the target follow in the same order. At each column, a bar shows the range of undecided values.
+    /// Contours on which the target is just met. A contour connects neighbouring columns if their ranges that meet and
+    /// miss the target have the same order. At each column, a bar shows the range of undecided values.
     fn contours(&self, columns: &[Column], is_named: bool) -> Vec<Line> {
         let crossings = |column: &Column| -> Vec<[f64; 2]> {
             let sides = column.sides.windows(2);

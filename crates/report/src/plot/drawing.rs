@@ -14,7 +14,7 @@ use std::io;
 /// Number of drawing units per pixel. The plotters library uses integer coordinates, and whole pixels would be too
 /// coarse.
 const DETAIL: u32 = 3;
-/// The plotters library's SVG backend divides a font size by this number to get the em, the nominal height of the font.
+/// Ratio of a font size to the em (the nominal height of the font) in the SVG backend of the plotters library.
 const EM: f64 = 1.24;
 /// Distance by which text is moved down, in ems, so that capital letters and digits are centred vertically. Without it,
 /// the SVG backend centres lower-case letters.
@@ -73,8 +73,8 @@ impl Figure {
 
 /// The shapes of a figure, from bottom to top.
 ///
-/// `Drawing` is a backend of the plotters library that only records shapes. The images are made from the recorded
-/// shapes later. So the height of a figure can depend on its content, and a PNG is made only on request.
+/// `Drawing` is a backend of the plotters library that only records shapes. The SVG and the PNG are made later from the
+/// recorded shapes. So the height of a figure can depend on its content, and a PNG is made only on request.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
     pub(crate) size: (u32, u32),

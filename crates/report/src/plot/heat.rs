@@ -23,7 +23,7 @@ pub struct Heat {
     pub title: String,
     /// Line of text below the title. It explains what the shares in the heat map mean.
     pub subtitle: String,
-    /// Label of the field whose values are the names of the items, that is, of the rows and columns.
+    /// Label of the horizontal and the vertical axis: the field whose values name the items.
     pub axis: String,
     /// The panels of the heat map.
     pub panels: Vec<HeatPanel>,
@@ -66,8 +66,8 @@ const NONE: Colour = Colour(236, 236, 236);
 /// squares, also if the figure is printed in grey.
 const ALL: Colour = Colour(8, 48, 107);
 
-/// Draws a heat map. Each pair of items is a square, which is darker the larger the share of the pair is. If there are
-/// few items, each square also contains the share in percent.
+/// Draws a heat map. Each pair of items is a square. The larger the share of the pair, the darker is its square. If
+/// there are few items, each square also contains the share in percent.
 ///
 /// ```
 /// use palpate_report::{Heat, HeatPanel, heat_figure};

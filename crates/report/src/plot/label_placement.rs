@@ -5,11 +5,11 @@ use super::sheet::Point;
 
 /// Font size of a label, in drawing units (1/3 px).
 pub(super) const NAME: i32 = 45;
-/// Distances between a point and its label that are tried, in drawing units (1/3 px).
+/// Possible distances between a point and its label, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
 /// A label gets a line to its point if it is farther from the point than this distance, in drawing units (1/3 px).
 const MAX_WITHOUT_LEADER: i32 = 60;
-/// Number of [`DISTANCES`] that are tried for the label of a point that is not on the Pareto front, smallest first.
+/// Number of [`DISTANCES`], from the smallest, that are tried for the label of a point that is not on the Pareto front.
 const BESIDE: usize = 2;
 const DIRECTIONS: usize = 24;
 /// Half the height of a label including the space around it, in drawing units (1/3 px).
@@ -17,8 +17,8 @@ const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover, in drawing units (1/3 px).
 const POINT: i32 = 18;
 
-/// Penalty for each other label that a label covers, and for each leader that it covers. A leader is the line from
-/// another label to its point. Penalties have the same unit as the distance of a label from its point.
+/// Penalty for each other label that a label covers, and for each leader that it covers. A leader is the line from a
+/// label to its point. Penalties are added to the distance of a label from its point, and have the same unit.
 const HIDES_NAME: i32 = 3_000_000;
 /// Penalty for each other label that the leader of a label crosses.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
@@ -77,9 +77,9 @@ impl Bounds {
     }
 }
 
-/// Places the labels of a figure within a frame, one after another. Labels of points on the Pareto front are placed
-/// first, where their penalty is smallest. Labels of the points in `beaten`, which are not on the front, are placed
-/// only where there is space. Labels also avoid the error bars `bars`.
+/// Places the labels of a figure within a frame, one after another. Labels of points on the Pareto front (`front`) are
+/// placed first, each at the position with the smallest penalty. Labels of the other points (`beaten`) are placed only
+/// where there is space. Labels also avoid the error bars `bars`.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],
@@ -125,8 +125,8 @@ pub(super) fn place(
     names
 }
 
-/// Rectangle of a label at `distance` from its point. `at` is the index of the direction from the point to the label;
-/// direction 0 is to the right.
+/// Returns `distance`, and the rectangle of a label at this distance from its point. `at` is the index of the direction
+/// from the point to the label, counted counterclockwise; direction 0 is to the right.
 fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, Bounds) {
     let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
     let (sine, cosine) = libm::sincos(angle);

@@ -14,8 +14,8 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     fonts.filter_map(Result::ok).collect()
 });
 
-/// Factor by which the width of a text is increased, because a viewer of the SVG uses its own sans-serif font, which
-/// may be wider.
+/// Safety factor for the width of a text. A viewer of the SVG uses its own sans-serif font, which may be wider than the
+/// built-in font.
 const ROOM: f64 = 1.12;
 
 /// Width of `text` at the font size `em`, increased by the factor [`ROOM`].

@@ -22,7 +22,8 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
 /// trials.
 const MAX_FAILED: f64 = 0.05;
 
-/// Points that cannot be drawn: for each reason, the number of these points and the series to which they belong.
+/// Points that cannot be drawn. For each reason why they cannot be drawn, the map contains the number of such points
+/// and the series to which they belong.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
 struct Lines<'a> {
@@ -129,7 +130,7 @@ impl<'a> Lines<'a> {
                     places.iter().copied().fold(f64::INFINITY, f64::min),
                     places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                 ];
-                // If an error bar ends far beyond all points, the axis is not extended to this end.
+                // Extend the axis to the ends of the error bars, except to ends that are far beyond all points.
                 let is_near = |end: &f64| match self.spacing[axis] {
                     Spacing::Log => (0.5 * least..=2.0 * most).contains(end),
                     Spacing::Linear => (least - (most - least)..=2.0 * most - least).contains(end),
@@ -214,8 +215,8 @@ impl<'a> Lines<'a> {
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
     }
 
-    /// The x and the 95 % interval of each point of `rows` that can be drawn. The intervals are computed from the Monte
-    /// Carlo error of the plotted statistic.
+    /// Error bars of those points in `rows` that can be drawn. Each entry contains the x of the point and the ends of
+    /// its 95 % interval, which are computed from the Monte Carlo error of the plotted statistic.
     fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
         let [across, up] = self.spacing;
         let bar = |&row: &usize| {

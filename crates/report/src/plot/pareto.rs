@@ -25,8 +25,8 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
-/// Upper end of the axis of relative errors. A model with a larger error is useless; it is drawn at this end, with an
-/// arrow above it.
+/// Upper end of the axis of relative errors (no unit). A model with a larger error is useless. Its point is drawn at
+/// this end of the axis, with an arrow above it.
 const MAX_ERROR: f64 = 10.0;
 
 /// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
@@ -50,7 +50,8 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
     let y = Scale::around(Spacing::Log, rungs().map(drawn_error));
     let y = y.with_ticks(5).without_minor();
-    // `error_of` names the quantity of the error, followed by remarks. They are separated by semicolons.
+    // `error_of` consists of parts that are separated by semicolons. The first part names the quantity of the error,
+    // and the others are remarks.
     let mut parts = ladder.error_of.split("; ");
     let error_of = parts.next().unwrap_or_default();
     let remarks = parts.map(|remark| phrases::sentence(&[], remark));
@@ -207,8 +208,8 @@ fn arrow((x, y): Point) -> [Point; 3] {
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of the family of a model. Models whose names differ only in settings form a family. Settings are the numbers in
-/// the name with the words that follow them, and the parts that contain `=`; they are removed from the name.
+/// Name of the family of a model: the name of the model without its settings. Settings are the numbers in the name with
+/// the words that follow them, and the parts that contain `=`. Models of a family differ only in settings.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {

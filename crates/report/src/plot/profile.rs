@@ -105,7 +105,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
 }
 
 /// Lines of one panel: first the true displacements, then the estimates. If several cells of the study have the same
-/// true displacement, it is drawn once, in a neutral colour.
+/// true displacement, one line in a neutral colour shows it for all of them.
 fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     let mut truths: Vec<Line> = Vec::new();
     for (style, profile) in shown {
@@ -123,7 +123,7 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
 
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Swept fields in which the drawn cells differ, without the field whose values separate the panels.
+    /// Swept fields in which the drawn cells differ, except the field that has one panel per value.
     names: Vec<&'a Axis>,
 }
 
@@ -207,8 +207,8 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
 
 /// One component of the skin's displacement in every cell of the study, in the order of `map.csv`.
 struct Profiles {
-    /// Units of the distance from the contact and of the displacement, as the headers of the table state them; may be
-    /// empty.
+    /// Units in the headers of the table: the unit of the distance from the contact, and the unit of the displacement.
+    /// A unit may be empty.
     units: [String; 2],
     cells: Vec<Profile>,
 }

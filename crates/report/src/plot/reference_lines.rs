@@ -8,7 +8,7 @@ use crate::table::same;
 use palpate_study::{config, number};
 use plotters::style::Color;
 
-/// An axis of a plot. It converts numbers of the config to displayed numbers.
+/// An axis of a plot. It converts numbers in the config to the numbers that the axis displays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AxisScale {
     pub(crate) name: char,
@@ -58,7 +58,7 @@ pub(crate) struct Points {
 
 impl Points {
     /// Converts the reference points of a plot. `series` returns the style of the series with a given name. `panels`
-    /// lists the swept value that each panel shows. The error states why a set of points cannot be drawn.
+    /// contains the swept value of each panel. The error states why a set of points cannot be drawn.
     pub(crate) fn of(
         points: &[config::Points],
         [x, y]: [AxisScale; 2],

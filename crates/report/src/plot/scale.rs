@@ -137,9 +137,9 @@ impl Scale {
         !self.names.is_empty()
     }
 
-    /// The same axis with ticks and labels for a panel of the width `panel`. There are as many ticks as possible, but
-    /// their labels must not overlap. An axis of names keeps all its names, but wraps long names. `gap` is the smallest
-    /// distance between neighbouring names.
+    /// Adapts the axis to a panel of the width `panel`. An axis of numbers gets as many ticks as possible without
+    /// overlapping labels. An axis of names keeps all its names, but wraps long names. `gap` is the smallest distance
+    /// between neighbouring names. Lengths are in drawing units (1/3 px).
     pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
         if !self.names.is_empty() {
             let slot = panel / self.names.len() as i32 - gap;
@@ -229,7 +229,7 @@ impl Scale {
         }
     }
 
-    /// All numbers within the range of the axis that are the product of a number in `digits` and a power of ten.
+    /// All products of a number in `digits` and a power of ten that are within the range of the axis.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -256,8 +256,8 @@ impl Scale {
             let shown = exponents.iter().filter(|e| e.rem_euclid(step) == 0);
             return shown.map(tick).collect();
         }
-        // On an axis of less than three decades, use the first of these lists of digits (the finest) for which the tick
-        // labels do not overlap.
+        // An axis of less than three decades gets ticks at the products of these digits and powers of ten. Use the
+        // first of these lists, from the finest to the coarsest, that gives a suitable number of ticks.
         let choices: [&[i32]; 3] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5], &[1, 3]];
         let mut choices = choices.map(|digits| self.digits(digits)).into_iter();
         let found = choices.find(|values| (2..=about.max(3)).contains(&values.len()));
@@ -338,7 +338,7 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-/// A power of ten, with exactly the bits that its decimal literal has.
+/// A power of ten. It is parsed from its decimal literal, so it is the nearest double.
 fn power(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::MAX)
 }

@@ -1,4 +1,4 @@
-//! Selects the columns, rows and cells of the tables that a `[[plot]]` needs.
+//! Selects the columns and rows of the tables, and the cells of the study, that a `[[plot]]` shows.
 
 use super::captions::{self, full_value};
 use super::sheet::Words;
@@ -201,8 +201,8 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // Return an error if two rows belong to the same point. If a statistic is plotted along x, rows without a value
-        // of this statistic are not drawn, so they are not checked.
+        // If a statistic is plotted along x, rows without a value of this statistic are not drawn, so they are not
+        // checked.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {

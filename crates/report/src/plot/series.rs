@@ -80,7 +80,8 @@ pub(crate) struct Line {
     pub(crate) bars: Vec<(f64, [f64; 2])>,
 }
 
-/// Explanation of the lines and markers of a plot. It is empty if there is only one series and no dashed line.
+/// Entries of the legend, which explain the lines and markers of a plot. There are no entries if the plot has only one
+/// series and no dashed line.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SeriesKey {
     pub(crate) title: String,
@@ -99,8 +100,8 @@ pub(crate) struct Mark {
     pub(crate) style: ShapeStyle,
 }
 
-/// The x axis and the y axis, which cover all points and reference lines. `make` creates an axis from its index (0 for
-/// x, 1 for y) and from the values that the axis must cover.
+/// Creates the x axis and the y axis, which cover all points and reference lines. `make` creates one axis from its
+/// index (0 for x, 1 for y) and from the values that it must cover.
 pub(crate) fn scales(
     panels: &[Content],
     marks: &[Mark],
@@ -265,8 +266,8 @@ impl Plot {
 
     fn stroke(&self, line: &Line, panel: &mut Panel<'_>) -> Drawn {
         let style = line.style.colour.stroke_width(STROKE);
-        // If a solid line and a dashed line coincide, both must be visible. Therefore the solid lines are pale if there
-        // are dashed lines.
+        // If the plot has dashed lines, solid lines are drawn in a pale colour. Otherwise, a dashed line on top of a
+        // solid line would be invisible.
         let behind = pale(line.style.colour).stroke_width(STROKE);
         for run in &line.runs {
             match run.as_slice() {
@@ -304,8 +305,8 @@ impl Mark {
         let along = |start: i32, end: i32| {
             PLACES.map(|share| start + (share * f64::from(end - start)) as i32)
         };
-        // `ends` are the ends of the reference line. `places` are the positions on both sides of the line at which its
-        // label may be placed.
+        // `ends` are the ends of the reference line. `places` are possible positions of its label, in pairs on both
+        // sides of the line.
         let (ends, places) = if self.on_x {
             let heights = along(down.end - half, down.start + half);
             let beside = heights.map(|y| [(x + 18, y), (x - 18 - wide, y)]);
@@ -344,8 +345,9 @@ impl Mark {
 }
 
 impl Content {
-    /// Measures how much of the drawn data a label in this box would cover. Each point in the box counts 3. Each line
-    /// segment is sampled at 21 places, and each of these places in the box counts 1.
+    /// Measures how much of the drawn data a label would cover. The label covers the box with the pixel ranges `across`
+    /// and `down`. Each point in the box adds 3 to the result. Each line segment is sampled at 21 positions, and each
+    /// of them in the box adds 1.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

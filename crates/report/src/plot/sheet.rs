@@ -75,7 +75,7 @@ pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Lower edge of everything that is already drawn: its distance from the top of the sheet in drawing units (1/3
+    /// Distance from the top of the sheet to the lower edge of everything that is already drawn, in drawing units (1/3
     /// px).
     pub(crate) top: i32,
 }
@@ -93,7 +93,8 @@ pub(crate) struct Sample {
 /// Entries of a key: symbol (sample) and text of each entry.
 pub(crate) type Key = Vec<(Sample, String)>;
 
-/// Draws a figure from top to bottom: title and subtitle, then the content, which `draw` draws, then the notes.
+/// Draws a figure from top to bottom: title and subtitle, then the content, then the notes. The function `draw` draws
+/// the content.
 pub(crate) fn figure(
     words: Words,
     width: i32,

@@ -24,12 +24,13 @@ const BESIDE: i32 = 198;
 pub(super) const BELOW: i32 = 48;
 /// Largest height of the box of the three-dimensional chart, in drawing units (1/3 px).
 const TALLEST: i32 = 1860;
-/// Distance between ticks, in drawing units (1/3 px). The length of an axis divided by this distance is its number of
-/// ticks, but there are at least 2 and at most 6 ticks.
+/// Approximate distance between ticks, in drawing units (1/3 px). The number of ticks of an axis is its length divided
+/// by this distance, but at least 2 and at most 6.
 const APART: f64 = 192.0;
 
 /// A three-dimensional chart of the plotters library. Its x axis points to the right, its y axis up, and its z axis
-/// away from the viewer. In the tables, z points up. Therefore, y and z of the contacts must be swapped.
+/// away from the viewer. In the tables, the z axis points up. Therefore, the coordinates y and z of the contacts are
+/// swapped for this chart.
 pub(super) type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
 /// A scale that covers one coordinate of all positions `places`. `axis` is the index of the coordinate (0, 1 or 2).
@@ -90,7 +91,7 @@ impl View {
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
         // The plotters library draws the labels of an axis on the side that faces away from the middle of the drawing
-        // area. So this drawing area determines on which side the labels are.
+        // area. So the choice of this area also determines on which side of the box the labels are.
         let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
             ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;

@@ -17,8 +17,8 @@ pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
 
 pub(crate) const DARK: Colour = Colour(27, 29, 31);
 
-/// Colours that are replaced when the reader's screen shows a dark page: pairs of a colour and its replacement. All
-/// other colours are visible on white and on dark pages.
+/// Colours that are replaced if the reader's screen shows a dark page. Each entry contains a colour and its
+/// replacement. All other colours are visible on white and on dark pages.
 pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
     let light = Colour(232, 232, 230);
     let neutral = [
@@ -151,8 +151,8 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
 /// curvature H: H > 0, then H = 0, then H < 0. For the same sign of H, they are sorted by the sign of the Gaussian
 /// curvature K: K > 0, K = 0, K < 0.
 ///
-/// From convex to concave, the colours change from red to blue, which colour-blind readers can distinguish. For grey
-/// prints, all colours have different lightness. No series has one of these colours.
+/// From convex to concave, the colours change from red to blue, which colour-blind readers can distinguish. All colours
+/// have different lightness, so they can be distinguished in a grey print. No series has one of these colours.
 pub(crate) const CLASSES: [(&str, Colour); 8] = [
     ("peak", Colour(122, 31, 18)),
     ("ridge", Colour(210, 79, 31)),

@@ -86,7 +86,8 @@ fn ratio(error: f64, of: f64) -> f64 {
     if of > 0.0 { error / of } else { 0.0 }
 }
 
-/// Standard error of the mean of `count` absolute values. `mean` is this mean, and `rms` their root mean square.
+/// Standard error of the mean of the absolute values of `count` errors. `mean` is the mean absolute value, and `rms` is
+/// the root mean square of the errors.
 fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
     ((rms * rms - mean * mean).max(0.0) / count).sqrt()
 }

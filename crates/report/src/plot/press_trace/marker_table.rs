@@ -37,9 +37,9 @@ pub(super) struct Displacement {
 
 #[derive(Debug, Clone)]
 pub(super) struct Marker {
-    /// Position of the marker along the skin before the press.
+    /// Coordinates (x, y) of the marker along the skin before the press, in the length unit of the tables.
     pub(super) place: [f64; 2],
-    /// Distance of the marker from the contact, along the skin.
+    /// Distance of the marker from the contact along the skin, in the length unit of the tables.
     pub(super) radial: f64,
     pub(super) truth: Displacement,
     /// Measured displacement; `None` if there is no reading of this marker.
@@ -133,7 +133,7 @@ impl Trace {
     }
 
     /// Root-mean-square errors of the readings: the error of the normal displacement, and the error of the displacement
-    /// along the skin. An error is `None` if there are no such readings.
+    /// along the skin. An error is `None` if no marker has a reading of this displacement.
     pub(super) fn off(&self) -> (Option<f64>, Option<f64>) {
         let read = || {
             let markers = self.markers.iter();

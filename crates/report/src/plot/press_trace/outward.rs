@@ -1,13 +1,14 @@
 //! Computes, for each marker, the direction along the skin away from the contact. The tables state only the distance
 //! of each marker from the contact, so the position of the contact is fitted to these distances.
 
-/// Number of equal steps of the skin's curvature in the coarse search, which comes first.
+/// Number of equal steps of the skin's curvature in the coarse search, the first of two searches for this curvature.
 const STEPS: u32 = 60;
 /// Number of golden-section steps in the fine search for the skin's curvature. The fine search starts from the
 /// curvature that fits best in the coarse search.
 const REFINEMENTS: u32 = 60;
-/// Largest curvature of the skin that the search tries, multiplied by the largest distance of a marker from the contact
-/// or the apex. The product must be less than π, because with π this distance would be half a great circle.
+/// Upper end of the search for the skin's curvature: the curvature, multiplied by the largest distance of a marker from
+/// the contact or from the apex (no unit). It must be less than π, because for π this distance would be half a great
+/// circle.
 const ROUNDEST: f64 = 3.1;
 /// Regularisation of the least-squares fit: the trace of the matrix of the normal equations, multiplied by this number,
 /// is added to the diagonal of this matrix. The solution is then unique, even if the positions do not determine all
@@ -20,9 +21,9 @@ const AT_CONTACT: f64 = 1e-6;
 /// Unit vector along the skin away from the contact, for each marker; `None` at the contact.
 ///
 /// `places` are the positions of the markers along the skin: (x, y) is the point at the distance √(x² + y²) from the
-/// apex in the direction (x, y). `distances` are the distances of the markers from the contact along the skin. The
-/// skin is a sphere of unknown radius. The components of the result are along the axes at the apex,
-/// parallel-transported along the meridian to the marker.
+/// apex in the direction (x, y). `distances` are the distances of the markers from the contact along the skin. The skin
+/// is a sphere of unknown radius. The components of the result are along two axes in the skin at the marker: the axes
+/// at the apex, parallel-transported along the meridian to the marker.
 pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64; 2]>> {
     let lengths = places.iter().map(|[x, y]| libm::hypot(*x, *y));
     let size = lengths.chain(distances.iter().copied()).fold(0.0, f64::max);
@@ -61,8 +62,8 @@ pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64
 struct Contact {
     curvature: f64,
     place: [f64; 3],
-    /// Sum of the squared misfits of the chords from the markers to the contact. The misfit of a chord is the
-    /// difference between its fitted and its given squared length.
+    /// Sum of the squared misfits of the chords from the markers to the contact. The misfit of a chord is its squared
+    /// length on the fitted sphere, minus the squared length that follows from the given distance.
     misfit: f64,
 }
 
