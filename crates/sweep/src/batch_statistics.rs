@@ -1,5 +1,6 @@
-//! Statistics of a cell's trials, collected in batches. The jackknife estimates their standard errors: it computes each
-//! statistic again without one of the batches, for each batch in turn.
+//! Statistics of a cell's trials, collected in batches. The grouped jackknife estimates their standard errors: it
+//! leaves out one batch after another, computes each statistic from the remaining batches, and uses the scatter of the
+//! results.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -13,8 +14,8 @@ use crate::runner::Runner;
 use crate::summary::CellStatistics;
 use crate::trial_record::Record;
 
-/// Number of batches. With 32 batches, Student's t distribution of an estimate is nearly normal. With more batches, a
-/// batch would contain too few trials in a cell with only 100 trials.
+/// Number of batches into which the trials of a cell are divided. With 32 batches, Student's t distribution is nearly
+/// normal. With more batches, each batch of a cell with only 100 trials would contain too few trials.
 const BATCHES: u64 = 32;
 
 /// Statistics of the trials of one cell, in 32 batches of equal size.
@@ -64,8 +65,8 @@ pub struct Growth<'a, T: ?Sized> {
     pub trial: &'a T,
     /// Batches to which the statistics of the new trials are added.
     pub batches: &'a mut Batches,
-    /// Smallest number of trials that the batches must contain after the new trials were added. The number does not
-    /// apply to an experiment that is not random: it has only one trial.
+    /// Smallest number of trials that the batches must contain after the new trials were added. An experiment that is
+    /// not random has only one trial in any case.
     pub trials: u64,
 }
 
@@ -78,7 +79,7 @@ pub struct Estimate {
     /// For each batch, the value of the statistic over all trials outside of this batch; empty if the experiment is not
     /// random.
     without: Vec<f64>,
-    /// Standard deviation of an additional error of the statistic, which has the same value in all batches; see
+    /// Standard deviation of an error that the statistic has in addition to its scatter between batches; see
     /// [`Self::with_resolution`].
     resolution: f64,
 }
@@ -94,8 +95,8 @@ impl Batches {
         }
     }
 
-    /// The same batches, which store the statistics of only the quantities in `quantities`. Quantiles are stored only
-    /// if `histograms` is true. The restriction saves memory.
+    /// Restricts the stored statistics, to save memory. Only the statistics of the quantities in `quantities` are
+    /// stored, and their quantiles only if `histograms` is true.
     #[must_use]
     pub fn keeping(self, quantities: Vec<usize>, histograms: bool) -> Self {
         Self {
@@ -120,8 +121,8 @@ impl Batches {
         all
     }
 
-    /// Estimates a statistic and its standard error (by the grouped jackknife). Returns `None` if the statistic is
-    /// undefined over all trials, or undefined without one of the batches.
+    /// Estimates a statistic, and its standard error by the grouped jackknife. Returns `None` if the statistic is
+    /// undefined for all trials together, or for the trials that remain when one of the batches is left out.
     pub fn estimate(&self, statistic: impl Fn(&CellStatistics) -> Option<f64>) -> Option<Estimate> {
         let value = statistic(&self.statistics())?;
         let run: Vec<&Partial> = self.batches.iter().filter(|one| one.trials > 0).collect();
@@ -153,7 +154,8 @@ impl Batches {
 }
 
 impl Estimate {
-    /// The estimate of a function of this statistic; `None` if one of the function's values is not finite.
+    /// The estimate of `function` of this statistic, for example its logarithm; `None` if one of the function's values
+    /// is not finite.
     pub fn map(&self, function: impl Fn(f64) -> f64) -> Option<Self> {
         let finite = |value: f64| Some(function(value)).filter(|value| value.is_finite());
         let without: Option<Vec<f64>> = self.without.iter().map(|one| finite(*one)).collect();

@@ -5,11 +5,11 @@ use std::ops::Range;
 use crate::partial_statistics::Partial;
 use crate::trial_record::Record;
 
-/// Number of trials in a block. The sums of a cell's blocks are added in the order of the blocks, so the result does
-/// not depend on the threads.
+/// Number of trials in a block, the smallest group of trials whose sums are computed together. The sums of a cell's
+/// blocks are added in the order of the blocks, so the result does not depend on the threads.
 pub const BLOCK: u64 = 1024;
 
-/// An experiment, which a cell of the study repeats in many trials.
+/// An experiment. A cell of the study repeats it in many trials.
 pub trait Trial: Sync {
     /// Number of quantities that the experiment observes.
     fn quantities(&self) -> usize;
@@ -21,7 +21,7 @@ pub trait Trial: Sync {
     /// dropped.
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str>;
 
-    /// Runs the first few of `trials` together, and returns the number of trials that were run. The function must
+    /// Runs some trials together, from the first trial in `trials` on, and returns their number. The function must
     /// record exactly the same numbers as [`Trial::run`], and must run only trials that succeed. If it returns 0, the
     /// next trial is run by [`Trial::run`].
     ///
@@ -74,8 +74,8 @@ pub struct Task {
     /// Number of trials of the cell; may be 0. If a rule may end the cell early, this is the largest possible number.
     pub trials: u64,
     /// Whether a rule may end the cell before its last trial. All trials of such a task run on one thread. Only the
-    /// last task of a run is shared by several threads; trials that they have run after the trial at which the rule
-    /// ends the cell are dropped.
+    /// last task of a run is shared by several threads. These threads may run trials beyond the trial at which the rule
+    /// ends the cell; such trials are dropped.
     pub may_stop: bool,
 }
 
@@ -88,7 +88,7 @@ pub struct StoppingRule {
     /// Index of the quantity whose statistic is tested. The index is the place of the quantity among the quantities of
     /// the trial.
     pub quantity: usize,
-    /// The statistic of the quantity; its precision is tested.
+    /// The statistic whose precision is tested.
     pub statistic: StoppingStatistic,
     /// The trials of a cell end when the relative standard error of the statistic is at most this value. The standard
     /// error is computed from the scatter between trials, so the observations within one trial count as a single
@@ -118,7 +118,7 @@ impl StoppingRule {
             && self.is_precise(cell) == Some(true)
     }
 
-    /// Whether the relative standard error of the rule's statistic is small enough; `None` if this error is undefined.
+    /// Whether the relative standard error of the rule's statistic is small enough; `None` if it is undefined.
     fn is_precise(&self, cell: &Partial) -> Option<bool> {
         let sums = cell.quantities.get(self.quantity)?.sums();
         let [estimates, magnitudes] = sums.by_trial;

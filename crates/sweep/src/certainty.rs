@@ -1,5 +1,5 @@
-//! Scores of statements such as "this number is at most the limit". A score z states how probable the statement is: the
-//! probability is Φ(z), where Φ is the distribution function of the standard normal distribution.
+//! Scores of statements such as "the estimated quantity is at most the limit". A score z states how probable the
+//! statement is: its probability is Φ(z), where Φ is the distribution function of the standard normal distribution.
 
 use palpate_statistics::{CERTAIN, NORMAL_95};
 
@@ -8,8 +8,8 @@ use palpate_statistics::{CERTAIN, NORMAL_95};
 /// freedom.
 ///
 /// Wallace's approximation (1959) converts Student's t to the normal score with the same probability. Its error is at
-/// most 1 % for at least 5 degrees of freedom. If `std` is 0, the sign of the margin decides, and a margin of 0 meets
-/// the limit.
+/// most 1 % for at least 5 degrees of freedom. If `std` is 0, the score is the largest possible one, with the sign of
+/// the margin; a margin of 0 counts as positive.
 pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
     let side = if margin >= 0.0 { 1.0 } else { -1.0 };
     let t = margin.abs() / std;
@@ -30,8 +30,9 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
 }
 
 /// Score of the statement that an event has at most the probability `limit`, which is in (0, 1). The event occurred in
-/// `count` of `of` independent trials. The score is the signed square root of the deviance, with a continuity
-/// correction of half a trial. Without trials, the score is 0.
+/// `count` of `of` independent trials. The score is the square root of the deviance (twice the log-likelihood ratio),
+/// with a continuity correction of half a trial. It is negative if the event was more frequent than `limit`. Without
+/// trials, the score is 0.
 ///
 /// ```
 /// // No failure in 256 trials: P = 0.95²⁵⁶ = 2.0e-6, which is a score of 4.6.

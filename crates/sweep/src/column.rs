@@ -13,7 +13,7 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// To save memory, the observations of a successful trial are replaced by their sums if the trial made more than one.
+/// If a successful trial made more than one observation, the observations are replaced by their sums, to save memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
@@ -21,8 +21,8 @@ pub(crate) struct Column {
     truths: Vec<f64>,
     /// Standard deviations that the trials reported; [`UNREPORTED`] for an observation without a standard deviation.
     stds: Vec<f64>,
-    /// For each observation whose trial reports its coverage itself: the index of the observation, and whether the
-    /// trial's 50, 80 and 95 % intervals contain the true value.
+    /// Coverage of the observations for which the trial itself reported it. Each entry contains the index of the
+    /// observation, and whether its 50, 80 and 95 % intervals contain the true value.
     verdicts: Vec<(usize, [bool; 3])>,
     /// Number of stored observations that belong to successful trials. Later observations belong to the trial that is
     /// running.

@@ -3,7 +3,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Binary logarithm of the number of bins per octave and sign. An octave is the range between two powers of two.
+/// Binary logarithm of the number of bins per octave and sign. An octave is the range from one power of two to the
+/// next.
 const BIN_BITS: u32 = 7;
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 /// Number of bins per octave, for positive and negative numbers together.
@@ -19,16 +20,16 @@ type Bin = u64;
 /// Counts of the values in each bin of one octave. The index of a count consists of the last bits of its [`Bin`].
 type Page = [u64; PLACES];
 
-/// Counts of finite numbers, with 128 bins per octave (range between two powers of two) and sign.
+/// Counts of finite numbers, with 128 bins per sign and octave (range from one power of two to the next).
 ///
-/// The representative of a bin is its middle, which differs from every number in the bin by at most 0.4 %. Zero and
-/// subnormal numbers (below 2.3e-308) have the representative 0.
+/// All numbers in a bin are represented by the middle of the bin, which differs from each of them by at most 0.4 %.
+/// Zero and subnormal numbers (below 2.3e-308) are represented by 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Histogram {
     /// A list with the bin of each value. It is used for up to [`FEW`] values; for more values, the list is empty, and
     /// the counts per bin are stored instead.
     few: Vec<Bin>,
-    /// Exponent bits of the numbers that the first page counts.
+    /// Octave of the first page in `pages`, as the exponent bits of its numbers.
     first: usize,
     /// Counts per bin, with one page for each octave from the octave `first` on; `None` for an octave without values.
     pages: Vec<Option<Box<Page>>>,
@@ -66,7 +67,7 @@ impl Histogram {
         self.pages.is_empty()
     }
 
-    /// Stops listing the bin of each value: counts the listed values per bin, and empties the list.
+    /// Changes from the list of bins to counts per bin: counts the listed values, and empties the list.
     fn list_no_more(&mut self) {
         for bin in std::mem::take(&mut self.few) {
             self.count(bin);
@@ -119,8 +120,8 @@ impl Histogram {
         }
     }
 
-    /// Quantiles for probabilities p from 0 to 1; `None` without numbers. A quantile is interpolated linearly at the
-    /// position `p (n − 1)` between the sorted numbers, where position 0 is the smallest of the n numbers. Each sorted
+    /// Quantiles for probabilities p from 0 to 1; `None` without numbers. The n numbers are sorted, and the smallest
+    /// has the position 0. A quantile is interpolated linearly between them at the position `p (n − 1)`. Each sorted
     /// number has a relative error of at most 0.4 %.
     pub(crate) fn quantiles<const N: usize>(&self, probabilities: [f64; N]) -> Option<[f64; N]> {
         let ranked = Ranked::new(self);
@@ -207,8 +208,8 @@ impl<'a> Ranked<'a> {
     }
 }
 
-/// The operation that adds `values` to the counts per bin of `histogram`. It is a struct, so that the crate `pulp` can
-/// run it with vector instructions.
+/// The operation that adds `values` to the counts per bin of `histogram`. The crate `pulp` requires a struct to run an
+/// operation with vector instructions.
 struct Count<'a> {
     histogram: &'a mut Histogram,
     values: &'a [f64],

@@ -4,9 +4,10 @@
 /// Count, mean and sum of squared deviations of some finite numbers.
 ///
 /// Deviations are measured from the first number. Otherwise a small scatter around a large mean would be lost by
-/// rounding. The remaining rounding error grows at most in proportion to the count. Very large or very small numbers
-/// are stored in units of a power of two, so that their squares neither overflow nor underflow. Parts are merged by the
-/// formula of Chan, Golub and LeVeque (1983). A different order of merging changes the last bits of the result.
+/// rounding. The remaining rounding error grows at most in proportion to the count of numbers. Very large or very small
+/// numbers are stored in units of a power of two, so that their squares neither overflow nor underflow. Parts are
+/// merged by the formula of Chan, Golub and LeVeque (1983). A different order of merging changes the last bits of the
+/// result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
@@ -40,8 +41,8 @@ impl Moments {
     }
 
     /// Moments of finite `values`. `sums` contains two sums over the values: the sum of the differences from the first
-    /// value, and the sum of the squares of these differences. Both are computed again if the values are so large or so
-    /// small that they need scaling.
+    /// value, and the sum of the squares of these differences. If the values are so large or so small that they need
+    /// scaling, `sums` are ignored and computed again.
     pub(crate) fn with_sums(values: &[f64], sums: [f64; 2]) -> Self {
         match values.first() {
             Some(&first) if is_ordinary(sums[1]) => {
@@ -62,7 +63,8 @@ impl Moments {
         }
     }
 
-    /// Moments of the absolute values of the summarised numbers. `mean` is the mean of these absolute values.
+    /// Moments of the absolute values of the numbers whose moments `self` contains. `mean` is the mean of the absolute
+    /// values.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
         let excess = (signed - mean) * (signed + mean) * self.count as f64;
@@ -135,8 +137,8 @@ impl Moments {
 
 /// Number of partial sums that are computed independently, so that the compiler can use vector instructions.
 pub(crate) const LANES: usize = 8;
-/// Largest absolute exponent of a unit. Up to this limit, units are normal floats, and no square of a scaled number
-/// overflows or underflows.
+/// Largest absolute exponent of the unit 2^exponent. Up to this limit, units are normal floats, and no square of a
+/// scaled number overflows or underflows.
 const MAX_EXPONENT: i32 = 1000;
 /// Numbers with absolute values from 2^−200 to 2^200 need no scaling. The fourth powers of such numbers are normal
 /// floats, and so are sums of up to 2^60 of these powers.

@@ -38,8 +38,8 @@ pub enum Repeats {
     /// An approximate number of trials. Too few trials were run to form groups of this number of trials, so the number
     /// is computed as if the means were normally distributed.
     About(u64),
-    /// The means are never in the right order with the required probability, however many trials are averaged: the mean
-    /// over all trials is in the wrong order, or all estimates are equal.
+    /// No number of averaged trials gives the required probability: the means over all trials are in the wrong order,
+    /// all estimates are equal, or no trial succeeded.
     Never,
     /// The number of trials to average cannot be estimated from the trials that were run, because they are too few.
     Unknown,
@@ -47,10 +47,10 @@ pub enum Repeats {
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// Value of the argument `uncertain` of [`interval`] at which the estimated variance has half of its full weight. The
-/// more trials support the variance, the larger are `uncertain` and the weight.
+/// Weight of an estimated variance in [`interval`]: the variance has half of its full weight if `uncertain` equals this
+/// number. The more trials support the variance, the larger are `uncertain` and the weight.
 const HALF_WEIGHT: f64 = 20.0;
-/// Largest number of trials to average that is returned. A larger number is reported as unknown.
+/// Largest number of trials to average that [`repeats`] returns. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
 
 impl Runner {
@@ -115,12 +115,12 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
 }
 
 /// Probability that an estimate of experiment `low` is below an estimate of experiment `high`, over all pairs of
-/// trials. The two experiments must have drawn different random numbers. A pair with equal estimates counts as half, so
-/// that experiments that cannot be distinguished have a probability of one half. A pair with a failed trial counts as
-/// not in order. If `limit` is given, the result is another probability: that both estimates are above `limit`. For
-/// example, it is the probability that both experiments classify more than half of the places correctly.
+/// trials. The two experiments must have drawn different random numbers. A pair with equal estimates counts as half in
+/// the right order. So the probability is one half if the experiments cannot be distinguished. A pair with a failed
+/// trial counts as in the wrong order. If `limit` is given, the result is the probability that both estimates are above
+/// `limit`, for example that both experiments classify more than half of the points correctly.
 ///
-/// The probability is Mann and Whitney's statistic, and its variance is computed by the formula of Sen (1960). The
+/// The probability is Mann and Whitney's statistic, and its variance is computed by the formula of Sen (1960). The 95 %
 /// interval is Wilson's interval for the number of independent trials that would have the same variance.
 pub fn in_order(low: &[TrialMeans], high: &[TrialMeans], limit: Option<f64>) -> Order {
     order_of(&estimates(low), &estimates(high), limit)
@@ -172,8 +172,8 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of trials to average, if it is so large that groups of this size cannot be formed from the trials that were
-/// run. The number is computed as if the means were normally distributed.
+/// Number of trials to average, if it is above `most`. Then the trials that were run are too few to form groups of this
+/// size, so the number is computed as if the means were normally distributed.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -184,7 +184,7 @@ fn beyond(
     let (Some(one), Some(other)) = (Spread::of(one), Spread::of(other)) else {
         return Repeats::Never;
     };
-    // Each entry contains a distance, the standard deviation of a trial, and the standard error of the distance.
+    // Each entry contains a distance, its standard deviation for single trials, and its standard error for all trials.
     // Without a limit, the distance is between the two means; with a limit, it is from each mean to the limit. The
     // distance is positive if the order is right.
     let separations = match limit {
@@ -199,8 +199,8 @@ fn beyond(
     };
     let tail = match limit {
         None => 1.0 - confidence,
-        // The means of both experiments must be above the limit. These means are independent. Therefore each mean alone
-        // must be above the limit with the square root of the required probability.
+        // The means of both experiments must be above the limit, and they are independent. Therefore, the probability
+        // for each mean alone must be the square root of the required probability.
         Some(_) => 1.0 - confidence.max(0.0).sqrt(),
     };
     let score = score_of_tail(tail);
@@ -280,8 +280,8 @@ fn sorted(values: &[Option<f64>]) -> Vec<f64> {
 
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
-    // Returns two numbers: how many of the trials in `sorted` (the successful trials of the other experiment) are below
-    // `value`, and how many there are in total. A trial that is equal to `value` counts as half.
+    // `sorted` contains the estimates of the successful trials of the other experiment. Returns the number of estimates
+    // below `value`, and the number of all estimates. An estimate equal to `value` counts as half an estimate below.
     let half_and_above = |sorted: &[f64], value: f64| {
         let [below, up_to] = [
             sorted.partition_point(|other| *other < value),
@@ -348,8 +348,8 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
 
 /// Computes the 95 % interval of a probability from its variance and from the numbers of trials of the two experiments.
 /// Every trial of one experiment forms a pair with every trial of the other. `uncertain` is the smaller of two numbers:
-/// of the trials with a pair in the right order, and of the trials with a pair in the wrong order. If it is small, the
-/// variance is inaccurate.
+/// the number of trials with at least one pair in the right order, and the number of trials with at least one pair in
+/// the wrong order. If `uncertain` is small, the variance is inaccurate.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,
@@ -363,8 +363,8 @@ fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [us
     if one == 1 && other == 1 {
         return order(probability, (probability, probability));
     }
-    // `as_many` is the number of independent trials for which the estimated probability of the right order would have
-    // the variance `variance`. It is at least `fewest`, the number of trials of the smaller random experiment. If
+    // `as_many` is the number of independent trials for which the estimated probability would have the variance
+    // `variance`. It is at least `fewest`, the number of trials of the random experiment with fewer trials. If
     // `uncertain` is small, the variance is inaccurate, so `as_many` stays near `fewest`.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,

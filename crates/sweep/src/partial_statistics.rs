@@ -11,7 +11,8 @@ use crate::summary::{Failure, Failures};
 use crate::sums::Sums;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Sums over the observations of one quantity. All statistics of the quantity are computed from these sums.
+/// Sums over the observations of one quantity, and the histogram of their errors. All statistics of the quantity are
+/// computed from them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
     histogram: Histogram,
@@ -20,7 +21,7 @@ pub(crate) struct Accumulator {
 }
 
 impl Accumulator {
-    /// Adds the observations in `column`, which are those of the next block, and empties `column`.
+    /// Adds the observations of the next block, which are in `column`, and empties `column`.
     pub(crate) fn add(&mut self, column: &mut Column) {
         self.blocks.push(column.sum_up(&mut self.histogram));
     }
@@ -61,7 +62,8 @@ pub(crate) struct Partial {
     pub(crate) quantities: Vec<Accumulator>,
 }
 
-/// Function that receives the number of each trial, and its observations or the kind of its failure.
+/// Function that is called for each trial. It receives the number of the trial, and the observations of the trial or
+/// the kind of its failure.
 pub(crate) type TrialReader<'a> = dyn FnMut(u64, Result<&TrialObservations<'_>, &'static str>) + 'a;
 
 impl Partial {
@@ -118,8 +120,8 @@ impl Partial {
     }
 }
 
-/// Observations of some consecutive trials within a block. Their sums are computed when all trials of the block are
-/// complete, so that the result does not depend on the division into slices.
+/// Observations of some consecutive trials within a block. The sums are computed only when all trials of the block are
+/// complete, so the result does not depend on the division of a block into slices.
 #[derive(Debug, Default)]
 pub(crate) struct Slice {
     trials: u64,
@@ -166,7 +168,8 @@ impl Slice {
     }
 }
 
-/// Runs trials, adds their observations to an empty `record`, and returns the failures of the trials.
+/// Runs trials, adds their observations to `record`, which must be empty before, and returns the failures of the
+/// trials.
 fn run_trials(
     trial: &dyn Trial,
     trials: Range<u64>,

@@ -11,8 +11,8 @@ use crate::cell::Task;
 /// whole run.
 pub const JOB: Duration = Duration::from_millis(4);
 const MAX_BLOCKS: u64 = 64;
-/// Largest number of jobs that may be handed out while the results of an earlier job are missing. The limit restricts
-/// the memory for results that must wait for these earlier results.
+/// Largest number of jobs that may be handed out while the results of an earlier job are missing. The results of later
+/// jobs wait in memory for these missing results, so the limit restricts the memory.
 const AHEAD: u64 = 512;
 /// Limit that replaces [`AHEAD`] while the queue hands out a cell that a rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;
@@ -55,7 +55,7 @@ struct State<T, E> {
     open: Option<OpenTask<T, E>>,
     /// Index of the task that is being handed out. If no task is being handed out, the index of the next task.
     next: u64,
-    /// Number of jobs that were handed out, and number of jobs whose results were passed on.
+    /// Number of jobs that were handed out to threads, and number of jobs whose results were passed on to the caller.
     jobs: [u64; 2],
     is_stopped: bool,
     /// Time per trial (s) in the last finished job. `None` before the first job is finished, and if there is no clock.
@@ -86,7 +86,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
     }
 
     /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits while too many jobs
-    /// have no results yet. If `has_clock` is true, the number of trials in a job is chosen by the measured time per
+    /// have no results yet. If `has_clock` is true, the number of trials in a job follows from the measured time per
     /// trial.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
@@ -118,7 +118,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
     }
 
     /// The next piece of a job: as many trials of a task as fit into the remaining time of the job. The first piece of
-    /// a job contains at least one trial, even if this trial takes longer than intended for a job.
+    /// a job contains at least one trial, even if this trial takes longer than the intended time [`JOB`].
     fn piece(
         &self,
         state: &mut State<T, E>,
@@ -140,9 +140,9 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
-        // The queue cannot predict at which trial a stopping rule will end a task. Therefore one thread runs all trials
-        // of such a task, so that no trials are run in vain. Only the last task is shared by all threads, because
-        // otherwise they would be idle.
+        // The queue cannot predict at which trial a stopping rule will end a task. Therefore, a single thread runs all
+        // trials of such a task, so that no thread runs trials beyond the end. Only the last task is shared by all
+        // threads, because the other threads would otherwise be idle.
         let is_last = has_clock && state.next + 1 == self.tasks;
         let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {
@@ -153,7 +153,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             let blocks = (fitting / BLOCK).clamp(1, MAX_BLOCKS);
             (end - start).min(blocks * BLOCK)
         } else if is_first {
-            // Up to 8 trials are computed together, so run a multiple of 8 trials.
+            // Experiments may compute up to 8 trials together, so hand out a multiple of 8 trials.
             let whole = if fitting > 8 {
                 fitting - fitting % 8
             } else {

@@ -15,8 +15,8 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Function that returns the time since a computation began. The time must increase: a measurement is repeated until
-/// enough time has passed, so with a constant time it would never end.
+/// Function that returns the time since a computation began. The time must increase from call to call: some
+/// measurements are repeated until enough time has passed, and would never end with a constant time.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. These settings do not change the results of the run.
@@ -24,8 +24,8 @@ pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 pub struct RunOptions {
     /// Number of worker threads; by default one per processor.
     pub threads: Option<NonZeroUsize>,
-    /// Whether a thread always runs whole blocks of trials. If so, no clock is read, and the distribution of the trials
-    /// among the threads depends only on the number of threads.
+    /// Whether a thread always runs whole blocks of trials. If so, no clock is read, and the sizes of the jobs do not
+    /// depend on measured times.
     pub whole_blocks: bool,
 }
 
@@ -80,8 +80,8 @@ impl Runner {
         Ok(Self { pool, whole_blocks })
     }
 
-    /// Runs all trials of all cells, and returns the statistics of each cell, in the order of the cells. After each
-    /// block of trials, its thread calls `progress` with the number of trials in the block.
+    /// Runs all trials of all cells, and returns the statistics of each cell, in the order of the cells. A thread calls
+    /// `progress` each time it has run some trials, with the number of these trials.
     ///
     /// # Panics
     /// Panics if a trial or `progress` panics.
@@ -106,8 +106,8 @@ impl Runner {
         NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN)
     }
 
-    /// Calls `check` on the worker threads with all numbers below `count`. If some calls fail, the error of the call
-    /// with the smallest number is returned.
+    /// Calls `check` on the worker threads with the numbers from 0 to `count` − 1. If some calls fail, returns the
+    /// error of the call with the smallest number.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -131,7 +131,7 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
-    /// Calls `of` on the worker threads with all numbers below `count`. Returns the results in the order of the
+    /// Calls `of` on the worker threads with the numbers from 0 to `count` − 1. Returns the results in the order of the
     /// numbers.
     ///
     /// ```
@@ -146,8 +146,8 @@ impl Runner {
         self.install(|| all().map(&of).collect())
     }
 
-    /// Whether the time may be measured. This is not allowed if threads must run whole blocks. It is not allowed on a
-    /// platform without threads either, because such a platform may have no clock.
+    /// Whether times may be measured. They may not if threads must run whole blocks, or if the platform has no threads,
+    /// because such a platform may have no clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks
     }
@@ -200,8 +200,8 @@ impl<'a> Sweep for Cells<'a> {
     }
 }
 
-/// Whether the error occurs because the platform has no threads at all. Any other error means that the operating system
-/// could not start one more thread.
+/// Whether the error occurs because the platform supports no threads. Any other error means that the operating system
+/// could not start a thread.
 fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
     let cause = error
         .source()

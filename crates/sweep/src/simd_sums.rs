@@ -1,4 +1,4 @@
-//! Sums over the observations of a quantity. They are computed with the widest vector instructions of the processor.
+//! Sums over the observations of a quantity, computed with the widest vector instructions of the processor.
 //!
 //! On every processor, a sum is computed from the same [`LANES`] partial sums. Therefore, vectors of any width give the
 //! same result to the last bit.
@@ -9,9 +9,9 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 use crate::column::UNREPORTED;
 use crate::moments::LANES;
 
-/// Whether all observations are valid, that is, whether the errors of the estimates are finite, and the standard
-/// deviations are finite and at least 0. The result may also be `false` for valid numbers that are so large that their
-/// sum overflows. Therefore, if it is `false`, the caller must check each observation.
+/// Whether all observations are valid: all errors of the estimates are finite, and all standard deviations are finite
+/// and at least 0. If the sum of very large valid numbers overflows, the result is `false` too. Therefore, if the
+/// result is `false`, the caller must check each observation.
 pub(crate) fn are_sound(estimates: &[f64], truth: f64, stds: &[f64]) -> bool {
     Arch::new().dispatch(AreSound {
         estimates,
@@ -115,15 +115,16 @@ const SUMS: usize = 12;
 /// otherwise be a function call.
 struct Parts<S: Simd> {
     simd: S,
-    /// Numbers that the sums subtract, repeated in all lanes of the vectors: the first estimate, the first error, and
-    /// the absolute value and the square of the first error.
+    /// Numbers that are subtracted from the terms of the sums. Each number is repeated in all lanes of a vector. The
+    /// numbers are the first estimate, the first error, and the absolute value and the square of the first error.
     estimate: S::f64s,
     error: S::f64s,
     size: S::f64s,
     square: S::f64s,
     half_widths: [S::f64s; 3],
     sums: [[S::f64s; LANES]; SUMS],
-    /// Smallest true values (index 0) and smallest errors (index 1) so far. `high` contains the largest ones.
+    /// Smallest true values (index 0) and smallest errors (index 1) so far. `high` contains the largest true values and
+    /// errors.
     low: [[S::f64s; LANES]; 2],
     high: [[S::f64s; LANES]; 2],
 }
@@ -248,8 +249,8 @@ impl WithSimd for TotalsOf<'_> {
             parts.add([estimates, truths, stds], errors);
         }
         if !last_errors.is_empty() {
-            // The last vector may have unused entries. Fill them with the first observation, which does not change the
-            // sums of differences from it.
+            // Fill the unused entries of the last vectors with the first observation. The sums contain differences from
+            // the first observation, so these entries add 0.
             let [estimate, truth] = self.first;
             let mut filled = [estimate, truth, UNREPORTED].map(|value| [value; LANES]);
             let last = [last_estimates, last_truths, last_stds];
@@ -264,7 +265,8 @@ impl WithSimd for TotalsOf<'_> {
     }
 }
 
-/// Copies the [`LANES`] numbers out of the vectors. The rest of the array is unused.
+/// Copies the [`LANES`] numbers out of the vectors. If a vector has several lanes, the last elements of `vectors` are
+/// unused.
 #[inline(always)]
 fn lanes_of<S: Simd>(vectors: &[S::f64s; LANES]) -> [f64; LANES] {
     let mut lanes = [0.0; LANES];

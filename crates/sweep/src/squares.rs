@@ -2,8 +2,8 @@
 
 use crate::moments::{exponent, is_ordinary, largest, power_of_two, sum};
 
-/// Mean and scatter, over the trials, of two numbers of each trial: its number of observations, and the sum of its
-/// squared errors.
+/// Means and scatter of two numbers over the trials: the number of observations of a trial, and the sum of its squared
+/// errors.
 ///
 /// The observations of one trial are not independent, so the standard error of a mean square is computed from the
 /// scatter between trials. If the fourth powers of errors would overflow or underflow, errors are stored in units of a
@@ -18,9 +18,9 @@ pub(crate) struct TrialSquares {
     square: f64,
     /// Mean over the trials of the number of observations.
     count: f64,
-    /// Sum over the trials of a², where a is the deviation of a trial's sum of squared errors from the mean.
-    /// `square_count` is the sum of a b, and `count_count` the sum of b², where b is the deviation of the trial's
-    /// number of observations.
+    /// Sum of a² over the trials. Here a is the deviation of a trial's sum of squared errors from the mean `square`.
+    /// `square_count` is the sum of a·b, and `count_count` is the sum of b², where b is the deviation of a trial's
+    /// number of observations from the mean `count`.
     square_square: f64,
     square_count: f64,
     count_count: f64,

@@ -78,8 +78,9 @@ impl Runner {
     /// ends early if another thread sets `cancelled`, or if `take` returns `Break`. A thread calls `progress` each time
     /// it has run some trials, with the number of these trials.
     ///
-    /// Memory contains only the experiments that are in use, and results that wait for an earlier result. Therefore it
-    /// does not grow with the number of tasks or trials. The results do not depend on which thread runs which trials.
+    /// Memory contains only the experiments that are in use, and results that wait for an earlier result. Therefore,
+    /// the required memory does not grow with the number of tasks or trials. The results do not depend on which thread
+    /// runs which trials.
     ///
     /// ```
     /// use std::convert::Infallible;
@@ -176,7 +177,8 @@ struct Crew<'a, S: Sweep, F> {
 
 /// Results that have not been passed to `take` yet, in the order of the jobs.
 struct Line<'a, S: Sweep> {
-    /// Results that must wait for the results of an earlier job. The key is the number of the job that computed them.
+    /// Results that must wait for the results of an earlier job. The key is the number of the job that computed the
+    /// results.
     waiting: BTreeMap<u64, Vec<Ran<S>>>,
     /// Number of the job whose results will be passed on next.
     head: u64,
@@ -214,7 +216,7 @@ enum Sum<R> {
     Failed,
 }
 
-/// A guard that stops the queue if a thread panics, so that the run ends on all threads.
+/// A guard of a thread: if the thread panics, the guard stops the queue, so that the run ends on all threads.
 struct Fuse<'a, T, E, F: Fn(u64) -> Task>(&'a Queue<T, E, F>);
 
 impl<T, E, F: Fn(u64) -> Task> Drop for Fuse<'_, T, E, F> {
@@ -238,8 +240,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 None => break,
             }
         }
-        // If the run is cancelled, this thread drops its results. Stop the queue, because other threads may wait until
-        // these results have been passed on.
+        // If the run is cancelled, this thread drops its results. Other threads may be waiting until these results are
+        // passed on, so stop the queue.
         if self.is_cancelled() {
             self.queue.stop();
         }
@@ -300,8 +302,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
     }
 
     /// Runs the trials of a piece of a task. If the sweep writes a row per trial, the rows are appended to `text`. If
-    /// the piece is the whole task, `ran` is set to the number of trials that were run: a stopping rule may have ended
-    /// the task early.
+    /// the piece is the whole task, a stopping rule may end the task early, so `ran` is set to the number of trials
+    /// that were run.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
@@ -355,7 +357,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         Sum::Whole(self.sweep.finish(task.cell, trial, blocks.statistics()))
     }
 
-    /// Stores the results of a job. Then passes on all results for which no earlier result is missing.
+    /// Stores the results of the job `number`. Then passes on these and later results in order, up to the first job
+    /// whose results are missing.
     fn pass_on(&self, number: u64, ran: Vec<Ran<S>>) {
         let line = self.line.lock();
         let mut line = line.unwrap_or_else(PoisonError::into_inner);
@@ -372,7 +375,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             }
             line.head += 1;
         }
-        // A stopping rule may have ended the last task before its last trial. Then stop the queue here.
+        // All tasks are complete. If a stopping rule has ended the last task early, the queue still has trials of this
+        // task, so stop it.
         if line.tasks == self.sweep.tasks() {
             self.queue.stop();
         }

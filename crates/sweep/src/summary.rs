@@ -43,8 +43,9 @@ impl CellStatistics {
 /// An error is the estimate minus the true value. Every number is finite, and is either in the quantity's unit or a
 /// ratio. A statistic is `None` if it is undefined or too large for `f64`. Without observations, all statistics are
 /// undefined. The rounding error of means, rms values and standard deviations is at most 1e-13 of the mean absolute
-/// value of the summarised numbers, for numbers of any size. For standard deviations, the rounding error is also at
-/// most 1e-12 of the result. Results below 1e-308 have fewer digits, because they are multiples of the smallest double.
+/// value of the estimates or errors from which they are computed, for numbers of any size. For standard deviations, the
+/// rounding error is also at most 1e-12 of the result. Results below 1e-308 have fewer digits, because they are
+/// multiples of the smallest double.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
@@ -155,7 +156,7 @@ pub const NOT_FINITE: &str = "not-finite";
 pub(crate) const NEGATIVE_STD: &str = "negative-std";
 pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
-/// The trials of a cell that failed in the same way: their number, and the first of them.
+/// The trials of a cell that failed in the same way: their number, and the number of the first one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Name of the kind of failure. The name is stable and in kebab case.

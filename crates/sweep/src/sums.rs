@@ -5,8 +5,8 @@ use crate::simd_sums::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
 /// Sums over the observations of one quantity in consecutive trials. All statistics of the quantity, except the
-/// quantiles, are computed from these sums. The sums of two consecutive ranges of trials are merged by merging the
-/// later range into the earlier one.
+/// quantiles, are computed from these sums. To merge the sums of two consecutive ranges of trials, merge the later
+/// range into the earlier one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     /// Smallest and largest true value.
@@ -17,8 +17,8 @@ pub(crate) struct Sums {
     pub(crate) errors: Moments,
     magnitude: f64,
     pub(crate) squares: TrialSquares,
-    /// Moments over the trials: of each trial's mean estimate (index 0), and of each trial's mean absolute error (index
-    /// 1).
+    /// Moments, over the trials, of the mean estimate of a trial (index 0) and of the mean absolute error of a trial
+    /// (index 1).
     pub(crate) by_trial: [Moments; 2],
     reported: u64,
     std: f64,
@@ -63,8 +63,8 @@ impl Sums {
         }
     }
 
-    /// The same sums, if all observations are from a single trial. In standard errors, these observations then count as
-    /// one trial.
+    /// Converts sums over observations that are all from a single trial. For standard errors, all these observations
+    /// then count as one trial.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -151,8 +151,8 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// Mean of the values of two groups. `mean` is the mean of the `count` values of one group, and `other` is the mean of
-/// the `more` values of the other group. Neither `mean` nor `other` may be negative.
+/// Mean of all values of two groups. `mean` is the mean of the `count` values of the first group, and `other` is the
+/// mean of the `more` values of the second group. Neither `mean` nor `other` may be negative.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

@@ -87,7 +87,7 @@ impl Observations<'_> {
         self.estimates.len().min(stds)
     }
 
-    /// Number of valid observations among the first `count`, up to the first observation that is invalid.
+    /// Number of observations before the first invalid one, among the first `count` observations.
     pub(crate) fn sound(&self, count: usize) -> usize {
         let estimates = &self.estimates[..count];
         let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);
@@ -107,7 +107,7 @@ impl Observations<'_> {
     }
 }
 
-/// Recorder of observations, to which each [`Trial`](crate::Trial) adds the observations that it makes.
+/// Recorder of observations. Each [`Trial`](crate::Trial) adds the observations that it makes.
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,
@@ -188,8 +188,8 @@ impl Record {
         count
     }
 
-    /// Prepares the record for trials that observe this number of quantities. Earlier observations must have been
-    /// removed.
+    /// Prepares the record for trials that observe `quantities` quantities. The record must not contain earlier
+    /// observations.
     pub(crate) fn set_quantities(&mut self, quantities: usize) {
         self.columns.resize_with(quantities, Column::default);
     }
@@ -209,7 +209,7 @@ impl Record {
         self.columns.iter_mut().for_each(Column::forget);
     }
 
-    /// Runs one trial, passes its observations to `read`, and drops them. The record must be empty before.
+    /// Runs one trial, passes its observations to `read`, and then drops them. The record must be empty before.
     pub(crate) fn single_trial<T>(
         &mut self,
         trial: &dyn Trial,
@@ -233,8 +233,9 @@ impl Record {
         self.columns.iter().map(Column::len).collect()
     }
 
-    /// Passes the observations of each of `trials` to `read`. `before` contains the number of observations of each
-    /// quantity before the first of these trials. All of these trials must have made the same number of observations.
+    /// Passes the observations of each trial in `trials` to `read`. `before` contains the number of observations of
+    /// each quantity before the first of these trials. All of these trials must have made the same number of
+    /// observations.
     pub(crate) fn pass_on(
         &self,
         trials: Range<u64>,

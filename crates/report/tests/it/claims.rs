@@ -109,9 +109,9 @@ fn claims_3_and_4_name_the_cell_they_lack() {
 
 // ---- Claims 5 to 8 and 20: pads
 
-/// A study of rolls on a square grid of pads. Without random offsets of the pads, a roll starts at the centre of a pad,
-/// and its only error is the rounding of its shift to whole pads. With random offsets, `random` computes the relative
-/// error from the pitch, the object's radius and the rate of rotation.
+/// A study of rolls on a square grid of pads. Without random offsets of the pads, a roll starts at the centre of a pad.
+/// Its only error is that the measured shift of the contact is rounded to whole pads. With random offsets, `random`
+/// computes the relative error from the pitch, the object's radius and the rate of rotation.
 fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",
@@ -189,8 +189,8 @@ fn pad_claims_differ_for_the_opposite() {
     differs(&scores[1], &["in 0 of 24"]);
     let study = pads("claims = [8]", |_, _, _| 0.26);
     differs(&study, &["26 % (random offsets"]);
-    // The claim uses the ratio of the errors of the longest and the shortest roll. If the error of the shortest roll is
-    // 0, the ratio is undefined.
+    // The claim uses the ratio of the errors of the longest and the shortest roll. One object must be ignored here: the
+    // error of its shortest roll is 0, so the ratio is undefined.
     let study = pads("claims = [7]", |pitch, radius, rate| {
         if rate < 0.15 && radius == 1.0 {
             0.0

@@ -128,7 +128,7 @@ pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, 
     Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
 }
 
-/// A value from which exactly one score can be computed: a score itself, or a study with only one claim.
+/// A value that has exactly one score: a score itself, or a study with only one claim.
 pub(crate) trait Scored {
     fn score(&self) -> Score;
 }

@@ -121,7 +121,7 @@ fn classes_are_drawn_on_the_fitted_surface() {
             "z (mm)",
         ],
     );
-    // Two squares have the colour of the class peak: one on the first surface, and the sample in the key.
+    // Two squares have the colour of the class `peak`: one on the first surface, and one in the key.
     assert_eq!(count(&text, "polygon", "#7A1F12"), 2);
     let bare = both.replace("z_mm", "w_mm");
     refused(&made(&plot, &bare), &["map.csv", "\"z\""]);

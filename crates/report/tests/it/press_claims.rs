@@ -142,8 +142,8 @@ fn claim_16_needs_the_papers_objects_estimator_and_unit() {
 // ---- Claim 17: regimes
 
 /// Table of sensors with radii of 5, 10 and 20 mm on a ball, a plane, and dishes with radii of 20 and 10 mm. If the
-/// relative curvature is positive, the object touches at a point, and `coverage` returns the coverage of the
-/// intervals. Otherwise all trials fail, and `failure` returns the kind of failure.
+/// relative curvature is positive, the object touches at a point, and `coverage` computes the coverage of the intervals
+/// from this curvature. Otherwise all trials fail, and `failure` returns the kind of failure.
 fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str) -> Cells {
     let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
     for radius in [20.0, 10.0, 5.0] {

@@ -125,8 +125,8 @@ fn bad_tables_are_refused() {
             trace("y_mm\n", "y_um\n"),
             &["trace.csv", "no column \"tangential_y_mm\""],
         ),
-        // Each marker needs exactly one reading. The first table has a reading at a place without a marker, and the
-        // second has two readings at the same marker.
+        // Each reading must be at the position of a marker that has no other reading. The first table has a reading at
+        // a position without a marker, and the second has two readings at the same marker.
         (readings("0,-4,", "0,-4.1,"), &once_each),
         (readings("0,-4,", "-4,0,"), &once_each),
     ] {

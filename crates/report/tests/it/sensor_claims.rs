@@ -23,8 +23,8 @@ fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f
         for depth in [0.4, 0.8, 1.2] {
             for shift in [0.0, 0.5, 1.0] {
                 let place = format!("{object},{depth},{shift}");
-                // Claims about the hue must use only markers that are not displaced along the skin. So the test gives
-                // displaced markers absurd hues.
+                // Claims about the hue must ignore markers that are displaced along the skin. So the test gives such
+                // markers absurd hues.
                 let wild = mean(100.0 * shift);
                 let read = if shift == 0.0 { hue(at, depth) } else { wild };
                 cells.push_of(&place, "hue_change,1/mm", read, "");

@@ -9,13 +9,14 @@ fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
     run_cell(trials, &observing(of)).quantities[0]
 }
 
-/// Tests statistics with closed forms, in units from 1e-320 to 1e300. The errors are 1, 2, … n units, and the true
-/// value is −4 units. In this unit, the errors have the mean (n + 1)/2, the mean square (n + 1)(2n + 1)/6 and the
+/// Compares statistics with closed-form results, in units from 1e-320 to 1e300. The errors are 1, 2, … n units, and the
+/// true value is −4 units. In this unit, the errors have the mean (n + 1)/2, the mean square (n + 1)(2n + 1)/6 and the
 /// sample variance (divisor n − 1) n(n + 1)/12.
 #[test]
 fn sequences_in_any_unit_have_their_closed_forms() {
     for unit in [1e-320, 1e-300, 1e-150, 1.0, 1e300] {
-        // Subnormal numbers are integer multiples of the smallest positive double.
+        // Subnormal numbers are integer multiples of the smallest positive double, so the tolerance is at least two
+        // such steps.
         let bound = f64::max(1e-13, 2.0 * f64::from_bits(1) / unit);
         let close = |found: Option<f64>, due: f64| {
             let found = found.unwrap() / unit;

@@ -121,7 +121,7 @@ impl<T: Trial + Send, E: Send, F: Fn(usize) -> Result<T, E> + Sync> Sweep for Ta
     }
 }
 
-/// Returns the results of all tasks, after checking that they arrive in the order of the cells.
+/// Returns the results of all tasks. Checks that they arrive in the order of the tasks.
 fn streamed<S: Sweep<Result = CellStatistics>>(
     threads: usize,
     sweep: &S,

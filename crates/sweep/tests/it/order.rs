@@ -92,7 +92,7 @@ fn repeats_of(seed: u64, count: u64, means: [f64; 2], limit: Option<f64>) -> Rep
 #[test]
 fn repeats_are_those_of_normal_means() {
     // If the means of both experiments differ by d, the condition for n trials is Φ(√(n/2) d) ≥ 0.95, with the normal
-    // distribution function Φ. From this condition follows n ≥ 2 (1.645/d)².
+    // distribution function Φ. This is equivalent to n ≥ 2 (1.645/d)².
     for (distance, expected) in [(4.0, 1), (1.0, 6), (0.5, 22)] {
         let Repeats::Found(found) = repeats_of(1, 40_000, [0.0, distance], None) else {
             panic!("{distance}")

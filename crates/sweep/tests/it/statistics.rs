@@ -125,7 +125,7 @@ fn a_truth_of_zero_has_no_relative_errors() {
 
 #[test]
 fn a_varying_truth_leaves_the_errors_and_the_estimates() {
-    // The true value varies between blocks and, in the second case, within blocks. The errors are ±0.5.
+    // The true value varies between blocks (first case) or between trials (second case). The errors are ±0.5.
     for run_length in [BLOCK, 1] {
         let truth = |trial: u64| (trial / run_length % 2) as f64 * 4.0;
         let trial = observing(|trial| {
@@ -196,8 +196,8 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
     // The half-width of the 50 % interval is less than one standard deviation.
     assert_eq!(coverages(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
-    // The second and the third trial report whether their intervals contain the true value. These reports differ from
-    // the coverage that follows from the standard deviations of the trials, and must be used instead of it.
+    // The second and the third trial report whether their intervals contain the true value. The reported coverage
+    // differs from the coverage that follows from the standard deviations, and must replace it.
     assert_eq!(
         coverages(stds, [None, none, all, None]),
         [1.0, 2.0, 2.0].map(third)

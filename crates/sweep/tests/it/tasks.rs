@@ -12,8 +12,8 @@ use palpate_sweep::{
 
 use crate::{Tasks, normal, observation, runner, streamed};
 
-/// An experiment with several quantities, varying true values, reported coverage and failures. Each trial takes the
-/// time `wait`.
+/// An experiment with several quantities, varying true values, reported coverage and failures. Each trial takes at
+/// least the time `wait`.
 struct Rich {
     wait: Duration,
     places: u64,
@@ -79,8 +79,8 @@ fn rich(
 #[test]
 fn slices_of_blocks_do_not_change_results() {
     for places in [1, 9] {
-        // Fast trials mostly run in whole blocks. Slow trials run in slices of a block, of about 40 trials. Both must
-        // give the same results.
+        // Fast trials mostly run in whole blocks. Slow trials run in parts of a block (slices) with about 40 trials
+        // each. Both must give the same results.
         let whole = statistics(1, &rich(0, places, 2500));
         for threads in [1, 3] {
             let sliced = statistics(threads, &rich(100, places, 2500));
@@ -224,8 +224,8 @@ fn threads_that_share_a_cell_do_not_change_results() {
         (1, 1_000_000, 0.5),
         // Each trial has nine observations. They are added to the sums after each trial, not at the end of a block.
         (9, 1_000_000, 0.02),
-        // The required standard error of the stopping rule is 0, so the rule never ends a cell. The last trial is at
-        // the end of a block, within a later block, or within the first block.
+        // The required standard error of the stopping rule is 0, so the rule never ends a cell. In these three cases,
+        // the last trial of the cell is at the end of a block, within a later block, and within the first block.
         (1, 2048, 0.0),
         (1, 2500, 0.0),
         (1, 700, 0.0),
