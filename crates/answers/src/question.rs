@@ -58,8 +58,8 @@ pub enum Extreme {
 }
 
 impl Question {
-    /// A question about these fields with the default settings. The defaults are at most 5 % failed trials, a gap of 5
-    /// %, at most 4,194,304 trials per cell and tested value, no time limit, and a confidence of 95 %.
+    /// A question about these fields with the default settings. The defaults are at most 5 % failed trials, a gap of
+    /// 5 %, at most 4,194,304 trials per cell and tested value, no time limit, and a confidence of 95 %.
     ///
     /// If the optimised field has a range, it is the searched field. Otherwise, the last field with a range is
     /// searched. If no field has a range, the optimised field is searched or, if there is none, the last field. The
