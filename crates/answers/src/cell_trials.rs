@@ -16,8 +16,8 @@ use crate::words::percent;
 /// Number of the first fresh trial. Fresh trials are used only to verify an answer; the search for the answer uses
 /// trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
-/// Largest number of scenes in memory. A scene with a camera needs much memory, so if there are more scenes, those that
-/// the current round does not need are dropped.
+/// Largest number of scenes that are stored for later trials. A scene with a camera needs much memory. So if more
+/// scenes are stored, all scenes that the next trials do not need are dropped.
 const MAX_CACHED_SCENES: usize = 64;
 /// Kind of failure of a scene whose readings do not determine an estimate, even without noise.
 const UNDETERMINED: &str = "undetermined";

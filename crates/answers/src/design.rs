@@ -1,8 +1,8 @@
 //! Finds, by Monte Carlo simulation, which values of one or several fields of a study meet a target.
 //!
 //! One field is searched. The other varied fields form a grid, and the search is repeated at each combination of the
-//! grid's values. If the question asks for the best value of the searched field, the grid is refined: combinations near
-//! the best one are added and searched too.
+//! grid's values. If the best value of the searched field is requested, the grid is refined: combinations near the best
+//! one are added and searched too.
 //!
 //! At each tested value, the same trials are run as in a study with this value in its config. Trials with the same
 //! number draw the same random numbers at every value, so that values can be compared trial by trial. If the study

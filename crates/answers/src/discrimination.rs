@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::cell_trials::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// The sentences mention failed trials of an object only if their share is larger than this value.
+/// The sentences of the answer mention failed trials of an object only if their share is larger than this value.
 const STATED_FAILURES: f64 = 0.05;
 
 /// How reliably the objects of a study can be distinguished: by one trial of each object, and by the mean estimates of
@@ -188,8 +188,8 @@ impl Discrimination {
         table
     }
 
-    /// One sentence for each pair of neighbouring objects in each group. If there are swept fields that do not define
-    /// objects, the sentence starts with their values.
+    /// One sentence for each pair of neighbouring objects in each group, in the order of the true values. If there are
+    /// swept fields that do not define objects, the sentence starts with their values.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for group in &self.groups {

@@ -24,13 +24,13 @@ pub enum AnswerError {
         /// Values that the setting may have, as text.
         expected: &'static str,
     },
-    /// The question gives a range for a field that accepts none. Either the field is not a number, or it is a whole
-    /// number and the range contains none.
+    /// The question states a range for a field that cannot have this range. Either the values of the field are not
+    /// numbers, or they are whole numbers and the range contains no whole number.
     #[error("{path} {why}")]
     NoRange {
         /// Path of the varied field.
         path: String,
-        /// Reason why the field accepts no range, and what would be right, as text.
+        /// Reason why the field cannot have this range, and what would be right, as text.
         why: &'static str,
     },
     /// The question sets or varies the same field twice.
@@ -39,13 +39,13 @@ pub enum AnswerError {
     /// The question varies no field, so there are no values to compare.
     #[error("no field is varied")]
     NothingVaried,
-    /// The question asks for the best value of a field, but the field is not varied.
+    /// The question requests the best value of a field, but the field is not varied.
     #[error("{0} is not varied, so it has no best value: vary it over a range, such as {0}=1..2")]
     NotVaried(String),
-    /// The question asks for the best value of a field, but the values of the field are not numbers.
+    /// The question requests the best value of a field, but the values of the field are not numbers.
     #[error("{path} has no largest or smallest value, because {text:?} is not a number")]
     NoOrder {
-        /// Path of the field whose best value the question asks for.
+        /// Path of the field whose best value is requested.
         path: String,
         /// Text of a value of this field. The value is not a number.
         text: String,
@@ -56,12 +56,12 @@ pub enum AnswerError {
          scene.object.radius=20,25,30"
     )]
     NoObjects,
-    /// The question asks for a quantity that this kind of scene does not have.
+    /// The question names a quantity that this kind of scene does not have.
     #[error("a {scene} has no quantity {name:?} (known: {known})")]
     NoQuantity {
         /// Kind of the scene: `roll`, `glide` or `press`.
         scene: &'static str,
-        /// Name of the quantity that the question asks for.
+        /// Name of the quantity in the question.
         name: String,
         /// Names of the quantities that the scene has.
         known: String,

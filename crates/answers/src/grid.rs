@@ -5,8 +5,8 @@ use crate::field::Field;
 use crate::search::SearchRange;
 
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of tested values of a field with a range, if the field is part of the grid (the varied fields that are not
-/// searched). The three numbers are for a grid of one field, of two fields, and of three or more fields.
+/// Number of values of a grid field with a range. The grid consists of the varied fields that are not searched. The
+/// three numbers are for a grid of one field, of two fields, and of three or more fields.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
 /// All combinations of the grid fields' values. The value of the last field changes fastest. If `fields` is empty,

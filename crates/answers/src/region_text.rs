@@ -222,8 +222,8 @@ impl Region {
         })
     }
 
-    /// Text for one combination of the other varied fields' values, if all values of the searched field meet the target
-    /// there, or all miss it.
+    /// Text for a combination of the other varied fields' values at which all values of the searched field meet the
+    /// target, or all miss it.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {

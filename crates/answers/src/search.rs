@@ -106,7 +106,7 @@ pub(crate) struct TestedValue {
 
 /// Searches for the values of a field at which all cells of the study meet the target.
 ///
-/// Without a budget, the result depends only on the scores.
+/// Without a time budget, the result depends only on the scores.
 ///
 /// # Errors
 /// The error of `curves`, if a score cannot be computed.

@@ -43,7 +43,7 @@ pub struct FieldEffect {
     pub column: String,
     /// Value of the field in the config.
     pub value: f64,
-    /// The two values of the field that are compared.
+    /// The two compared values of the field: usually a smaller and a larger value than in the config.
     pub values: [f64; 2],
     /// Rms errors of the quantity for the two values of the field.
     pub rms_errors: [f64; 2],

@@ -70,8 +70,9 @@ impl Records {
         self.header.iter().position(is_it)
     }
 
-    /// Reads a file like [`Self::read`]. The first `ordered` columns must be in the order of `names`, because all
-    /// columns between `cell` and `quantity` are read as swept fields, and all columns after `unit` as statistics.
+    /// Reads a file like [`Self::read`]. The first `ordered` names must have the same order in the file. This is
+    /// necessary because all columns between `cell` and `quantity` are read as swept fields, and all columns after
+    /// `unit` as statistics.
     pub(crate) fn read_in_order(
         files: &Files,
         file: &str,

@@ -153,9 +153,9 @@ impl Study {
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// Number in the field at a path of the config, for the table row `row`. If the study sweeps the field, or a part
-    /// of the scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None`
-    /// if the value is not a finite number.
+    /// Number in the config field at `path`, for the table row `row`. If the study sweeps the field, or a part of the
+    /// scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None` if the
+    /// value is not a finite number.
     pub(crate) fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -163,9 +163,9 @@ impl Study {
         }
     }
 
-    /// Text in the field at a path of the config, for the table row `row`. If the study sweeps the field, or a part of
-    /// the scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None` if
-    /// the value is not a text.
+    /// Text in the config field at `path`, for the table row `row`. If the study sweeps the field, or a part of the
+    /// scene that contains the field, this is the swept value; otherwise, it is the value in the config. `None` if the
+    /// value is not a text.
     pub(crate) fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),

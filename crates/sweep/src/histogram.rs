@@ -181,7 +181,7 @@ impl<'a> Ranked<'a> {
         self.few.len() as u64 + in_pages
     }
 
-    /// Representative (middle of the bin) of the number with this rank. The smallest number has the rank 0, the largest
+    /// Middle of the bin that contains the number with this rank. The smallest number has the rank 0, the largest
     /// `count` − 1.
     fn value(&self, rank: u64) -> f64 {
         if let Some(&value) = self.few.get(rank as usize) {

@@ -1,5 +1,5 @@
-//! Estimates the probability that the results of two experiments are in the right order. The results are estimates of
-//! single trials, or means over several trials.
+//! Estimates the probability that the results of two experiments are in the right order, the order of their true
+//! values. The results are estimates of single trials, or means over several trials.
 
 use std::ops::Range;
 
@@ -18,10 +18,11 @@ use crate::trial_record::{Record, TrialObservations};
 /// kind of failure if the trial failed.
 pub type TrialMeans = Result<(f64, f64), &'static str>;
 
-/// Estimated probability that the results of two experiments are in the right order, with its 95 % interval.
+/// Estimated probability that the results of two experiments are in the right order (the order of their true values),
+/// with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
-    /// Estimated probability of the right order.
+    /// Estimated probability that the results are in the order of the true values.
     pub probability: f64,
     /// Lower end of the probability's 95 % interval.
     pub low: f64,
@@ -29,8 +30,8 @@ pub struct Order {
     pub high: f64,
 }
 
-/// Number of trials that must be averaged, so that the means of two experiments are in the right order with the
-/// required probability.
+/// Number of trials that must be averaged, so that the means of two experiments are in the order of their true values
+/// with the required probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
     /// The number of trials, estimated from the means of groups of trials.
@@ -45,7 +46,7 @@ pub enum Repeats {
     Unknown,
 }
 
-/// Smallest number of groups of trials from which a probability is estimated.
+/// The means of groups of several trials are used only if at least this number of groups can be formed.
 const GROUPS: usize = 256;
 /// Weight of an estimated variance in [`interval`]: the variance has half of its full weight if `uncertain` equals this
 /// number. The more trials support the variance, the larger are `uncertain` and the weight.
@@ -102,7 +103,8 @@ impl Runner {
     }
 }
 
-/// Mean estimate and mean true value of a quantity in a trial. Without observations, the means are not finite.
+/// Mean estimate and mean true value of a quantity in a trial. If there are no observations, or if a mean is not
+/// finite, returns the failure [`NOT_FINITE`].
 fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
     let count = trial.of(quantity).count() as f64;
     let (mut estimate, mut truth) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Runs sweeps whose results are passed on in the order of their tasks, while later tasks are still running.
+//! Runs sweeps. The results are passed on to the caller in the order of the tasks, while later tasks are still running.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -64,7 +64,7 @@ pub trait Sweep: Sync {
     fn finish(&self, cell: usize, trial: &Self::Trial, statistics: CellStatistics) -> Self::Result;
 }
 
-/// A part of the output that a sweep passes on.
+/// A part of the output that a sweep passes on to the caller.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SweepOutput<R> {
     /// Output rows of consecutive trials of a task. They continue the rows that were passed on before for this task.
@@ -201,7 +201,7 @@ struct Open {
 struct Ran<S: Sweep> {
     number: u64,
     task: Task,
-    /// Number of the trial that follows the last trial of these results.
+    /// Number of the first trial after the trials of these results.
     end: u64,
     /// The experiment of the cell. `None` if the task is complete, because the experiment is then no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,

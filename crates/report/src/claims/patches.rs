@@ -275,8 +275,8 @@ fn turned_cylinder() -> Claim {
         .named(method)
         .merged(geometric_mean)
         .comparing(is_two_pass)
-        // The ratio of the errors must be at least 1.1 instead of 1, because an rms error over a few hundred trials has
-        // an uncertainty of a few percent.
+        // The error on the turned cylinder, divided by that on the straight one, must be at least 1.1. A bound of 1
+        // would be too low, because an rms error over a few hundred trials has an uncertainty of a few percent.
         .bound(AtLeast(1.1))
         .says("the rms error of K on the turned cylinder is {list} times that on the straight one")
         .headline("{range} × the error")

@@ -21,7 +21,7 @@ use plotters::style::text_anchor::HPos;
 const MAX_CELLS: usize = 60;
 /// Gap between panels, in drawing units (1/3 px).
 const GAP: i32 = 66;
-/// Side length of the coloured squares in the key, in drawing units (1/3 px).
+/// Side length of the coloured squares in the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 54;
 const NARROWEST: i32 = 588;
 const WIDEST: i32 = 870;
@@ -112,8 +112,8 @@ fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     }
 }
 
-/// Key of the figure: the classes that occur in the maps, in the order of [`CLASSES`], and the boundary between true
-/// classes if a map has one.
+/// Key (legend) of the figure: the classes that occur in the maps, in the order of [`CLASSES`], and the boundary
+/// between true classes if a map has one.
 fn key(lines: &[PanelRow<'_>]) -> Key {
     let maps = || {
         let panels = lines.iter().flat_map(|line| &line.panels);

@@ -17,7 +17,7 @@ use plotters::style::Color;
 
 /// Largest number of surfaces in a figure.
 const MAX_SURFACES: usize = 6;
-/// Side length of the coloured squares in the key, in drawing units (1/3 px).
+/// Side length of the coloured squares in the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 54;
 /// Share of ink (the dark colour of text) in the colour of the lines between the squares of a surface, from 0 to 1. The
 /// rest is the colour of the square.

@@ -17,7 +17,7 @@ use plotters::style::Color;
 
 /// Length of the lines that show normals, relative to the longer horizontal side of the box around all contacts.
 const STROKE: f64 = 0.09;
-/// Length of the symbol beside each text of the key, in drawing units (1/3 px).
+/// Length of the symbol beside each text of the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 102;
 const PATH: u32 = 8;
 const FINE: u32 = 4;

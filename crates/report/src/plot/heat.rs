@@ -56,7 +56,7 @@ const NAME: i32 = 510;
 /// Gap between panels, in drawing units (1/3 px).
 const GAP: i32 = 102;
 const BESIDE: i32 = 12;
-/// Width of the symbol beside each text of the key, in drawing units (1/3 px).
+/// Width of the symbol beside each text of the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 78;
 /// If the share of a pair is above this value, its square is so dark that the number in it is written in white.
 const MIN_DARK: f64 = 0.6;

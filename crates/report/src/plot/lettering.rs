@@ -44,8 +44,9 @@ fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     end
 }
 
-/// Calls `pixel` with the position and the coverage (0 to 1) of each pixel of a text. The anchor (`x`, `base`) is on
-/// the base line of the text. The share `before` of the text's width is to the left of the anchor.
+/// Calls `pixel` for each pixel of a text, with the position of the pixel and the share of it that the text covers (0
+/// to 1). The anchor (`x`, `base`) is on the base line of the text. The share `before` of the text's width is to the
+/// left of the anchor.
 #[cfg(feature = "png")]
 pub(crate) fn pixels(
     text: &str,

@@ -23,7 +23,7 @@ const PANEL_HEIGHT: i32 = 705;
 const MARKER: f64 = 15.0;
 const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
-/// Length of the symbol beside each text of the key, in drawing units (1/3 px).
+/// Length of the symbol beside each text of the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
 /// Upper end of the axis of relative errors (no unit). A model with a larger error is useless. Its point is drawn at
 /// this end of the axis, with an arrow above it.

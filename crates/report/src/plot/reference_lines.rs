@@ -18,8 +18,8 @@ pub(crate) struct AxisScale {
 }
 
 impl AxisScale {
-    /// The number that the axis displays for `value`. If this number cannot be drawn on the axis, the error states the
-    /// reason. `what` names the value in this error.
+    /// Converts `value` to the number that the axis displays. If this number cannot be drawn on the axis, the error
+    /// states the reason. `what` is the name of the value in the error message.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         let refused = |why| {

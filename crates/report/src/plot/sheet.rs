@@ -1,5 +1,5 @@
-//! The sheet on which a figure is drawn. Title, subtitle and key are above the figure's content, and the notes are
-//! below it.
+//! The sheet on which a figure is drawn. Title, subtitle and key (legend) are above the figure's content, and the notes
+//! are below it.
 
 use super::drawing::{Drawing, Figure, LEADING};
 use super::lettering::{width, wrap};
@@ -28,9 +28,9 @@ pub(crate) const LINE: i32 = 73;
 pub(crate) const EDGE: i32 = 66;
 /// Gap between a panel and the labels of its ticks, in drawing units (1/3 px).
 pub(crate) const TICK_GAP: i32 = 30;
-/// Gap between a symbol of a key and its text, in drawing units (1/3 px).
+/// Gap between a symbol of a key (legend) and its text, in drawing units (1/3 px).
 pub(crate) const SAMPLE_GAP: i32 = 24;
-/// Horizontal gap between entries of a key, in drawing units (1/3 px).
+/// Horizontal gap between entries of a key (legend), in drawing units (1/3 px).
 const ENTRY_GAP: i32 = 78;
 /// Smallest width of a figure, in drawing units (1/3 px).
 pub(crate) const WIDTH: i32 = 2880;
@@ -80,8 +80,8 @@ pub(crate) struct Sheet {
     pub(crate) top: i32,
 }
 
-/// Symbol beside a text of a key. It consists of a filled rectangle, a line on the rectangle, and a marker on the line.
-/// Each part may be missing.
+/// Symbol beside a text of a key (legend). It consists of a filled rectangle, a line on the rectangle, and a marker on
+/// the line. Each part may be missing.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sample {
     pub(crate) ground: Option<Colour>,
@@ -90,7 +90,7 @@ pub(crate) struct Sample {
     pub(crate) symbol: Option<Symbol>,
 }
 
-/// Entries of a key: symbol (sample) and text of each entry.
+/// Entries of a key (legend): symbol and text of each entry.
 pub(crate) type Key = Vec<(Sample, String)>;
 
 /// Draws a figure from top to bottom: title and subtitle, then the content, then the notes. The function `draw` draws
@@ -171,8 +171,8 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws the entries of a key side by side, in as many lines as necessary. The symbol of each entry is `sample`
-    /// wide.
+    /// Draws the entries of a key (legend) side by side, in as many lines as necessary. The symbol of each entry is
+    /// `sample` wide.
     pub(crate) fn key(&mut self, sample: i32, entries: &Key) -> Drawn {
         self.top += 36;
         let mut x = EDGE;
@@ -190,8 +190,8 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws an entry of a key: the symbol `sample`, which has the width `wide` and its left end at (x, y), and then
-    /// the text.
+    /// Draws an entry of a key (legend): the symbol `sample` and, to its right, the text. The symbol has the width
+    /// `wide` and its left end at (x, y).
     pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
         if let Some(ground) = sample.ground {
             let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];

@@ -40,7 +40,7 @@ pub(super) fn around(places: &[Vector], axis: usize) -> Scale {
 
 /// An orthographic view obliquely from above. All axes have the same scale.
 pub(super) struct View {
-    /// Unit vectors of the view: `right`, `up`, and towards the viewer.
+    /// Unit vectors of the view: `right`, `up`, and `toward` (from the object to the viewer).
     right: Vector,
     up: Vector,
     toward: Vector,

@@ -146,7 +146,7 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     cells.study(&config("sphere", claims))
 }
 
-/// Relative error of the curvature that is estimated from a roll if the shift of the contact is rounded to whole pads.
+/// Relative error of the curvature estimate from a roll whose measured contact shift is rounded to whole pads.
 fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
     0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
 }

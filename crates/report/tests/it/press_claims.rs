@@ -196,7 +196,8 @@ fn of_regimes(cells: &Cells) -> Study {
 
 #[test]
 fn claim_17_differs_if_a_regime_or_the_trend_is_another() {
-    // At the flattest contact, the trials succeed, but only half of the intervals contain the true value.
+    // At the smallest positive relative curvature, the trials succeed, but only half of the intervals contain the true
+    // value.
     differs(
         &of_regimes(&regimes(|c| if c < 0.051 { 0.5 } else { 0.94 }, by_sign)),
         &["7 of 9 cells of positive relative curvature are sensed"],

@@ -257,7 +257,7 @@ fn claim_19_needs_both_lenses_at_several_angles() {
     untestable(&areas(&[even]), &["under the pinhole"]);
     let lone = ("pinhole", [Some(100.0), None, None]);
     untestable(&areas(&[even, lone]), &["under the pinhole"]);
-    // Areas in the image that are not positive have no ratio.
+    // If the areas in the image are not positive, their ratio is undefined.
     let none = ("fisheye", [Some(0.0), Some(0.0), Some(-1.0)]);
     untestable(&areas(&[none, ("pinhole", even.1)]), &["under the fisheye"]);
 }

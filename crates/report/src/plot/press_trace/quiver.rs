@@ -15,9 +15,9 @@ use plotters::element::{Circle, Polygon, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Width of the key, in drawing units (1/3 px).
+/// Width of the key (legend) beside the panel, in drawing units (1/3 px).
 const KEY: i32 = 720;
-/// Gap between the key and the box that contains the markers, in drawing units (1/3 px).
+/// Gap between the key (legend) and the panel with the markers, in drawing units (1/3 px).
 const GAP: i32 = 90;
 /// Smallest displacement along the skin for which arrows are drawn, in the length unit of the tables.
 const MIN_DISPLACEMENT: f64 = 1e-290;
@@ -26,9 +26,9 @@ const TRUE: f64 = 15.0;
 /// Width of the arrow of a reading, in drawing units (1/3 px). This arrow is narrower, because it is drawn on the arrow
 /// of the true displacement.
 const READ: f64 = 6.0;
-/// Length of the symbol beside each text of the key, in drawing units (1/3 px).
+/// Length of the symbol beside each text of the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 120;
-/// Width and height of the strip in the key that shows the shades of grey, in drawing units (1/3 px).
+/// Width and height of the strip with the shades of grey in the key (legend), in drawing units (1/3 px).
 const STRIP: Point = (78, 570);
 const SHADES: i32 = 95;
 /// Grey of the markers with the smallest normal displacement. It is light enough for arrows to be visible on it.
