@@ -19,9 +19,10 @@ const TRIALS_PER_CELL: u64 = 1 << 40;
 /// each object puts the two estimates in the order of the true values. The second is the number of trials whose mean
 /// estimates are in this order with the probability `confidence`.
 ///
-/// Without `quantity`, the object's curvature is compared: `object_curvature` for a press, otherwise `mean_curvature`.
-/// A failed trial distinguishes no objects. With the quantity `class` of a glide, two objects are distinguished if most
-/// points of both patches are classified correctly. Objects of the same class are never distinguished.
+/// If `quantity` is `None`, the object's curvature is compared: `object_curvature` for a press, otherwise
+/// `mean_curvature`. A failed trial distinguishes no objects. With the quantity `class` of a glide, two objects are
+/// distinguished if most points of both patches are classified correctly. Objects of the same class are never
+/// distinguished.
 ///
 /// ```
 /// use palpate_answers::distinguish;

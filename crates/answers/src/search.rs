@@ -1,5 +1,5 @@
-//! Searches the values of a field at which a target is met. Each test of a value returns a score that is noisy, because
-//! it is computed from random trials.
+//! Searches for the values of a field at which a target is met. Each test of a value returns a score that is noisy,
+//! because it is computed from random trials.
 //!
 //! The trials at all values use the same random numbers. The answer is verified with fresh trials. The probability that
 //! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly

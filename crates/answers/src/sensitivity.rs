@@ -65,7 +65,7 @@ type SquaredErrors = Vec<Option<f64>>;
 /// Only one field is changed at a time, once upwards and once downwards by the relative `step`; whole numbers change by
 /// at least 1. If only one direction is possible, the changed value is compared with the value in the config. Trials
 /// with the same number draw the same random numbers for every value, so that a few trials suffice to measure small
-/// effects. If the study sweeps fields, each field has its first swept value.
+/// effects. If the study sweeps fields, each swept field has its first value.
 ///
 /// If `quantity` is `None`, the curvature of the object is used: `object_curvature` for a press, otherwise
 /// `mean_curvature`.

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Makes the HTML page about some studies. It shows the scorecard and, for each study, its source, number of trials,
 /// figures, failures and config. Further sections show the coverage of each estimator's intervals and the glossary of
 /// `palpate explain`. If all studies are in the same folder, and this folder contains `tradeoff/` or `peers.csv`, a
-/// section shows these measurements. The page contains no scripts and loads no other files.
+/// section shows the measurements in these files. The page contains no scripts and loads no other files.
 ///
 /// ```
 /// use palpate_report::{Study, page};

@@ -8,8 +8,8 @@
 //! Guarantees, for trials that depend only on their number:
 //!
 //! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`], and the sums
-//!   of a cell's blocks are added in the order of the blocks. All other results of blocks are integers or extremes, which
-//!   can be merged in any order.
+//!   of a cell's blocks are added in the order of the blocks. All other results of blocks are integers, or smallest and
+//!   largest values, which can be merged in any order.
 //! - Memory does not grow with the number of trials.
 //! - No number in a result is NaN or infinite. An undefined statistic is `None`.
 //!

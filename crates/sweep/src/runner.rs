@@ -146,8 +146,8 @@ impl Runner {
         self.install(|| all().map(&of).collect())
     }
 
-    /// Whether times may be measured. They may not if threads must run whole blocks, or if the platform has no threads,
-    /// because such a platform may have no clock.
+    /// Whether times may be measured. No times are measured if threads must run whole blocks. They are not measured on
+    /// a platform without threads either, because such a platform may have no clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks
     }

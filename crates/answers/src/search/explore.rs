@@ -242,7 +242,7 @@ fn closer(
         return;
     };
     // The width of the range of undecided values is inversely proportional to the square root of the number of trials.
-    // Its width must shrink from `open_wide` to the share `UNDECIDED_SHARE` of the requested `gap`, so the number of
+    // The width must shrink from `open_wide` to the share `UNDECIDED_SHARE` of the requested `gap`. So the number of
     // trials is multiplied by the square of the ratio of these two widths.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;

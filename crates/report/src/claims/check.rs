@@ -33,8 +33,8 @@ pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 /// values must meet.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
-    /// Computes the checked values from the rows of the table. Each value is returned with a row. It is the row from
-    /// which the value was computed, or one of them if the value was computed from a group of rows.
+    /// Computes the checked values from the rows of the table. Each value is returned with the row from which it was
+    /// computed. If a value was computed from a group of rows, it is returned with one row of the group.
     pub(super) values: Values,
     /// Returns a name for the value that was computed from a row of the table. All values with the same name are
     /// compared and printed as one range. With `None`, each value is compared by itself.

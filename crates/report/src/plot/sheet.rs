@@ -75,8 +75,8 @@ pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Distance from the top of the sheet to the lower edge of everything that is already drawn, in drawing units (1/3
-    /// px).
+    /// Distance from the top of the sheet to the lower edge of everything that is already drawn, in drawing units
+    /// (1/3 px).
     pub(crate) top: i32,
 }
 
