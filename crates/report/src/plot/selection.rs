@@ -218,7 +218,10 @@ impl<'a> Selection<'a> {
         let free: Vec<String> = free.collect();
         let point = point.collect::<Vec<_>>().join(", ");
         let free = match free.is_empty() {
-            true => format!("no axis differs between these {} rows", rows.len()),
+            true => format!(
+                "all swept fields have equal values in these {} rows",
+                rows.len()
+            ),
             false => free.join(", "),
         };
         Err(self.of.bad(format!(
