@@ -14,16 +14,16 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// Ratio of two widths of the undecided gap, which lies between a value that meets and a value that misses the target:
-/// its width in the reference answer, divided by its width in the checked answer. A gap that is ten times smaller needs
-/// 100 times the trials.
+/// An answer of `design` has an undecided gap between values that meet the target and values that miss it. This is the
+/// gap of the reference answer, divided by the gap of the checked answer. A gap that is ten times smaller needs 100
+/// times the trials.
 const REFERENCE_GAP: f64 = 0.1;
 const REFERENCE_SEED: u64 = 1_000_003;
-/// Number of the first fresh trial. Fresh trials test the probabilities that `distinguish` estimated from trials with
-/// smaller numbers.
+/// Number of the first fresh trial. `distinguish` estimates its probabilities from trials with smaller numbers, so
+/// fresh trials test these probabilities independently.
 const FRESH: u64 = 1 << 50;
-/// Difference between the numbers of the first fresh trials of two cells. It is so large that no two cells use the same
-/// random numbers.
+/// Number of trial numbers that are reserved for the fresh trials of each grid point. It is so large that no two grid
+/// points use the same random numbers.
 const APART: u64 = 1 << 40;
 const HALF_WIDTH_95: f64 = 1.96;
 
@@ -32,7 +32,7 @@ const HALF_WIDTH_95: f64 = 1.96;
 pub struct Options<'a> {
     /// Number of seeds with which each scene is run.
     pub seeds: u64,
-    /// Number of pairs of fresh trials that test each probability that `distinguish` estimates.
+    /// Number of pairs of fresh trials for the test of each probability from `distinguish`.
     pub pairs: u64,
     /// Run only scenes whose names contain these words.
     pub only: &'a str,
@@ -209,8 +209,9 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
     Ok(score)
 }
 
-/// Whether an estimated probability agrees with the measured share of pairs of fresh trials in the right order. The
-/// allowed difference combines the half-width of the probability's 95 % interval and the standard error of the share.
+/// Whether the estimated probability of the right order agrees with `share`, the share of pairs of fresh trials in the
+/// right order. The allowed difference combines the half-width of the probability's 95 % interval and the standard
+/// error of the share.
 fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
     let side = match share < order.probability {
         true => order.probability - order.low,

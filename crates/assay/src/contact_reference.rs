@@ -29,7 +29,8 @@ impl RollEnd {
     }
 
     /// The contact after rolling by the angle θ = `angle_rad`, starting at the apex of z = −c r². At the end, θ = α +
-    /// s, where α is the slope angle of the parabola and s is its arc length from the apex.
+    /// s, because the probe has radius 1. Here α is the slope angle of the parabola, and s its arc length from the
+    /// apex.
     pub fn on_paraboloid(c: f64, direction: f64, angle_rad: f64) -> Self {
         let length = |r: f64| {
             let slope = 2.0 * c * r;
@@ -67,9 +68,9 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)), where (x, y) is the contact. On a concave
-    // object, the contact is at most as far from the z axis as the point for s = 1. On a convex object, it is at most
-    // as far from the z axis as the tip's centre.
+    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)), where (x, y) is the contact. It follows from
+    // a bound on the contact's distance from the z axis. On a concave object, this bound is the distance of the point
+    // that the equations yield for s = 1. On a convex object, the bound is the distance of the tip's centre.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
@@ -84,8 +85,8 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
         let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
         let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
         let height = 1.0 - x * x / squares[0] - y * y / squares[1];
-        // The larger the unknown g, the farther is the contact from the z axis. If g is too large, the contact would be
-        // outside of the ellipsoid, and the result is `None`.
+        // A larger value of the unknown g moves the contact away from the z axis. If g is too large, no point of the
+        // ellipsoid has these x and y, and the result is `None`.
         (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
     };
     let is_less = |g: f64| {

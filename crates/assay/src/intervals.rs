@@ -1,5 +1,5 @@
-//! Measures two properties of estimates on random scenes: the coverage of their 50, 80 and 95 % intervals, and their
-//! warnings.
+//! Measures two properties of estimates on random scenes: the coverage of their 50, 80 and 95 % intervals, and the
+//! share of estimates with a warning.
 //!
 //! Each row of a table in `crates/palpate/src/coverage/` defines a family of similar scenes. For each family, this
 //! program draws random scenes and simulates noisy readings. It counts how often the intervals of the estimates contain
@@ -105,8 +105,8 @@ fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Re
     Ok(Score::new(&scenes.collect::<Result<Vec<_>>>()?))
 }
 
-/// Text about the limit on the share of warnings that a family of scenes violates; `None` if it violates no limit.
-/// `score` is the result of the family.
+/// Message that states which limit on the share of warnings a family of scenes violates; `None` if it violates no
+/// limit. `score` is the result of the family.
 fn miss(flaw: &str, score: &Score) -> Option<String> {
     match flaw {
         "" => (score.warned > MAX_FALSE_ALARMS && score.coverage[2] >= CORRECT_COVERAGE)

@@ -34,8 +34,8 @@ pub struct CurvatureForm {
 }
 
 /// Two estimated principal curvatures differ significantly if half of their difference exceeds this number of standard
-/// deviations. If the true curvatures are equal, noise alone exceeds this number with a probability of 5 %. The number
-/// is the square root of the 95 % quantile of χ² with 2 degrees of freedom.
+/// errors. If the true curvatures are equal, noise causes such a difference with a probability of 5 %. The number is
+/// the square root of the 95 % quantile of χ² with 2 degrees of freedom.
 const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
 /// Standard deviation (rad) of an undetermined direction: π/√12, because the direction is uniformly distributed over
 /// half a turn.
@@ -124,7 +124,8 @@ impl CurvatureForm {
     /// the covariance of `k_uu`, `k_vv` and `k_uv`.
     ///
     /// If the two curvatures do not differ significantly, the direction is undetermined, and the difference between the
-    /// two estimates is only noise. The intervals of both estimates then extend beyond the mean curvature.
+    /// two estimates is only noise. In this case, the standard errors of both curvatures are enlarged so that their 95
+    /// % intervals contain the mean curvature.
     ///
     /// ```
     /// use palpate_geometry::CurvatureForm;

@@ -79,9 +79,9 @@ impl Formula {
     ///
     /// Where the formula or a part of it is not twice differentiable, or where a derivative overflows, some component
     /// is infinite or NaN. Examples are `sqrt(x)` and `abs(x)` at x = 0, and `hypot(x, y)` at the origin. Another
-    /// example is `sqrt(x^4)` at x = 0: the formula is smooth there, but its part `sqrt` is not. [`Jet::is_finite`]
-    /// checks this. The only exception is the branch cut of `atan2`: the jet there is finite and is the limit from one
-    /// side.
+    /// example is `sqrt(x^4)` at x = 0: the formula is smooth there, but its part `sqrt` is not. Call
+    /// [`Jet::is_finite`] to detect these places. The only place that it does not detect is the branch cut of `atan2`:
+    /// the jet there is finite and is the limit from one side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

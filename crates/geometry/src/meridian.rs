@@ -92,8 +92,8 @@ impl Meridian {
                 let (sin, cos) = libm::sincos(t);
                 let square = (a * cos).powi(2) + (c * sin).powi(2);
                 // The normal has the direction (c sin t, a cos t), with the semi-axes a and c and the parameter t. The
-                // angle of the normal differs from t by less than a quarter turn. Therefore t determines the number of
-                // whole turns of the normal.
+                // angle of the normal differs from t by less than a quarter turn. So the number of whole turns of the
+                // normal follows from t.
                 let within_turn = libm::atan2(c * sin, a * cos);
                 let turns = ((t - within_turn) / TAU).round();
                 MeridianSlope {

@@ -94,8 +94,9 @@ pub trait Surface {
 
     /// The point of the surface closest to `point`.
     ///
-    /// On a graph surface, the distance is minimised by a descent that starts above or below `point`. The descent finds
-    /// the closest point if this point is unique and its distance is smaller than the radius of curvature there.
+    /// On a graph surface, a descent minimises the distance. It starts at the surface point with the same x and y as
+    /// `point`. The descent finds the closest point if this point is unique and its distance is smaller than the radius
+    /// of curvature there.
     ///
     /// # Errors
     /// [`SurfaceError::NoClosestPoint`] where several points are equally close, or if `point` is not finite;
@@ -115,9 +116,9 @@ pub trait Surface {
         self.closest_point(point)
     }
 
-    /// Whether a ball of `radius` that touches the solid from outside may penetrate it at another place. The ball is
-    /// assumed to fit at the contact point: where the solid is concave, its radius of curvature exceeds the radius of
-    /// the ball.
+    /// Whether a ball of `radius` that touches the solid from outside may penetrate it at another place. The ball must
+    /// fit at the contact point: if the solid is concave there, its radius of curvature must exceed the radius of the
+    /// ball.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -144,9 +145,9 @@ pub trait Surface {
         self.chart(at)?.geometry(at)
     }
 
-    /// The section of the surface through the given apex in the plane of `_direction` (a unit tangent at the apex).
-    /// `None` if the surface is not symmetric about this plane, or if [`Meridian`] does not have the form of the
-    /// section.
+    /// The section of the surface in the plane through the apex that contains the normal and `_direction`, a unit
+    /// tangent at the apex. `None` if the surface is not symmetric about this plane, or if no variant of [`Meridian`]
+    /// describes the section.
     fn meridian(&self, _apex: &Point3<f64>, _direction: &Vector3<f64>) -> Option<Meridian> {
         None
     }

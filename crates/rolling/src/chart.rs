@@ -24,8 +24,9 @@ use crate::roller::Bodies;
 use crate::{Contact, HeldAxis, Motion};
 
 /// Number of state components: the chart parameters `u₁, v₁` on the probe and `u₂, v₂` on the object, the contact angle
-/// ψ, an angle φ, and the arc length of the path. φ is the angle from the probe's Gauss frame (whose x axis is along a
-/// coordinate line of the chart) to the frame in which the components of the probe's motion are constant.
+/// ψ, an angle φ, and the arc length of the path. φ is the angle from the probe's Gauss frame to the frame in which the
+/// components of the probe's motion are constant. The x axis of the Gauss frame is along a coordinate line of the
+/// chart.
 pub(crate) const STATE: usize = 7;
 
 pub(crate) struct ChartForm<'a, S> {

@@ -98,12 +98,13 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
         let y = x.cross(&object.gradient);
         let c = contact_velocity(self.probe_curvature, &object, &self.drive)?;
         let velocity = x * c.x + y * c.y;
-        // `x_dot` is the time derivative of the axis x. The component of `x_dot` along the object's gradient keeps x
-        // tangent to the object.
+        // `x_dot` is the time derivative of the axis x. The component of `x_dot` along the gradient of the object's
+        // level-set function keeps x tangent to the object.
         let per_square = 1.0 / object.steepness_squared;
         let x_dot = y * (self.spin * object.steepness * per_square)
             - object.gradient * (object.xx * per_square * c.x + object.xy * per_square * c.y);
-        // `h1` and `h2` are half the angular velocity of the contact frame, in the probe's body frame.
+        // `h1` and `h2` are half of the angular velocity with which the contact frame rotates in the probe's body
+        // frame.
         let half = 0.5 * self.probe_curvature;
         let p = (
             c.x - self.sliding.x,

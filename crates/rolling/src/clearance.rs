@@ -11,8 +11,8 @@ use palpate_geometry::{Shape, Surface};
 
 use crate::{Contact, Motion, RollError, RollFault, Roller};
 
-/// Number of height samples per probe radius. Parts of the object that are narrower than the distance between height
-/// samples may be missed.
+/// Number of height samples per probe radius. The search for overlaps may miss parts of the object that are narrower
+/// than the distance between height samples.
 const PER_RADIUS: f64 = 48.0;
 /// Number of height samples along a side of a square tile of `Terrain`.
 const TILE: i64 = 32;
@@ -21,12 +21,13 @@ const TOLERANCE: f64 = 5e-7;
 /// A closest point of the object counts as the contact itself if its distance from the contact, in probe radii, is
 /// below this value.
 const CONTACT: f64 = 1e-4;
-/// Longest path of the probe's centre between two samples of the roll at which the clearance is computed, in probe
-/// radii. A longer path is always bisected.
+/// Largest distance, in probe radii, that the probe's centre moves between two successive samples of the clearance. If
+/// it moves farther, another sample between the two is computed.
 const LONGEST: f64 = 0.25;
-/// Shortest path of the probe's centre between two samples of the roll that is still bisected, in probe radii.
+/// If the probe's centre moves at most this distance, in probe radii, between two samples of the clearance, no sample
+/// between them is computed.
 const SHORTEST: f64 = 1e-3;
-/// There is a wall between two neighbouring height samples if the slope between them is larger than this.
+/// If the slope between two neighbouring height samples is larger than this number, there is a wall between them.
 const STEEP: f64 = 2.0;
 /// Number of bisections with which a wall between two neighbouring height samples is located.
 const HALVINGS: usize = 40;
@@ -53,8 +54,8 @@ struct Sample {
 #[derive(Clone, Copy, Debug)]
 struct Start {
     place: Vector2<f64>,
-    /// Whether the place lies on a steep wall. A search that starts on a wall may end at a point beside the wall, so
-    /// the place itself is tested too.
+    /// Whether the place lies on a steep wall. A search that starts on a wall may end at a point beside the wall.
+    /// Therefore, the distance of the start itself from the probe is tested too.
     is_on_wall: bool,
 }
 
@@ -230,8 +231,8 @@ impl Roller {
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
-        // `ahead` is a stack of samples of the roll that have not been compared with their predecessor yet. The last
-        // element of `ahead` is the next sample in time.
+        // `ahead` is a stack of samples of the roll that are later than `before`. Its last element is the next sample
+        // in time.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;

@@ -48,8 +48,8 @@ pub(crate) trait ContactEquations<const N: usize>: System<N> {
 }
 
 /// The velocity c of the contact point on the object, in the tangent basis `(x, y)` of `object`. In orthonormal axes, c
-/// is the solution of `(K₁ + K₂) c = drive`. K₁ and K₂ are the curvature forms of probe and object, and `drive` is the
-/// part `[−ω_y, ω_x]` of the angular velocity, if the probe does not slide.
+/// is the solution of `(K₁ + K₂) c = drive`, with the curvature forms K₁ of the probe and K₂ of the object. If the
+/// probe does not slide, `drive` is the part `[−ω_y, ω_x]` of the angular velocity.
 ///
 /// Let F be the level-set function of the object and `W = |∇F|`. The equations are multiplied by `W` along `x` and by
 /// `W²` along `y`:

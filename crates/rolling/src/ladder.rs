@@ -34,7 +34,7 @@ pub(crate) enum Rung {
     Integrated(Integration),
 }
 
-/// Everything on which the choice of a model depends, apart from the rolls: the bodies and their contact at the start.
+/// The bodies and their contact at the start. Together with the rolls, they determine the choice of a model.
 pub(crate) struct Setting<'a> {
     pub(crate) bodies: Bodies<'a, Shape>,
     pub(crate) first: Contact,
@@ -160,8 +160,8 @@ impl Setting<'_> {
                          measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // The errors of integration steps add up along the path. So divide the tolerance by the number of turns
-                // of the probe.
+                // The errors of integration steps add up along the path, so the tolerance is divided by the number of
+                // turns of the probe.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try other models";
                     let finer = finer(tolerance / rolls.turns().max(1.0));

@@ -21,7 +21,8 @@ const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 /// Largest number of evaluations of the contact equations in one integration of all rolls, when the errors of models
 /// are measured. Longer rolls are not measured, because this would take too long.
 const MAX_EVALUATIONS: usize = 20_000;
-/// If the rolls have many motions, the limit is larger than [`MAX_EVALUATIONS`]: this number of evaluations per motion.
+/// Number of evaluations per motion that is allowed in any case. If the rolls have many motions, this limit is larger
+/// than [`MAX_EVALUATIONS`].
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -42,8 +43,9 @@ pub struct MeasuredRung {
 }
 
 impl Roller {
-    /// All models that can compute the rolls `rolls`, which have no noise. The cheapest model is first. The chosen
-    /// model is one of them. `chart` is the form of the equations that the integrators use.
+    /// All models with their errors on the rolls `rolls`, which have no noise. The models are sorted by their number of
+    /// evaluations. The chosen model is one of them; models that cannot compute these rolls are included. `chart` is
+    /// the form of the equations that the integrators use.
     pub fn ladder(&self, chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
         let rk4 = (0..=6).map(|power| Model::Rk4 {
             steps: 1 << power,
@@ -141,8 +143,7 @@ impl Setting<'_> {
     /// without noise is within the tolerance. If no integrator meets the tolerance, the result is DOP853 with the
     /// tolerance of the reference integration.
     ///
-    /// Of all tolerances with which DOP853 meets the required tolerance, the largest is the cheapest, also for rolls
-    /// with noise.
+    /// DOP853 is cheapest with its largest tolerance that meets the required tolerance, also for rolls with noise.
     pub(crate) fn cheapest_integrator(
         &self,
         tolerance: f64,

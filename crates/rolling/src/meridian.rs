@@ -24,8 +24,8 @@ const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
-    /// The meridian of an object that is a surface of revolution about the apex. All its meridians are equal, so one is
-    /// stored. `None` for other objects.
+    /// The meridian of an object that is a surface of revolution whose axis passes through the apex. All its meridians
+    /// are equal, so one is stored. `None` for other objects.
     revolved: Option<Meridian>,
     /// The sections of the object along the x and y axes of the contact frame; `None` for an axis along which the
     /// object is not symmetric.
@@ -46,8 +46,8 @@ impl MeridianRung {
         }
     }
 
-    /// Whether the object is a surface of revolution about the apex, so that every roll from the apex follows a
-    /// meridian.
+    /// Whether the object is a surface of revolution whose axis passes through the apex, so that every roll from the
+    /// apex follows a meridian.
     pub(crate) const fn is_revolved(&self) -> bool {
         self.revolved.is_some()
     }
@@ -132,8 +132,8 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
         let excess = point.slope_rad + arc / radius - theta;
         let slope = point.slope_per_parameter + point.arc_per_parameter / radius;
         root.step(excess, excess / slope);
-        // Newton's method converges quadratically. After a correction below this relative limit, the next correction
-        // would be below the rounding errors.
+        // Newton's method converges quadratically. After a relative correction below 1e-8, the next correction would be
+        // below the rounding errors.
         if (root.at - t).abs() <= 1e-8 * t {
             return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
         }

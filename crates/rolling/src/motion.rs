@@ -57,8 +57,8 @@ impl Motion {
         self.drive() + self.sliding / radius
     }
 
-    /// The motion with the same rotation and sliding distance in 1 s. The squares of its rates do not overflow, even if
-    /// the original rate and duration are extreme.
+    /// The same rotation and sliding distance as a motion of 1 s. The squares of its rates do not overflow, even if the
+    /// original rate and duration are extreme.
     pub(crate) fn in_unit_time(&self) -> Self {
         Self {
             angular_velocity: self.angular_velocity * self.duration_s,
@@ -85,8 +85,8 @@ impl Motion {
 /// Sine and cosine of an angle, exact at multiples of a quarter turn, so that a roll along an axis does not deviate
 /// from the axis.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// An angle of more than this number of quarter turns is not recognised as a multiple of a quarter turn. Up to this
-    /// limit, the rounding error of an angle is below 1e-12 quarter turns.
+    /// Only angles below this number of quarter turns are recognised as multiples of a quarter turn. The rounding error
+    /// of such an angle is below 1e-12 quarter turns.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = libm::sincos(angle_rad);

@@ -9,8 +9,9 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// Limit for the relative curvature, divided by the probe's curvature. If a motion is singular and the relative
-/// curvature is below this limit, the reported error is that the bodies conform.
+/// Limit for the relative curvature, divided by the probe's curvature. If a motion is singular and the smallest
+/// relative curvature is below this limit, the reported error is [`RollFault::Conforming`]: the bodies touch along a
+/// line or an area.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -46,7 +47,7 @@ pub(crate) struct Bodies<'a, S> {
 }
 
 impl<'a, S> Bodies<'a, S> {
-    /// The same probe on `object`, which may have another type than the previous object.
+    /// The same probe and length scale with `object`, which may be of another Rust type than the previous object.
     pub(crate) fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
         Bodies {
             probe: self.probe,
@@ -57,7 +58,7 @@ impl<'a, S> Bodies<'a, S> {
 }
 
 impl<S: Surface> Bodies<'_, S> {
-    /// Replaces the fault `fault` by its cause, if this is known. If the bodies conform, the contact moves infinitely
+    /// Replaces `fault` by its cause, if the cause can be found. If the bodies conform, the contact moves infinitely
     /// fast, so the integrator reports a singular motion. The cause is then [`RollFault::Conforming`].
     pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
         if fault == RollFault::Singular
@@ -253,7 +254,7 @@ impl Roller {
     }
 
     /// Duration (s) of `motion` after which the contact's path on the probe has the length `arc_length`. The duration
-    /// that `motion` states is ignored. If rolls are computed exactly, the relative error is at most 1e-14.
+    /// that `motion` states is ignored. If the model computes rolls exactly, the relative error is at most 1e-14.
     ///
     /// # Errors
     /// The [`RollError`] that ends the roll before the path has this length.
@@ -291,7 +292,7 @@ impl Roller {
                     let rate = speed(&contact).map_err(|fault| at(fault, duration_s))?;
                     duration_s - excess / rate
                 }
-                // If a roll needs too many steps, do not try other durations: they would not help.
+                // If a roll needs too many steps, other durations would fail too.
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }

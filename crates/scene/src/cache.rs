@@ -13,8 +13,8 @@ const LAYERS: usize = 16;
 const IMAGES: usize = 1 << 17;
 
 /// Cache of values, each with a key. The first thread that needs a value computes it, and other threads that need the
-/// same value wait. If the total size exceeds `room`, the least recently used values are removed. Removed values are
-/// computed again when they are needed.
+/// same value wait. `room` limits the total size of the values: if it is exceeded, the least recently used values are
+/// removed. Removed values are computed again when they are needed.
 #[derive(Debug)]
 struct Cache<K, V> {
     room: usize,
@@ -37,7 +37,7 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
     }
 
     /// Returns the value for `key`, which `make` computes if the cache does not contain it. The value must depend on
-    /// the key only. `size` is the size of the value in the unit of `room`.
+    /// the key only. `size` is the size of the value, in the same unit as the limit `room`.
     fn get(&self, key: K, size: usize, make: impl FnOnce() -> V) -> V {
         let value = {
             let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
@@ -195,7 +195,7 @@ mod tests {
         assert!(!made(1) && !made(3) && !made(4));
         assert!(made(2));
         assert!(made(1));
-        // A value that is larger than the cache is never kept, so it is computed again at each request.
+        // The cache does not keep a value that is larger than the cache, so each request computes it again.
         assert!(of_size(5, 7) && of_size(5, 7));
     }
 }

@@ -2,8 +2,8 @@
 
 use palpate_study::config::ModelConfig;
 
-/// The models that can compute the true values of a scene, each with its error. The models are sorted from the fastest
-/// to the slowest; each model is called a rung of the ladder.
+/// The models for the true values of a scene, each with its error or with the reason why it cannot simulate the scene.
+/// The models are sorted from the fastest to the slowest; each model is called a rung of the ladder.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -36,7 +36,7 @@ pub struct Ladder {
     pub tolerance: Option<f64>,
 }
 
-/// A model that can compute the true values of a scene.
+/// A model for the true values of a scene, with its error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rung {
     /// Name of the model, with its setting (such as a tolerance) if it has one.

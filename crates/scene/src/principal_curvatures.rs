@@ -6,19 +6,20 @@ use palpate_statistics::HALF_WIDTHS;
 use palpate_study::Quantity;
 use palpate_sweep::{Observation, Summary};
 
-/// If the two principal curvatures differ by less than this share, the object is nearly a sphere at this point, and the
-/// curvatures have no directions. On a sphere, rounding errors cause such small differences.
+/// Largest difference between equal principal curvatures that rounding errors cause, relative to the curvature with the
+/// larger magnitude. If the difference is smaller, the point is an umbilic: every direction is principal.
 const UMBILIC_TOLERANCE: f64 = 1e-9;
 
 /// Curvatures at a point of the object, either true or estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointCurvature {
-    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad. The true angles of
-    /// several points are shifted by half turns, which do not change the axis, so that the angles are near each other.
+    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad. True angles are
+    /// shifted by half turns, so that the angles of neighbouring points are near each other. A half turn does not
+    /// change an axis.
     pub(crate) values: [f64; 4],
     /// Standard errors of the values; `None` for true values, and for an estimator without standard errors.
     pub(crate) stds: [Option<f64>; 4],
-    /// For k_min, k_max and the mean curvature: whether the estimator's own 50, 80 and 95 % intervals contain the true
+    /// Whether the estimator's own 50, 80 and 95 % intervals of k_min, k_max and the mean curvature contain the true
     /// value; `None` if the estimator states no intervals.
     pub(crate) interval_holds: [Option<[bool; 3]>; 3],
 }
@@ -76,8 +77,8 @@ impl PointCurvature {
             }
             Quantity::AXIS_DEG if !self.is_umbilic() && !truth.is_umbilic() => {
                 let [axis, truth] = [self, truth].map(|one| one.values[3].to_degrees());
-                // Angles that differ by half a turn describe the same axis. Use the angle that is nearest to the true
-                // angle.
+                // Angles that differ by half a turn describe the same axis. Of these angles, report the one nearest to
+                // the true angle.
                 Observation {
                     std: self.stds[3].map(f64::to_degrees),
                     ..Observation::plain(truth + half_turn(axis - truth), truth)
@@ -94,8 +95,7 @@ impl PointCurvature {
         Some(outcome).filter(|one| (one.estimate - one.truth).is_finite())
     }
 
-    /// Calls `observe` with every quantity that this estimate determines, out of `quantities`, the quantities of the
-    /// scene.
+    /// Calls `observe` with every quantity that this estimate determines. `quantities` are the quantities of the scene.
     pub(crate) fn report(
         &self,
         truth: &Self,
@@ -132,8 +132,9 @@ pub(crate) fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// Means and standard deviations of an inverse quantity are reported only if the inverted quantity is at least this
-/// many standard deviations away from 0. If the estimates are Gaussian, at most one in 30,000 then has the wrong sign.
+/// The mean and the standard deviation of an inverse quantity, such as a radius, are reported only if the inverted
+/// quantity, here the curvature, is at least this many standard deviations away from 0. At most one of 30,000 Gaussian
+/// estimates then has the wrong sign.
 const MIN_DEVIATIONS: f64 = 4.0;
 
 /// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign

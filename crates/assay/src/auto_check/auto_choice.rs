@@ -14,8 +14,8 @@ use crate::timing::Evaluation;
 pub const SCENES: u64 = 50;
 /// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
-/// A roll model is considered more expensive than another one if it evaluates the contact equations more than this many
-/// times as often.
+/// A roll model counts as more expensive than the chosen model if it evaluates the contact equations more than this
+/// many times as often.
 const MAX_EVALUATION_RATIO: usize = 3;
 
 /// A random scene with the model that `auto` chose, and the models that it could have chosen.
@@ -28,7 +28,7 @@ pub struct AutoChoice {
     study: Study,
     /// All models for the scene, with their errors relative to an independent reference.
     pub models: Vec<CompetingModel>,
-    /// Name of the reference method. Its results are used as true values.
+    /// Index in `models` of the model that `auto` chose.
     pub(super) taken: usize,
     /// Name of the reference method, whose results are used as true values.
     pub truth: &'static str,
@@ -121,7 +121,7 @@ impl AutoChoice {
         self.counted().map(|place| self.evaluation(place)).collect()
     }
 
-    /// The computation of the scene's true values with the model `models[place]`.
+    /// The computation, without noise, of the scene's contacts or displacements with the model `models[place]`.
     fn evaluation(&self, place: usize) -> Result<Evaluation> {
         let rung = &self.models[place].rung;
         let mut run = truth(&self.study, rung)?;
@@ -134,9 +134,9 @@ impl AutoChoice {
 /// A repeatable computation. It returns the number of contacts or markers that it has computed.
 type Computation = Box<dyn FnMut() -> Result<usize>>;
 
-/// Returns a computation that simulates the first cell of the study with the model `rung`, without noise: the contacts
-/// of a roll or a glide, or the marker displacements of a press. The set-up of the scene is not part of the
-/// computation.
+/// Returns a computation that simulates the first grid point of the study with the model `rung`, without noise. It
+/// computes the contacts of a roll or a glide, or the marker displacements of a press. The set-up of the scene is not
+/// part of the computation.
 fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     let scene = &study.config.scene;
     match (scene.with_model(&rung.model), &rung.model) {

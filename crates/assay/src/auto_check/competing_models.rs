@@ -16,14 +16,14 @@ use palpate_study::config::{
 use crate::contact_reference::{tip_on_ellipsoid, tip_on_quadric, tip_on_waves};
 use crate::paraboloid_reference::{Body, ParaboloidPress};
 
-/// Compared numbers of steps of the integrator RK4.
+/// Numbers of steps with which RK4 competes.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Compared tolerances of DOP853 and Newton's method, as negative decimal exponents: 1 means a tolerance of 0.1.
+/// Tolerances with which DOP853 and Newton's method compete, as negative decimal exponents: 1 means a tolerance of 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Two markers count as equally far from the contact if their distances from it differ by less than this share of the
-/// sensor's radius.
+/// Two markers count as equally far from the contact if their distances differ by less than this share of the sensor's
+/// radius.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
 /// A model that `auto` could have chosen for a scene.
@@ -117,7 +117,7 @@ fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f6
 }
 
 /// Length scale of a roll: 1/(1/R + k), where R is the radius of the probe, and k the largest magnitude of the object's
-/// curvature at the first contact. On a convex object, it is the shortest distance that the contact moves per radian.
+/// curvature at the first contact. On a convex object, the contact moves at least this distance per radian of rolling.
 fn length_scale(roller: &Roller) -> Result<f64> {
     let first = roller.first_contact();
     let (_, curvature) = roller
@@ -148,9 +148,9 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// Models of a glide, with their errors. If one of the models has a closed form for the object, the closed form is the
-/// reference for Newton's method, and Newton's method is the reference for the closed form. For other objects, the
-/// reference is the closed-form solution of the offset surface.
+/// Models of a glide, with their errors. If the model `closed-form` can compute the contacts with the object, this
+/// model and Newton's method are references for each other. For other objects, the reference is the solution on the
+/// offset surface, which consists of all possible centres of the tip.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -211,8 +211,8 @@ fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Contacts of all fingers, computed with the closed-form solution of the offset surface (the surface of all centres of
-/// the tip). `None` for objects for which one of the compared models has a closed form.
+/// Contacts of all fingers, computed on the offset surface, which consists of all possible centres of the tip. `None`
+/// for objects that the model `closed-form` can compute.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {

@@ -10,9 +10,9 @@ use palpate_study::config::{ReadingNoise, SceneConfig, parse, with_fields};
 use palpate_sweep::Observation;
 use serde_json::json;
 
-/// Path of the field in the table of families that states the curvature of random surfaces. If its range contains
-/// negative values, the surfaces are balls and dishes. If its range starts at 0, the surfaces are quadrics with waves,
-/// and the upper end of the range limits their curvature.
+/// Column of the table of families that states the range of the surfaces' curvature. A range with negative values means
+/// balls and dishes. A range that starts at 0 means quadrics with waves, whose curvature is limited by the upper end of
+/// the range.
 const CURVATURE: &str = "scene.object.curvature";
 const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];
 /// Formula of a surface that is a quadric with two waves.
@@ -81,8 +81,8 @@ impl RandomScene {
     }
 }
 
-/// The flaw of a press that the text `flaw` describes, for example `outlier of 8 standard deviations`. Other flaws are
-/// already part of the scene's config.
+/// Converts the text `flaw`, for example `outlier of 8 standard deviations`, to a flaw of a press. Only outliers and
+/// wrong indentations are converted; other flaws are already part of the scene's config.
 fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     let SceneConfig::Press(press) = scene else {
         return PressFlaw::default();
@@ -104,8 +104,9 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     }
 }
 
-/// Random value of a field between two limits. Positive values are uniform on a logarithmic scale. If the field is a
-/// curvature relative to the probe's curvature, the sum of 1 and the value is uniform on a logarithmic scale.
+/// Random value of a field between two limits. If both limits are positive, the value is uniform on a logarithmic
+/// scale. The curvature of balls and dishes is in units of the probe's curvature, so 1 + value is their relative
+/// curvature. This sum is uniform on a logarithmic scale.
 fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     match field {
         _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),

@@ -15,8 +15,8 @@ const SIDE: usize = 30;
 /// Number of knot intervals along each side of the peer program's spline, which has six inner knots.
 const INTERVALS: usize = 7;
 
-/// A fit method that is measured. The entry consists of a name, the method, and a function that removes those parts of
-/// the method's fit that the peer program does not compute.
+/// A measured fit method: its name, the method itself, and a function that removes the parts of the fit that the peer
+/// program does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
 /// Measures surface fits on all patches with few contacts. Every method is measured without standard errors, as in the

@@ -23,8 +23,8 @@ impl Ease {
     }
 }
 
-/// A ladder: several models or settings (rungs) that answer the same question, measured on three scenes. A user can
-/// choose among them.
+/// A ladder: several models or settings (rungs) among which a user can choose, because they answer the same question.
+/// They are measured on three scenes.
 pub(super) struct Ladder {
     pub(super) name: &'static str,
     /// The question that all models or settings of this ladder answer, in one line.
@@ -63,8 +63,8 @@ impl From<f64> for RungError {
 pub(super) struct Rung {
     /// Name of the model, sensor or method, with its setting.
     pub(super) name: String,
-    /// The number that this rung compares, for example a number of steps, a tolerance or a pitch; `None` if the rung's
-    /// setting is not a number.
+    /// Value of the setting that differs between the rungs, for example a number of steps, a tolerance or a pitch;
+    /// `None` if the setting is not a number.
     pub(super) setting: Option<f64>,
     /// Computes the error of this model or setting. The function is called at most once, and never in the process in
     /// which instructions are counted.

@@ -1,5 +1,5 @@
-//! Models and settings (rungs of a ladder) that differ in the config of a scene. The cost and the error of the scene's
-//! trials are measured.
+//! Measures models and settings (rungs of a ladder) that are chosen in the config of a scene: the cost and the error of
+//! the scene's trials.
 
 use std::cell::OnceCell;
 
@@ -202,7 +202,7 @@ pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Obs
         .collect())
 }
 
-/// The error, but at least the rounding error of a double (`f64`), because smaller errors are not significant.
+/// The larger of `error` and the rounding error of a double (`f64`), because smaller errors are not significant.
 pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
     if error.is_finite() {
         Ok(error.max(f64::EPSILON))

@@ -19,8 +19,8 @@ use super::Formula;
 pub struct FormulaError {
     /// Kind of error, with the names and numbers that it reports.
     pub kind: FormulaErrorKind,
-    /// Byte range of the wrong part in the text. If something is missing at the end of the text, it is an empty range
-    /// there. `None` if the error has no single place.
+    /// Byte range of the wrong part in the text. If something is missing at the end of the text, the range is empty and
+    /// lies at this end. `None` if the error has no single place.
     pub span: Option<Range<usize>>,
     text: String,
 }

@@ -4,7 +4,8 @@ use std::f64::consts::LN_10;
 
 use super::jet::{Jet, Number};
 
-/// An operation on one operand a. If an operation has a constant c as its other operand, c is stored here.
+/// An operation on one operand a. Operations with two operands also belong here if one of them is a constant c, which
+/// the variant stores.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Unary {
     Negate,

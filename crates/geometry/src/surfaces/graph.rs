@@ -134,9 +134,9 @@ impl Height for Paraboloid {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
-    // A ball in a bowl could touch the opposite side only if the ball's centre reached the axis. Then the bowl's
-    // curvature across the meridian would equal the ball's curvature, and the ball would not fit into the bowl at the
-    // contact. So a ball that fits never touches twice.
+    // A ball that touches one side of a bowl touches the opposite side too if its centre is on the axis. In this
+    // position, the bowl's curvature across the meridian equals the ball's curvature, so the ball does not fit into the
+    // bowl at the contact. A ball that fits therefore never touches twice.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -227,9 +227,9 @@ struct Foot {
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
-    /// Determinant of the matrix `I + s sᵀ`, where I is the identity and s the slope. This matrix would be the Hessian
-    /// if the graph were a plane. The next field is the determinant of the Hessian. Both are computed from expanded
-    /// formulas, because on a steep slope the formula `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
+    /// Determinant of the Gauss–Newton matrix `I + s sᵀ`, where I is the identity and s the slope. The next field is
+    /// the determinant of the Hessian. Both determinants are computed from expanded formulas, because on a steep slope
+    /// the formula `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
     stretch: f64,
     determinant: f64,
 }
@@ -284,9 +284,9 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// Whether this candidate is better than the candidate `other`. Normally, the better one is closer to the target.
-    /// If the gradient at this candidate is less than half the gradient at `other`, the squared distance may also be
-    /// larger, by a factor below 1 + 1e-6.
+    /// Whether this candidate is better than the candidate `other`, that is, closer to the target. If the gradient here
+    /// is less than half of the gradient at `other`, this candidate is also better with a slightly larger squared
+    /// distance, by a factor below 1 + 1e-6.
     fn improves(&self, other: &Self) -> bool {
         let settles = self.gradient.norm() < 0.5 * other.gradient.norm();
         let allowance = if settles { 1.0 + 1e-6 } else { 1.0 };

@@ -1,5 +1,5 @@
-//! Near their default contact, all methods of surfaces succeed. For arguments with any bit patterns, they return either
-//! finite numbers or an error, and returned points lie on the surface.
+//! Tests all methods of surfaces. Near the default contact of a surface, they succeed. For arguments with any bit
+//! pattern, they return finite numbers or an error, and returned points lie on the surface.
 
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;

@@ -1,5 +1,5 @@
-//! Tests surfaces and formulas with extreme sizes, ratios and distances, from the smallest double to 1e300. The bounds
-//! of the errors state how many digits may be lost.
+//! Tests surfaces and formulas with extreme sizes, ratios and distances, from the smallest double to 1e300. Each error
+//! bound states how many digits the result may lose.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
@@ -212,8 +212,8 @@ proptest! {
         let across = libm::sin(u) / rho;
         assert_relative_eq!(here.curvature.k_uu, 1.0 / minor, max_relative = 1e-13);
         assert_relative_eq!(here.curvature.k_vv, across, max_relative = 1e-13);
-        // Bound on the rounding error of the point's coordinates, relative to the radius of the thin tube. Near the
-        // centre of a narrow hole, the error is amplified.
+        // Bound on the rounding error of the point's coordinates, relative to the tube's radius. If the hole of the
+        // torus is narrow, the error is amplified near its centre.
         let blur = 1e-14 * ratio / (ratio - 1.0) + 1e-15 * ratio;
         let local = torus.level_set(&here.point).unwrap();
         let form = local.curvature(&here.frame.x, &here.frame.y);

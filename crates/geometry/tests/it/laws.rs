@@ -167,8 +167,8 @@ impl<'a, S: Surface> Place<'a, S> {
     fn the_contact_at_a_place_seen_from_above_is_the_place(&self) {
         let (place, up) = (self.geometry.point, self.geometry.frame.normal.z);
         let touched = self.surface.contact_at(place.x, place.y).unwrap();
-        // If the surface faces down at this point, `contact_at` returns another point, vertically above this one, where
-        // the surface faces up.
+        // If the normal points down at this point, `contact_at` returns the point vertically above it at which the
+        // normal points up.
         let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
         assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
     }

@@ -3,7 +3,7 @@
 //! In a view from above, a tip that touches the object at `w` has its centre at `w + r n_xy(w)`. Here r is the radius
 //! of the tip, and n_xy is the horizontal part of the object's normal. Unlike heights, this map has no singularity at
 //! the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`, where S is the shape
-//! operator of the object. So two contacts can belong to the same centre of the tip (the map folds) only if the
+//! operator of the object. So the map has a fold, where two contacts belong to the same centre of the tip, only if the
 //! object's concave curvature reaches 1/r.
 
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -15,9 +15,9 @@ use super::touch::{Foot, GlideError};
 
 const MAX_STEPS: usize = 100;
 const MAX_HALVINGS: i32 = 40;
-/// Largest accepted horizontal distance between the tip's centre and the place where the found contact requires this
-/// centre to be. The distance is divided by the sum of three lengths: the tip's radius, and the distances of the centre
-/// and of the contact from the origin.
+/// Largest accepted horizontal distance between the actual centre of the tip and the centre of a tip that touches at
+/// the found contact. The distance is divided by the sum of three lengths: the tip's radius, and the distances of the
+/// centre and of the contact from the origin.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
 /// The search stops if the next Newton step is shorter than this share of the tolerance. The length of the next step
 /// estimates the contact's error; for small steps, this estimate is correct within a factor of 2.
@@ -26,8 +26,8 @@ const STEP_SHARE: f64 = 0.5;
 const MAX_LAST_STEP: f64 = 1e-3;
 /// Tip and object count as touching if their distance is at most this share of the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// If the search makes no further progress at a place where [`Foot::clearance`] is below this limit, the tip touches
-/// the object at two places. At such a place, the offset surface, on which the tip's centre moves, has a fold.
+/// The search may stop at a fold of the offset surface (the surface on which the tip's centre moves), where the tip
+/// touches the object at two places. A place counts as a fold if [`Foot::clearance`] is below this limit.
 const FOLD: f64 = 1e-3;
 /// A contact counts as lying on the object's silhouette if the vertical component of its unit normal is below this
 /// value.
@@ -78,8 +78,9 @@ impl<S: Surface> Search<'_, S> {
     /// The first contact of the tip on its way down.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
-        // If the object is rugged, the tip may fit at several contacts. The choice among them must not depend on the
-        // stated tolerance, so the used tolerance is at most the distance by which contacts are distinguished.
+        // On a `rugged` object (a graph), the tip may fit at several contacts. The choice among them must not depend on
+        // the stated tolerance. Therefore, the search uses a tolerance of at most `TOUCHING`, the height difference up
+        // to which contacts count as equally high.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -144,8 +145,7 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // The remaining error `miss` of the tip's centre is already close to the rounding errors, so at most
-                // one more step can reduce it.
+                // The miss is already close to the rounding errors, so at most one more step can reduce it.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }

@@ -138,9 +138,9 @@ impl TouchRung {
 pub(super) struct Offset {
     kind: Kind,
     pub(super) tip_radius: f64,
-    /// Radius of the object (length). It is 1 for a plane, so that the ratio of both radii is 1.
+    /// Radius of the object (length). For a plane, `radius` and `offset_radius` are 1, so their ratio is 1.
     radius: f64,
-    /// Radius of the offset surface (length). It is 1 for a plane, so that the ratio of both radii is 1.
+    /// Radius of the offset surface (length); 1 for a plane.
     offset_radius: f64,
 }
 

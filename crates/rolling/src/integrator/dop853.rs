@@ -17,8 +17,8 @@ pub(crate) struct Dop853 {
     pub(crate) most_steps: usize,
 }
 
-/// Length of the first step: with a tolerance of 1, the root mean square of the weighted changes of the state's
-/// components is about this number.
+/// Determines the length of the first step. With a tolerance of 1, the first step changes the state by about this
+/// number (root mean square of the weighted changes of the components).
 const FIRST_CHANGE: f64 = 2.0;
 /// Safety factor: the next step is this factor times the longest step that the error estimate allows.
 const SAFETY: f64 = 0.8;
@@ -28,8 +28,7 @@ const GROW: f64 = 6.0;
 const LAST_FEW: f64 = 3.0;
 /// Smallest allowed step, relative to the time since the start of the motion.
 const SHORTEST: f64 = 1e-12;
-/// Smallest allowed step, relative to the duration of the motion. A step must not be shorter than this limit or
-/// [`SHORTEST`].
+/// Smallest allowed step, relative to the duration of the motion. The larger of this limit and [`SHORTEST`] applies.
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
 impl Dop853 {

@@ -1,6 +1,6 @@
-//! Rolls and glides succeed on objects that are less curved than the probe. For parameters of probes, objects, motions
-//! and positions with arbitrary bit patterns, the result is finite or a named error. A roll that is followed by the
-//! reversed roll ends at its first contact.
+//! Tests rolls and glides. On objects that are less curved than the probe, they succeed. If the parameters of probe,
+//! object, motion and position have any bit patterns, the result is finite or a named error. A roll and then the
+//! reversed roll end at the first contact.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;

@@ -40,8 +40,8 @@ fn a_dish_as_tight_as_the_probe_conforms() {
         for (model, bound) in [(Model::ClosedForm, 1e-14), (DOP853, 1e-9)] {
             let end = roll(1.0, &dish(radius), (0.0, 0.0), model, motion);
             let off = (end.arc_length - 1.0).abs();
-            // The smaller the difference `gap` of the two radii, the more digits are lost in the difference of the
-            // curvatures, so the bound is larger.
+            // A small difference `gap` of the two radii causes a loss of digits in the difference of the curvatures.
+            // Therefore, the bound increases with 1/gap.
             assert!(off < bound + 5e-16 / gap, "{model:?}, {gap:e}: {off:e}");
         }
     }
@@ -49,7 +49,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
 
 #[test]
 fn conforming_on_the_way_is_located() {
-    // In this case, the object is a wave whose trough is tighter than the probe.
+    // The object is a wave whose trough has a smaller radius of curvature than the probe.
     let object = height_field("0.5*cos(2*x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     let roller = roller(1.0, &object, (0.0, 0.0), DOP853, motion);

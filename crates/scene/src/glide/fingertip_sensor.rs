@@ -63,8 +63,8 @@ impl GlideSensor {
     }
 }
 
-/// Direction from the centre of the fingertip to the pad that reports a contact, if the contact is in the direction
-/// `direction` (unit vector) from this centre. The pads are arranged around the lowest point of the tip.
+/// Direction from the centre of the fingertip to the pad that reports a contact. `direction` (unit vector) is the
+/// direction from this centre to the contact. The pads are arranged around the lowest point of the tip.
 fn pad_direction(
     pads: &Pads,
     placement: &PadPlacement,

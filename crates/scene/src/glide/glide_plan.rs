@@ -392,8 +392,8 @@ fn grid(
     })
 }
 
-/// Largest relative difference between the stated and the true distance between fingers that counts as a rounding error
-/// of the config.
+/// A relative difference up to this number, between the stated and the true distance between fingers, counts as a
+/// rounding error of the config.
 const SPACING_TOLERANCE: f64 = 1e-6;
 
 fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {

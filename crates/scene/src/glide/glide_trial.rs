@@ -300,7 +300,8 @@ impl Trials for GlideScene {
     }
 }
 
-/// Converts an error of the fit to noiseless contacts into an error with the path of the config field that causes it.
+/// Adds the path of a config field to an error. The error occurred when the surface was fitted to noiseless contacts,
+/// and the config field is its cause.
 fn fit_error(error: &ShapeError) -> FieldError {
     let ShapeError::Contacts(error) = error else {
         return FieldError::at("scene", error);

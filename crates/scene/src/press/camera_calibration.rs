@@ -34,8 +34,8 @@ struct CalibrationPoint {
 }
 
 impl CameraCalibration {
-    /// Calibrates a sensor by presses of its apex on a plane. The true displacements of the markers in these presses
-    /// are known. `rest` contains the images of the markers at rest.
+    /// Calibrates a sensor with simulated presses of its apex on a plane. It compares the markers' images in these
+    /// presses with their true displacements. `rest` contains the images of the markers at rest.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -139,8 +139,8 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
 
 /// Root mean square errors of normal and of tangential displacements in the calibration presses; `None` if an error is
 /// 0 or cannot be computed. Only markers whose displacement is at least half of the largest displacement are used.
-/// These are the markers near the contact, where the two discs of a marker move most differently and where the readings
-/// depend most on the object's shape.
+/// These markers are near the contact. There, the motions of a marker's two discs differ most, and the readings depend
+/// most on the object's shape.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for points in presses {
@@ -183,7 +183,7 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// First trial number that seeds the noise of frames at rest. Smaller trial numbers seed the noise of frames of
+/// Trial numbers above this number seed the noise of frames at rest. Smaller trial numbers seed the noise of frames of
 /// calibration presses.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
@@ -271,7 +271,7 @@ impl CalibrationFrames {
 
 fn mean(first: Marker, others: &[Marker]) -> Marker {
     // Sum the differences from the first image: of both centroid coordinates, the hue, the mean hue and the size. Hues
-    // are angles, so they cannot be summed directly.
+    // are angles, so only their differences can be summed.
     let mut sums = [0.0; 5];
     for marker in others {
         let turn = marker.hue_turns - first.hue_turns;

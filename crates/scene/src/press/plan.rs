@@ -26,11 +26,11 @@ use super::truth::{DiscMarkers, PressGeometry, SoftBody, TrueContact, TruePress}
 use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
-/// Error of displacements that are interpolated in the tables of a layer instead of solved directly, relative to the
-/// largest displacement.
+/// Error of displacements that are interpolated in the tables of a layer, compared with a direct solution. It is
+/// relative to the largest displacement.
 const TABLE_ERROR: f64 = 1e-7;
-/// Number of markers above which the tables of a layer save time: displacements are then interpolated in the tables,
-/// instead of solved for each marker.
+/// With more markers than this number, it is faster to compute the tables of a layer and to interpolate the
+/// displacements than to solve for each marker.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
@@ -130,8 +130,8 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
 }
 
 /// Thickness of the layer if the true displacements are interpolated in tables of this layer; `None` if they are
-/// computed without tables. Tables are used under two conditions: their error is within the tolerance of `auto`, and
-/// either the fit needs the same tables anyway, or there are many markers.
+/// computed without tables. The error of the tables must be within the tolerance of `auto`. In addition, the fit must
+/// need the same tables anyway, or there must be many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })

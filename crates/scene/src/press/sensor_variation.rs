@@ -16,8 +16,8 @@ use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
 
-/// Number of trial numbers that are reserved for the frames of one trial, if each trial has its own sensor. A trial
-/// number seeds the noise of a frame. The reserved numbers are smaller than those of the frames that all trials share.
+/// If each trial has its own sensor, this many trial numbers are reserved for its frames. Each number seeds the noise
+/// of one frame. The reserved numbers are smaller than the numbers of the frames that all trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
 
 const fn rest_number(trial: u64) -> u64 {
@@ -36,7 +36,7 @@ pub(super) struct SensorVariation {
     misalignment: f64,
 }
 
-/// Sensor of one trial, and the motions of its markers in a press.
+/// Sensor of one trial, and the motions of its markers' discs in a press.
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
     pub(super) motions: Vec<MarkerMotion>,

@@ -290,8 +290,8 @@ impl PressScene {
             }
             if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
                 let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
-                // Angles that differ by half a turn describe the same axis. Use the angle that is nearest to the true
-                // angle.
+                // Angles that differ by half a turn describe the same axis. Of these angles, report the one nearest to
+                // the true angle.
                 let value = truth + half_turn(axis - truth);
                 let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
                 let interval = Interval { low, high };
@@ -435,7 +435,7 @@ impl Trials for PressScene {
 
     /// Cramér–Rao bound of a quantity, for the true body and the noise of the scene; `None` for a quantity without such
     /// a bound. Parameters that the estimator fits are treated as unknown. A parameter that the estimator receives,
-    /// such as the indentation, has the noise that trials draw. If trials draw no noise for this parameter, it has the
+    /// such as the indentation, has the standard deviation of its noise in the trials. If it has no noise, it has the
     /// standard deviation that the config states.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;

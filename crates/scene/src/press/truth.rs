@@ -53,7 +53,8 @@ pub(super) struct TouchedObject {
     /// Curvature 1/R_o of the object, positive if the object is convex. If the object has two different curvatures,
     /// `curvature` is their mean.
     pub(super) curvature: f64,
-    /// Radius R_o of the object, negative for a dish; `None` for a plane, and if there are two different curvatures.
+    /// Radius R_o of the object, negative for a dish; `None` for a plane, and for an object with two different
+    /// curvatures.
     pub(super) radius: Option<f64>,
     /// The principal curvatures of the object; `None` if they are equal.
     pub(super) principal: Option<UnequalCurvatures>,
@@ -214,8 +215,8 @@ impl TrueContact<'_> {
 pub(super) struct SoftBody {
     pub(super) body: Body,
     /// Poisson's ratio, and the depth under the skin at which displacements are computed (0 for the model `hertz`).
-    /// Both are needed to compute the displacements that a sideways shift of the object causes. `None` if the model
-    /// cannot compute these displacements.
+    /// Displacements by a sideways shift of the object are computed from both numbers. `None` if the model cannot
+    /// compute such displacements.
     pub(super) sideways: Option<(f64, f64)>,
 }
 
@@ -402,8 +403,8 @@ impl<'a> DiscMarkers<'a> {
     }
 }
 
-/// The strain of a disc is computed from displacements of the skin at this distance above and below the disc. The
-/// distance is a share of the sensor's radius.
+/// Distance from a disc, as a share of the sensor's radius. The displacements of the skin at this distance above and
+/// below the disc determine the strain of the disc.
 const STRAIN_STEP: f64 = 0.0025;
 
 /// Models of the skin just above and just below the discs of one colour. The difference between the displacements of
@@ -413,13 +414,13 @@ struct DiscStrain {
     share: f64,
     above: SoftBody,
     below: SoftBody,
-    /// Distance between the two depths at which `above` and `below` compute displacements (length).
+    /// Difference (length) between the depths at which `above` and `below` compute displacements.
     apart: f64,
 }
 
 impl DiscStrain {
-    /// The skin just above and just below discs at the depth `depth`. `deepest` is the largest depth at which the lower
-    /// skin may be. The function `body` builds the soft body for a depth.
+    /// Models of the skin just above and just below discs at the depth `depth`. The depth of the lower model is at most
+    /// `deepest`. The function `body` builds the soft body for a depth.
     fn new(
         share: f64,
         depth: f64,

@@ -19,8 +19,8 @@ pub(super) struct LinearRolls {
 #[derive(Clone, Copy, Debug)]
 struct LinearRoll {
     commanded: [f64; 2],
-    /// Change of the contact's displacement (length) that an error of the rotation about x causes. The error has the
-    /// size 1, in units of its standard deviation or, for a uniform error, of its bound.
+    /// Change of the contact's displacement (length) per unit of the rotation's error about x. The unit is the standard
+    /// deviation of the error or, for a uniform error, its bound.
     per_error_x: [f64; 2],
     per_error_y: [f64; 2],
     reported: ProbeRotation,
@@ -36,7 +36,8 @@ impl LinearRoll {
         }: &Roll,
     ) -> Self {
         let size = error * command.angular_velocity.norm() * command.duration_s;
-        // If the probe turns by Δθ, the contact moves by `mobility` (contact travel per radian) times (−Δθ_y, Δθ_x).
+        // If the probe turns by Δθ, the contact moves by the matrix `mobility` (displacement per radian) times (−Δθ_y,
+        // Δθ_x).
         let path = |rotation: Vector2<f64>| -> [f64; 2] {
             (mobility * Vector2::new(-rotation.y, rotation.x)).into()
         };
@@ -91,8 +92,8 @@ impl LinearRolls {
     }
 
     /// Rolls every probe and returns the moments of the readings, that is, the sums from which least squares estimates
-    /// the curvature. Returns `None` if a contact moves more than halfway around its probe: the sensor then reads a
-    /// shift that differs from the path.
+    /// the curvature. Returns `None` if a contact moves more than halfway around its probe, because the sensor would
+    /// then read the shorter way around the probe instead of the path.
     #[inline(always)]
     pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
         let mut moments = Moments::default();

@@ -9,8 +9,8 @@ use palpate_study::config::Side;
 pub(super) struct MotionNoise {
     pub(super) error: AngularVelocityError,
     pub(super) instants: u32,
-    /// If the value is `Motion`, the motion of the probe has the error, and the sensor reports the commanded rotation.
-    /// If the value is `Measurement`, the probe moves as commanded, and the reported rotation has the error.
+    /// `Motion`: the motion of the probe has the error, and the sensor reports the commanded rotation. `Measurement`:
+    /// the probe moves as commanded, and the reported rotation has the error.
     pub(super) side: Side,
 }
 
@@ -40,9 +40,9 @@ impl MotionNoise {
         }
     }
 
-    /// Upper bound on the distance (length) between the actual and the commanded position of a probe's centre, which
-    /// differ because of noise. The probe has the radius `radius` and rolls by `rotation` (rad). The bound is the
-    /// largest possible distance, but at most six standard deviations of the distance.
+    /// Upper bound on the distance (length) by which noise moves a probe's centre away from its commanded position. The
+    /// probe has the radius `radius` and rolls by `rotation` (rad). The bound is the largest possible distance, but at
+    /// most six standard deviations of the distance.
     pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
         if self.side == Side::Measurement {
             return 0.0;

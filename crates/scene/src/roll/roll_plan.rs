@@ -166,9 +166,9 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart for the integrators that are compared. It is the chart that the config states. Without a stated chart, the
-/// frame of the rotation axis decides: `Free` for a transported axis, `Montana` for an axis that is constant in the
-/// chart.
+/// Form of the contact equations for the integrators that are compared: the form that the config states. If the config
+/// states none, it is `Free` for a rotation axis that is constant in the transported frame, and `Montana` for an axis
+/// that is constant in the probe's chart.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {
@@ -256,7 +256,8 @@ fn roller(
             durations.push((*command, duration_s));
             command.duration_s = duration_s;
         }
-        // The best model depends on how far the probes roll, which is known only now. So set up the roller again.
+        // The choice of the model depends on the durations of the rolls, which have just been computed. So set up the
+        // roller again.
         roller = set_up(&commands)?;
     }
     Ok((roller, commands))
@@ -351,7 +352,8 @@ fn noiseless(
 }
 
 /// Heights of the object along a roll (`Terrain`), if noise may make the probe penetrate the object beside the contact.
-/// `None` if, in the commanded roll, the distance beside the contact is always at least `stray`.
+/// Noise moves the probe by at most `stray` (length). The result is `None` if, in the commanded roll, the object beside
+/// the contact is always at least this far from the probe.
 fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
     if !roller.may_touch_twice() {
         return Ok(None);

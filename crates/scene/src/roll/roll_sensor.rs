@@ -175,7 +175,7 @@ impl SensorTrial<'_> {
             Self::Pads(pads, placement) => (pads, &*placement),
         };
         let first = pads.first_place(placement).unwrap_or_default();
-        // Transport the axes of the pads' origin to the first contact, along the great circle between them.
+        // Parallel-transport the axes of the pads from their origin to the first contact, along a great circle.
         let origin_from_first =
             UnitQuaternion::rotation_between(&Vector3::z(), &direction_at(&(first / radius)))
                 .unwrap_or_default();
@@ -329,8 +329,9 @@ impl RotationTrial<'_> {
         }
     }
 
-    /// Replaces true rotations (rad) at the given fractions of a roll by the rotations that the sensor reports. The
-    /// error of a roll grows from 0 at its start. At its end, the error is as large as in [`RotationTrial::read`].
+    /// Replaces the true rotations (rad) at the given fractions of a roll by the rotations that the sensor reports. The
+    /// common error of a roll grows linearly, from 0 at its start to the error of [`RotationTrial::read`] at its end.
+    /// In addition, each sample has its own error.
     pub(super) fn read_samples(
         &mut self,
         rotations: &mut [Vector2<f64>],

@@ -75,7 +75,8 @@ pub struct RollScene {
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {
     Fit(LeastSquares),
-    /// The rotations do not determine the curvature. Every trial that uses the fit fails with the name of this error.
+    /// There is no fit, because the rotations do not determine the curvature. Every trial that needs the fit fails with
+    /// the name of this error.
     NoFit(Ep1Error),
 }
 
@@ -286,7 +287,8 @@ impl RollScene {
         }
     }
 
-    /// Runs a trial in which all rolls have a linear closed form. Such a trial is fast, because no motion is simulated.
+    /// Runs a trial in which the displacement of every contact is a linear function of the rotation. Such a trial is
+    /// fast, because no motion is simulated.
     fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut sensor = self.sensor.begin(self.seed, trial);
@@ -354,8 +356,8 @@ impl RollScene {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // Warn only if the relative error of the curvature is in this range. A smaller error does not matter; with a
-        // larger error, the object counts as a plane.
+        // Warn only if the relative error of the curvature is in this range. A smaller error does not matter. If the
+        // error is larger, the object counts as a plane, and a warning is not useful.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

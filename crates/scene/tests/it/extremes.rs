@@ -61,8 +61,9 @@ fn layered(thickness: f64) -> String {
     press(1.0, PLANE, 0.02, &lines)
 }
 
-/// Estimates and true values in the first trials, both divided by the largest true value of their quantity. Quantities
-/// whose true values are all 0 are left out. The error is the name of a trial's failure or the path of a config field.
+/// Estimates and true values in the first three trials, both divided by the largest true value of their quantity.
+/// Quantities whose true values are all 0 are left out. If a trial or the config is invalid, the error is the name of
+/// the trial's failure or the path of the config field.
 fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let study = parse("study.toml", text);
     let scene = study.and_then(|study| study.estimable_scene(0));
@@ -80,8 +81,8 @@ fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
         of_it.fold(0.0, |largest: f64, (.., truth)| largest.max(truth.abs()))
     };
     let pairs = all.iter().filter_map(|&(quantity, estimate, truth)| {
-        // The curvature of the object is the relative curvature minus the curvature of the sensor, so its error is
-        // compared with the relative curvature. A radius is compared as its inverse.
+        // The curvature of the object is the relative curvature minus the curvature of the sensor. Therefore, its error
+        // is divided by the relative curvature. A radius is first converted to a curvature.
         let is_of_object = ["object_curvature", "object_radius"].contains(&quantity);
         let scale = largest(if is_of_object {
             "relative_curvature"

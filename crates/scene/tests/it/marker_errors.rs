@@ -7,7 +7,7 @@ use palpate_chromatouch::{
 use palpate_sensing::{Channel, Stream};
 use palpate_tracking::{Finder, Found, Ground, Marker, Mask};
 
-/// The frames of a sensor at rest: renders them, and finds the markers in them.
+/// A sensor at rest. `Look` renders its frames and finds the markers in them.
 struct Look {
     optics: Optics,
     motions: Vec<Option<MarkerMotion>>,
@@ -102,8 +102,8 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     for look in looks {
         let found: Vec<Found> = (0..frames).map(|frame| look.found(frame)).collect();
         for at in look.projected() {
-            // Markers that touch another marker or the rim of the image are excluded, because they are not found as
-            // separate markers.
+            // The tracker does not find markers that touch another marker or the rim of the image. These markers are
+            // left out.
             let is_there = |found: &Found| {
                 let ([x, y, ..], _) = beyond(found, &at);
                 libm::hypot(x, y) < 1.0

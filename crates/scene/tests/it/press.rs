@@ -156,8 +156,9 @@ fn markers_move_away_from_the_contact_wherever_it_is() {
         assert!(position == 0.0 || outward > 0.0, "{row:?}");
         assert!(across.abs() < 1e-12, "{row:?}");
     }
-    // Move the contact from the apex to the second marker. Now the second marker moves as the apex did before. The apex
-    // moves as the second marker did, but in the opposite direction.
+    // In the second press, the contact is at the second marker instead of the apex. The second marker moves like the
+    // apex in the first press. The apex moves like the second marker in the first press, but in the opposite tangential
+    // direction.
     let moved = rows(&off_apex);
     assert!(moved[1][3] < 1e-12 && (moved[1][4] - apex[0][4]).abs() < 1e-12);
     assert!((moved[0][4] - apex[1][4]).abs() < 1e-12);

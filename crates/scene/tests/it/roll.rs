@@ -83,8 +83,8 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
 #[test]
 fn hexagonal_pads_err_less_than_square_ones() {
     let ball = r#"{ kind = "sphere", radius = 4 }"#;
-    // The path is 0.08 long. Use several pitches, because square pads read the path exactly if the path is a multiple
-    // of the pitch.
+    // The path is 0.08 long. Its length must not be a multiple of the pitch, because square pads would then read the
+    // path exactly. So use several other pitches.
     let square_sum = |layout: &str| -> f64 {
         let pitches = [0.017, 0.019, 0.021, 0.023].iter();
         let squares = pitches.map(|pitch| {
@@ -138,7 +138,7 @@ fn true_values_are_available_without_a_trial() {
     assert!((scene.truth(1).unwrap() - 0.2).abs() < 1e-12);
 }
 
-/// Tests that all models lead to equal estimates if the random draws are equal, because all of them compute the same
+/// Tests that the estimates do not depend on the roll model: with equal random draws, all models compute the same
 /// rolls.
 #[test]
 fn models_share_draws_and_results() {
