@@ -1,8 +1,10 @@
-//! Errors of palpate on fixed scenes with fixed seeds. Models are compared with closed-form solutions, estimators with
-//! the true values of the scenes, and the marker tracker with the true positions of the discs in its frames.
+//! Errors of palpate on fixed scenes with fixed seeds. The references of models are closed-form solutions; the
+//! references of estimators are the true values of the scenes. The marker tracker is compared with the true positions
+//! of the discs in its frames.
 //!
 //! `cargo xtask bench-check` compares these errors with `baseline/accuracy.csv`, to detect changes of the code that
-//! make results less accurate. An error is relative unless its name ends with a unit.
+//! make results less accurate. If the name of an error ends with a unit, the error has this unit. All other errors are
+//! relative.
 
 use anyhow::{Context, Result, ensure};
 use palpate_ep2::{Curvature, Method, Penalised, Quadric, TwoPass};

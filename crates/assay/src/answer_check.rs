@@ -166,8 +166,8 @@ fn is_right_design(answer: &Region, reference: &Region) -> bool {
         && !ends.any(|(value, side)| is_wrong(value, side))
 }
 
-/// Compares each probability that `distinguish` estimates (one per pair of objects and seed) with a measured share: the
-/// share of pairs of fresh trials whose estimates are in the right order.
+/// Checks each probability that `distinguish` estimates; there is one for each pair of objects and seed. It is compared
+/// with a measured share: the share of pairs of fresh trials whose estimates are in the right order.
 fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> Result<Score> {
     let (config, radii) = (scene.config, scene.radii);
     let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");

@@ -3,13 +3,13 @@
 //!
 //! | kind | computation whose instructions are counted | error | reference | competing models |
 //! |---|---|---|---|---|
-//! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | Montana's equations in the charts of both bodies | all models, with all settings that use no charts |
+//! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | Montana's equations in the charts of both bodies | all models that use no charts, with many settings |
 //! | glide | the contact points of all fingers | contacts, relative to the tip's radius | closed-form solution of the offset surface; if a model has a closed form, this model and Newton's method are compared with each other | closed form, Newton's method with the tolerances 10⁻¹, 10⁻², … 10⁻¹³ |
 //! | press | the press, and the displacements of the markers | displacements, relative to the largest | quadrature over wavenumbers, which no competing model uses | Hertz, half-space, layer |
 //!
-//! The set-up of a scene is not counted. For a roll, the instructions of some models need not be counted: those that
-//! evaluate the contact equations more than three times as often as the chosen model. Such a model cannot be cheaper,
-//! because the costs per evaluation of any two methods differ at most by a factor of 2.1.
+//! The set-up of a scene is not counted. For a roll, the instructions of expensive models are not counted. A model
+//! counts as expensive if it evaluates the contact equations more than three times as often as the chosen model. It
+//! cannot be cheaper, because the costs per evaluation of any two methods differ at most by a factor of 2.1.
 
 mod auto_choice;
 mod auto_scenes;
@@ -138,9 +138,9 @@ fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     csv_table::write(out, verdicts.iter().map(row))
 }
 
-/// Summary for each kind of scene: how many scenes pass the check, how many have competing models or an independent
-/// reference, and the largest ratio of the chosen model's cost to the cheapest model's cost. Returns an error if a
-/// scene fails the check.
+/// Summary for each kind of scene. It states how many scenes pass the check, how many have competing models, and how
+/// many have an independent reference. It also states the largest ratio of the chosen model's cost to the cheapest
+/// model's cost. Returns an error if a scene fails the check.
 fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {
         let of = || verdicts.iter().filter(move |one| one.choice.kind == kind);

@@ -4,7 +4,8 @@
 //! - [`auto_check`] checks that the setting `model = auto` chooses a cheap model that is accurate enough.
 //! - [`answer_check`] checks the answers of `palpate design` and `palpate distinguish`.
 //! - [`intervals`] measures how often the stated intervals contain the true value.
-//! - [`accuracy`] has errors, and [`workloads`] has instruction counts, that must not increase from commit to commit.
+//! - [`accuracy`] measures errors, and [`workloads`] counts instructions. These numbers must not increase from commit
+//!   to commit.
 //! - [`peer_tasks`] measures the run time of palpate on tasks that other programs (its peers) can solve too.
 //!
 //! The true values come from independent computations: [`paraboloid_reference`] for presses, [`contact_reference`] for

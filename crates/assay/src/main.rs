@@ -67,7 +67,7 @@ enum Harness {
         #[arg(required_unless_present = "inputs")]
         group: Option<String>,
         /// Largest allowed error of a model on a task, as `TASK=ERROR`. Without this option, the limit is 1e-12. A
-        /// model with a tolerance uses the largest tolerance that keeps this limit.
+        /// model with a tolerance uses the largest tolerance with which its error is within this limit.
         #[arg(long, value_parser = limit)]
         error_at_most: Vec<(String, f64)>,
         /// Write the inputs of the peers to this folder, and measure nothing.

@@ -109,7 +109,7 @@ fn table(directory: &Path, name: &str, header: &str) -> Result<BufWriter<File>> 
 
 /// Measures the run times of a group of tasks, and returns one line of JSON per model. `error_at_most` contains the
 /// largest allowed error of each task; for all other tasks, the largest allowed error is 1e-12. A model with a
-/// tolerance uses the largest tolerance that keeps this limit.
+/// tolerance uses the largest tolerance with which its error is within this limit.
 ///
 /// # Errors
 /// An error if no group of tasks has this name, or if a model fails on its task.

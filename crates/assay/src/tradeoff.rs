@@ -148,9 +148,9 @@ const EQUAL_COST_RATIO: f64 = 1.02;
 /// Errors of models or settings below this value are caused by rounding, so they count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung (model or setting) is on the Pareto front, that is, whether no other rung dominates it. One rung
-/// dominates another if neither its cost nor its error is larger, and at least one of them is smaller. Of several rungs
-/// with equal cost and error, only the first can be on the front.
+/// For each rung (model or setting): whether it is on the Pareto front. A rung is on the front if no other rung
+/// dominates it. One rung dominates another if its cost and its error are at most as large, and at least one of them is
+/// smaller. Of several rungs with equal cost and error, only the first can be on the front.
 fn pareto(rungs: &[CostError]) -> Vec<bool> {
     let beats = |a: usize, b: usize| {
         let ([a_cost, b_cost], [a_error, b_error]) = (

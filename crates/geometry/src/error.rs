@@ -65,7 +65,7 @@ impl SurfaceError {
 /// Error for a surface that cannot be constructed because a parameter is out of its range.
 pub type InvalidShape = BadSetting;
 
-/// Checks that a parameter is a length whose square neither overflows nor underflows to zero.
+/// Checks that a parameter is a valid length: its square must not overflow or underflow to zero.
 pub(crate) fn checked_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
     let expected = match value > 0.0 && value.is_finite() {
         true => "between 1e-150 and 1e150",
@@ -78,7 +78,7 @@ pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64,
     BadSetting::unless(value.is_finite(), parameter, value, "finite")
 }
 
-/// Range of lengths and slopes whose squares neither overflow nor underflow. Vectors outside of this range cannot be
+/// Range of valid lengths and slopes. Outside of this range, their squares overflow or underflow, so vectors cannot be
 /// scaled to length 1.
 pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
 

@@ -26,8 +26,8 @@ use program::Program;
 
 /// A function z = f(x, y), parsed from a text. When the text is parsed, the values of its parameters become constants.
 ///
-/// Evaluation neither fails nor allocates memory. Outside of the formula's domain, the value is not finite, for example
-/// `ln(x)` at x ≤ 0.
+/// Evaluation never fails and allocates no memory. Outside of the formula's domain, the value is not finite, for
+/// example `ln(x)` at x ≤ 0.
 ///
 /// ```
 /// use std::collections::BTreeMap;
@@ -46,7 +46,7 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// Maximum number of characters of a formula. This limit also limits the length of the compiled program.
+    /// Maximum number of characters of a formula. It also limits the length of the compiled program.
     pub(crate) const MAX_CHARACTERS: usize = 10_000;
     /// Maximum depth of nesting, which limits the size of the parser's stack. Parentheses, function calls, signs and
     /// right-hand operands each add one level.

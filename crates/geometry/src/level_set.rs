@@ -31,8 +31,8 @@ impl LevelSet {
             normal: gradient * inverse,
             second_form: hessian * inverse,
         };
-        // If a component is not finite, the sum is not finite, so it is enough to check the sum. In rare cases a sum of
-        // finite components overflows. The result is then `None` although a normal exists; this is harmless.
+        // Check only the sum of all components, because it is not finite if a component is not finite. In rare cases, a
+        // sum of finite components overflows. The result is then `None` although a normal exists; this is harmless.
         let sum = level_set.normal.sum() + level_set.second_form.sum();
         (SQUARABLE.contains(&norm) && sum.is_finite()).then_some(level_set)
     }
@@ -59,8 +59,8 @@ impl LevelSet {
     }
 }
 
-/// Normal and second fundamental form of the level set of a function `F`, in a basis with a given tangent. Neither the
-/// normal nor the basis is scaled to length 1, which saves divisions and square roots.
+/// Normal and second fundamental form of the level set of a function `F`, in a basis with a given tangent. To save
+/// divisions and square roots, the normal and the second tangent are not scaled to length 1.
 ///
 /// The basis of the tangent plane is a unit tangent `x` and `y = x × ∇F`, whose length is `|∇F|`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -31,7 +31,7 @@ use crate::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Surface {
-    /// Whether the surface is a graph z = f(x, y), so that x and y determine one point of the surface.
+    /// Whether the surface is a graph z = f(x, y). On a graph, x and y determine one point.
     const IS_GRAPH: bool = false;
 
     /// The point of the chart with the parameters `at`, and its derivatives.

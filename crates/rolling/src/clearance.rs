@@ -41,8 +41,8 @@ pub struct Terrain {
 }
 
 /// One instant of a roll: its time, the distance that the probe's centre has travelled (in probe radii), and the
-/// clearance, which is the distance (length) between the probe and the nearest part of the object beside the contact.
-/// Parts that are far from the probe are not examined.
+/// clearance. The clearance (length) is the distance between the probe and the nearest part of the object beside the
+/// contact. Parts that are far from the probe are not examined.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     time_s: f64,
@@ -94,8 +94,8 @@ impl Terrain {
     }
 
     /// Places at which searches for the object's closest points to the probe start. They are within `reach` of the
-    /// probe's centre `centre`: height samples that are nearer to the centre than all their neighbours, and points on
-    /// walls between two neighbouring samples.
+    /// probe's centre `centre`. There are two kinds: height samples that are nearer to the centre than all their
+    /// neighbours, and points on walls between two neighbouring samples.
     fn starts(&self, object: &Shape, centre: &Point3<f64>, reach: f64) -> Vec<Start> {
         let range = |axis: usize| {
             let end = |end: f64| ((centre[axis] + end) / self.spacing) as i64;

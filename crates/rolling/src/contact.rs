@@ -87,8 +87,8 @@ impl Contact {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        // Instead of each component, check the sum of all components, which is not finite if one component is not
-        // finite. A sum of finite components overflows only for extreme sizes.
+        // Check only the sum of all components, because it is not finite if a component is not finite. A sum of finite
+        // components overflows only for extreme sizes.
         let vectors = self.on_object.coords + self.normal + self.x_axis;
         let turn = self.body_from_contact.coords.sum();
         (vectors.sum() + turn + self.arc_length).is_finite()
@@ -112,9 +112,9 @@ pub(crate) fn frame_quaternion(x: &Vector3<f64>, normal: &Vector3<f64>) -> UnitQ
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
 }
 
-/// Logarithm map on the unit sphere at +z. The result is a vector in the (x, y) plane: its direction is the direction
-/// of the point `direction` from +z, and its length is the angle between the point and +z. At −z, the direction is
-/// undefined, and the result is along +x.
+/// Logarithm map on the unit sphere at +z. The result is a vector in the (x, y) plane. It points from +z towards the
+/// point `direction`, and its length is the angle between this point and +z. At −z, the direction is undefined, and the
+/// result is along +x.
 fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
     let across = direction.xy();
     let sine = across.norm();

@@ -42,8 +42,8 @@ impl Chart {
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object for this state. Unlike the method `contact`, this method also returns a point
-    /// for some invalid states, so that an error message can state where a roll ended.
+    /// The contact point on the object for this state. It is used in error messages that state where a roll ended.
+    /// Therefore, unlike the method `contact`, it also returns a point for some invalid states.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 

@@ -127,11 +127,12 @@ impl Glider {
     /// On planes, spheres, dishes and cylinders, the contact is computed by exact formulas. On other objects, Newton's
     /// method finds it, starting below the tip. On ellipsoids and tori, the tip fits at only one contact.
     ///
-    /// On graphs, sixteen places under the tip are checked, about half a radius apart. If the object extends into the
-    /// tip at one of these places, or the tip does not fit there, the heights under the tip are sampled on a grid with
-    /// a spacing of a twelfth of the radius. Newton's method then starts from every local maximum of the tip's height,
-    /// and the highest contact is returned. If the graph's second derivatives are below `1/radius`, this is always the
-    /// first contact. Otherwise, the search may miss a narrow ridge between the places.
+    /// On graphs, sixteen places under the tip are checked, about half a radius apart. The tip may touch elsewhere if
+    /// the object extends into the tip at one of these places, or if the tip does not fit there. In this case, the
+    /// heights under the tip are sampled on a grid with a spacing of a twelfth of the radius. Newton's method then
+    /// starts from every local maximum of the tip's height, and the highest contact is returned. If the graph's second
+    /// derivatives are below `1/radius`, this is always the first contact. Otherwise, the search may miss a narrow
+    /// ridge between the places.
     ///
     /// # Errors
     /// [`GlideError`] if the tip has no contact, or if the search fails.

@@ -145,9 +145,8 @@ impl Setting<'_> {
         {
             return (rung, self.closed_form_choice());
         }
-        // The meridian model is valid for motions whose components are constant in the contact frame, and for motions
-        // whose components are constant in the frame of the chart: along a meridian, which is a line of symmetry, both
-        // frames are equal.
+        // The meridian model needs no distinction between motions with constant components in the contact frame and in
+        // the chart's frame. Along a meridian, which is a line of symmetry, both frames are equal.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {

@@ -46,8 +46,8 @@ impl MeridianRung {
         }
     }
 
-    /// Whether the object is a surface of revolution whose axis passes through the apex, so that every roll from the
-    /// apex follows a meridian.
+    /// Whether the object is a surface of revolution whose axis passes through the apex. Every roll from the apex then
+    /// follows a meridian.
     pub(crate) const fn is_revolved(&self) -> bool {
         self.revolved.is_some()
     }

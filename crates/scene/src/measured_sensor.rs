@@ -18,8 +18,8 @@ pub struct MeasuredSensor {
 }
 
 impl MeasuredSensor {
-    /// Quantities that are computed for the sensor of a config: folding strains if the skin is made from gores (flat
-    /// pieces), and the marker area if the markers consist of discs.
+    /// Quantities that are computed for the sensor of a config. If the skin is made from gores (flat pieces), they
+    /// include folding strains. If the markers consist of discs, they include the marker area.
     pub(crate) fn quantities_of(probe: &PressProbeConfig) -> &'static [Quantity] {
         let sphere = MarkerSphere::of(probe);
         let all: &'static [Quantity] = &[

@@ -40,8 +40,8 @@ pub struct CutPattern {
     pub markers: usize,
     /// Largest strain and root mean square strain of the skin when the flat gores are folded over the sphere.
     pub fold_strain: FoldStrain,
-    /// Folding strain at the points of a grid over half a gore: from the middle meridian of the gore to its edge, and
-    /// from the equator to the apex.
+    /// Folding strain at the points of a grid over half a gore. One grid direction leads from the middle meridian of
+    /// the gore to its edge, the other from the equator to the apex.
     pub strain: Table,
     /// Largest and root mean square folding strain of skins with 3 to 12 gores.
     pub strain_by_gores: Table,

@@ -155,8 +155,8 @@ pub trait Scenes {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of the grid point with the number `cell`, but with the model `rung` of its ladder (the list of
-    /// models that can compute it) instead of the model in the config.
+    /// Builds the scene of the grid point with the number `cell`. The model `rung` of the scene's ladder (list of
+    /// models) replaces the model in the config.
     ///
     /// # Errors
     /// The errors of [`Scenes::scene`]. The error is at `scene.model` if the model cannot simulate the scene.

@@ -105,8 +105,8 @@ impl AutoChoice {
         matches!(self.models[place].rung.accuracy, palpate::Accuracy::Error(error) if error <= self.tolerance)
     }
 
-    /// Indices in `models` of the models whose instructions are counted: the chosen model, and every other model that
-    /// may be cheaper and whose error is within the tolerance.
+    /// Indices in `models` of the models whose instructions are counted. These are the chosen model and all models that
+    /// meet the tolerance and may be cheaper.
     pub(super) fn counted(&self) -> impl Iterator<Item = usize> {
         let taken = self.models[self.taken].evaluations;
         (0..self.models.len()).filter(move |&place| {

@@ -113,8 +113,8 @@ fn roll(mut draws: Draws) -> String {
         0 => format!(", spin_rad_per_s = {:e}", turn * draws.between(-1.0, 1.0)),
         _ => String::new(),
     };
-    // The models are compared in rolls without noise. Noise is stated only because noise that is drawn at several
-    // instants divides a roll into several motions.
+    // The models are compared in rolls without noise. The config states noise only to divide a roll into several
+    // motions, one for each instant at which noise is drawn.
     let noise = match draws.index(4) {
         0 => format!(
             "noise = {{ angular_velocity = {{ kind = \"gaussian\", fraction = 0.01, when = \"per-instant\", \

@@ -62,13 +62,13 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
         .flat_map(|[from, to]| over(from, to, INTERVALS))
 }
 
-/// If p exceeds this number, a factor e⁻ᵖ of an integrand is negligible.
+/// Parts of an integrand with a factor e⁻ᵖ are neglected if p exceeds this number.
 pub(super) const NEGLIGIBLE: f64 = 30.0;
 /// Largest change (rad) of the integrand's phase over one panel.
 pub(super) const PHASE: f64 = 12.0;
 
-/// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a: the integral of
-/// φ(t)/√(r² − t²) from 0 to min(a, r), where φ is the auxiliary function of the pressure.
+/// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a. It is the
+/// integral of φ(t)/√(r² − t²) from 0 to min(a, r), with the auxiliary function φ of the pressure.
 pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
     let most = if r > a { libm::asin(a / r) } else { FRAC_PI_2 };
     over(0.0, most, 48)

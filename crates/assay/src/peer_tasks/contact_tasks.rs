@@ -81,7 +81,7 @@ pub(super) fn few() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The penalised spline, restricted to a method that computes no standard errors.
+/// A fit method that fits the penalised spline without computing standard errors.
 struct Estimate(Penalised);
 
 impl Method for Estimate {

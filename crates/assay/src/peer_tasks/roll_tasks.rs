@@ -45,8 +45,8 @@ pub(super) fn short() -> Result<Vec<Figure>> {
     objects.into_iter().map(roll).collect()
 }
 
-/// Creates a roller with the cheapest model for this object: the model with a closed form or, if the object has none,
-/// the model for surfaces of revolution (`meridian`).
+/// Creates a roller with the cheapest model for this object. This is the closed form or, if the object has none, the
+/// model for surfaces of revolution (`meridian`).
 fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     let model = Model::Auto {
         tolerance: 1e-13,

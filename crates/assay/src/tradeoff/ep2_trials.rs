@@ -11,8 +11,8 @@ const CONTACTS: [u32; 4] = [5, 10, 30, 100];
 /// Largest number of contacts per finger for the two-pass method, which takes several seconds with more contacts.
 const MAX_OF_TWO_PASS: u32 = 30;
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
-/// Numbers of contacts per finger with which all numbers of knot intervals are compared. With other numbers of
-/// contacts, the estimator uses its default.
+/// Numbers of contacts per finger for which several numbers of knot intervals are compared. For other numbers of
+/// contacts, the estimator uses its default number of intervals.
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
 /// Smoothing factors of the two-pass method that are compared. Both passes use the same factor. The method adds knots
 /// until the residuals are below a limit that is proportional to this factor. The default is 1000.

@@ -10,7 +10,7 @@ use palpate_sensing::{Channel, Stream};
 use crate::accuracy::rms;
 use crate::timing::Evaluation;
 
-/// Radius of the sphere on which the contacts of [`few`] lie.
+/// Radius of the sphere on which the contacts of [`few`] lie, in units of the distance between fingers.
 pub const RADIUS: f64 = 5.0;
 const SEED: u64 = 1;
 /// Largest error of a coordinate in [`few`], in units of the distance between fingers, which is 1.

@@ -6,7 +6,7 @@ use super::operation::{Binary, Unary};
 
 /// Largest number of stack slots of a program. Each operator first evaluates the operand that needs more slots.
 /// Therefore n slots are enough for 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has at most (m +
-/// 1)/2 operands.
+/// 1)/2 operands, so 13 slots are enough for 10,000 characters.
 const SLOTS: usize = 13;
 const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 
@@ -110,8 +110,8 @@ impl Program {
         first
     }
 
-    /// The polynomial of at most degree two that the program computes; `None` if an intermediate result is not such a
-    /// polynomial, even if the final result is one.
+    /// The polynomial of at most degree two that the program computes. `None` if any intermediate result has another
+    /// form; the final result may still be such a polynomial.
     pub(super) fn quadratic(&self) -> Option<Quadratic> {
         let mut stack: Vec<Quadratic> = Vec::new();
         for instruction in &self.instructions {

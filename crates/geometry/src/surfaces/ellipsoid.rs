@@ -90,9 +90,9 @@ impl Surface for Ellipsoid {
             weights.zip_map(&beyond, |w, b| if w == 0.0 { 0.0 } else { w / (sigma + b) })
         };
 
-        // Newton's method for the unknown σ starts at the smallest σ for which no term of the sum of squares exceeds 1.
-        // At this σ, the sum is between 1 and 3. The sum is convex and decreases with σ, so the method converges
-        // monotonically and fast.
+        // Newton's method solves Σ x_i²/a_i² = 1 for the unknown σ. It starts at the smallest σ for which no term of
+        // this sum exceeds 1; the sum is then between 1 and 3. The sum is convex and decreases with σ, so the method
+        // converges monotonically and fast.
         let mut sigma = (weights.abs() - beyond).max().max(0.0);
         let mut unit = scaled(sigma);
         if unit.norm_squared() < 1.0 - 8.0 * f64::EPSILON {

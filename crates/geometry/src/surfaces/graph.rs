@@ -284,9 +284,9 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// Whether this candidate is better than the candidate `other`, that is, closer to the target. If the gradient here
-    /// is less than half of the gradient at `other`, this candidate is also better with a slightly larger squared
-    /// distance, by a factor below 1 + 1e-6.
+    /// Whether this candidate is better than the candidate `other`, that is, closer to the target. A small increase of
+    /// the squared distance, by a factor below 1 + 1e-6, is accepted if the gradient here is less than half of the
+    /// gradient at `other`.
     fn improves(&self, other: &Self) -> bool {
         let settles = self.gradient.norm() < 0.5 * other.gradient.norm();
         let allowance = if settles { 1.0 + 1e-6 } else { 1.0 };
@@ -388,8 +388,8 @@ impl<H: Height> Surface for Graph<H> {
             let Some(next) = shorter else { break };
             foot = next;
         }
-        // If the descent ends at a stationary point that is not a minimum, no single point is closest: two points on
-        // both sides of the stationary point are equally close.
+        // The descent may end at a stationary point that is not a minimum. In this case, two points on both sides of
+        // the stationary point are equally close, so no single point is closest.
         if foot.is_minimum() {
             Ok(Point3::new(foot.at.x, foot.at.y, foot.height))
         } else {

@@ -254,8 +254,8 @@ proptest! {
         let gaussian = (p * p / product).powi(2);
         for form in [here.curvature, local.curvature(&frame.x, &frame.y)] {
             assert_relative_eq!(form.mean_curvature(), mean, max_relative = 1e-12);
-            // The tolerance of the Gaussian curvature K is relative to the squared mean curvature H², because K is
-            // computed as a difference of two products that are as large as H².
+            // The tolerance of the Gaussian curvature K is relative to the squared mean curvature H². The reason is
+            // that K is computed as a difference of two products that are as large as H².
             let epsilon = 1e-12 * mean * mean;
             assert_relative_eq!(form.gaussian_curvature(), gaussian, epsilon = epsilon);
         }

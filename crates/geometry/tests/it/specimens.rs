@@ -15,8 +15,8 @@ pub(crate) struct Specimen {
     pub(crate) shape: Shape,
     /// Chart parameters of test points, which are not close to the poles of the chart.
     pub(crate) at: Vec<Parameters>,
-    /// Unit of each chart parameter, by which the step sizes of finite differences are scaled: 1 for an angle, a
-    /// typical length of the surface for a length.
+    /// Scale of each chart parameter: 1 for an angle, a typical length of the surface for a length. The step sizes of
+    /// finite differences are multiples of this scale.
     pub(crate) unit: [f64; 2],
     /// A length of the same order of magnitude as the surface.
     pub(crate) size: f64,

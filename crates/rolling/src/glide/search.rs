@@ -163,8 +163,8 @@ impl<S: Surface> Search<'_, S> {
     }
 
     /// Tries the steps `step`, `step/2`, `step/4` and so on. Returns the first of them that decreases the miss (see
-    /// [`Self::miss`]). If no step decreases the miss, an error is returned, which states whether the edge of the
-    /// object was reached.
+    /// [`Self::miss`]). If no step decreases the miss, the returned error states whether the edge of the object was
+    /// reached.
     fn descend(
         &self,
         foot: &Foot,
@@ -192,8 +192,7 @@ impl<S: Surface> Search<'_, S> {
         Err(edge)
     }
 
-    /// Whether the tip fits at `foot`, that is, whether the object's concave curvature there is smaller than the tip's
-    /// curvature.
+    /// Whether the tip fits at `foot`: the object's concave curvature there must be smaller than the tip's curvature.
     fn fits(&self, foot: &Foot) -> bool {
         foot.clearance(self.radius) > ACCEPTED_MISS
     }
@@ -267,9 +266,9 @@ impl<S: Surface> Search<'_, S> {
     }
 }
 
-/// A square grid of places of the object under the tip, with one height per place: the height of the centre of a tip
-/// that touches the object at this place, or −∞ if the object does not exist there. A tip that is lowered touches first
-/// at the place with the largest height.
+/// A square grid of places of the object under the tip, with one height per place. A tip that touches the object at a
+/// place has its centre at this height; the height is −∞ if the object does not exist there. A tip that is lowered
+/// touches first at the place with the largest height.
 struct Relief {
     centre: Vector2<f64>,
     spacing: f64,

@@ -176,8 +176,8 @@ impl Offset {
 
     /// The contact of a tip whose centre is above `centre`.
     pub(super) fn contact(&self, object: &Shape, centre: Vector2<f64>) -> Result<Foot, GlideError> {
-        // A tip fits into a dish only if the dish has the larger radius, that is, if `offset_radius` (the radius of the
-        // dish minus the radius of the tip) is positive beyond rounding errors.
+        // A tip fits into a dish only if the dish has the larger radius. So `offset_radius`, the radius of the dish
+        // minus the radius of the tip, must be larger than rounding errors.
         if self.offset_radius <= ACCEPTED_MISS * self.radius {
             return Err(GlideError::two_contacts(self.tip_radius, &centre));
         }

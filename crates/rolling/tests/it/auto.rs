@@ -36,8 +36,8 @@ fn long_rolls_are_not_rolled_to_choose_how() {
             assert!(choice.reason.contains("too long"), "{choice:?}");
         }
     }
-    // For long rolls, `auto` chooses a model without measuring its error. The error must be within the tolerance
-    // nevertheless.
+    // For long rolls, `auto` chooses a model without measuring its error. Even so, the error must be within the
+    // tolerance.
     let rolls = turns(100.0);
     let rolls = Rolls::exact(&rolls);
     let roller = start(100.0, 1e-6);

@@ -254,9 +254,9 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     }
 }
 
-/// Compares the meridian model with values that mpmath computed with 60 digits, for a probe of radius 1 that rolls from
-/// the apex of the paraboloid `z = −c r²`. At the slope angle α and the arc length s, the probe has turned by `θ = α +
-/// s`. With the slope q = tan α, the arc length satisfies `4 c s = q √(1 + q²) + asinh q`.
+/// Compares the meridian model with values that mpmath computed with 60 digits. A probe of radius 1 rolls from the apex
+/// of the paraboloid `z = −c r²`. At the slope angle α and the arc length s, the probe has turned by `θ = α + s`. With
+/// the slope q = tan α, the arc length satisfies `4 c s = q √(1 + q²) + asinh q`.
 #[test]
 fn meridians_from_flat_to_sharp() {
     for (c, theta, arc) in [
@@ -323,8 +323,8 @@ proptest! {
         }
     }
 
-    /// Compares the path lengths of a roll by 0.1 rad that are computed by the closed form and by DOP853, for spheres
-    /// with extreme ratios of the radii.
+    /// Compares the closed form and DOP853: the path lengths of a roll by 0.1 rad, for spheres with extreme ratios of
+    /// the radii.
     #[test]
     fn spheres_of_any_ratio(probe in decades(9.0), ratio in decades(12.0)) {
         let radius = probe * ratio;

@@ -117,8 +117,8 @@ fn a_torus_is_touched_towards_its_core() {
 
 #[test]
 fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
-    // With the section z = f(w) of the object, a tip of radius r whose centre is above x touches the object at the w
-    // for which w − r f'/√(1 + f'²) = x.
+    // The object's section is z = f(w), and the centre of the tip (radius r) is above x. The tip touches the object at
+    // the w for which w − r f'/√(1 + f'²) = x.
     let solve = |slope: &dyn Fn(f64) -> f64, radius: f64, x: f64| {
         bisect(x - 2.0 * radius, x + 2.0 * radius, |w| {
             w - radius * slope(w) / (1.0 + slope(w).powi(2)).sqrt() - x

@@ -114,7 +114,7 @@ pub(super) struct TruePlace {
     pub(super) mean: f64,
     pub(super) class: ShapeClass,
     /// True principal curvatures at this place, with two tangents of the object: the axis angle is measured from the
-    /// first tangent towards the second. `None` unless the config has `principal_curvatures`.
+    /// first tangent towards the second. `None` if the field `principal_curvatures` of the config is false.
     pub(super) principal: Option<(PointCurvature, [Vector3<f64>; 2])>,
 }
 

@@ -88,7 +88,7 @@ pub(super) struct MarkerTracks {
     /// Track of each marker of the layout from the frame at rest to the pressed frame; `None` if the marker is not
     /// visible at rest.
     pub(super) tracks: Vec<Option<Track>>,
-    /// Number of wrong matches: the tracking assigned the image of such a marker in the press to another marker.
+    /// Number of markers to which the tracking assigned the image of another marker in the pressed frame.
     pub(super) wrong_matches: usize,
     /// Errors of each marker's image in the pressed frame; `None` if the marker is lost or its image is merged with
     /// another.

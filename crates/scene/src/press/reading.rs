@@ -213,8 +213,9 @@ impl PressNoise {
         self.outliers > 0 && self.outlier.is_random()
     }
 
-    /// Adds the errors of a trial to the readings of all markers of the layout. Errors are also drawn for markers that
-    /// are not tracked, so that the error of a marker does not depend on the tracking of other markers.
+    /// Adds the errors of a trial to the readings of all markers of the layout. Errors are drawn for all markers, even
+    /// for those that are not tracked. Therefore, the error of a marker does not depend on the tracking of other
+    /// markers.
     fn add_to(&self, markers: &mut [Option<MarkerReading>], trial: u64) {
         let stream = |channel| Stream::new(self.seed, trial, channel);
         let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));

@@ -118,8 +118,8 @@ impl PressCase {
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum PressEstimator {
-    /// Fit to the displacements of the markers and, if the config states this estimator, fit to the images of the
-    /// markers (otherwise `None`).
+    /// Fit to the displacements of the markers. The second value is a fit to the images of the markers; `None` if the
+    /// config does not state this estimator.
     Fit(ForwardFit, Option<ImageEstimator>),
     /// The fit cannot be built. Every trial fails with the name of the error.
     NoFit(PressError),
@@ -396,8 +396,8 @@ impl Trials for PressScene {
             || self.noise.is_random(self.has_tangential, has_indentation)
     }
 
-    /// Returns an error if there are too few markers, or if a setting of the estimator is invalid. It is no error if
-    /// the press is impossible or if the camera cannot image it: such a scene can run, but all its trials fail.
+    /// Returns an error if there are too few markers, or if a setting of the estimator is invalid. An impossible press,
+    /// or a press that the camera cannot image, is not an error: the scene can run, but all its trials fail.
     fn estimable(&self) -> Result<(), FieldError> {
         match self.exact() {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {

@@ -108,8 +108,8 @@ impl LinearRolls {
         are_short.then_some(moments)
     }
 
-    /// Rolls the probes in up to [`BATCH_SIZE`] trials, starting with trial number `first`, and stores the moments of
-    /// the readings (the sums that least squares needs) in `many`. Returns the number of trials before the first trial
+    /// Rolls the probes in up to [`BATCH_SIZE`] trials, starting with trial number `first`. The moments of the readings
+    /// (the sums that least squares needs) are stored in `many`. Returns the number of trials before the first trial
     /// for which [`LinearRolls::short`] would return `None`.
     ///
     /// The function is inlined, so that it uses the vector instructions of its caller.

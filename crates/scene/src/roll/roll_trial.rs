@@ -55,8 +55,8 @@ pub struct RollScene {
     pub(super) rotation_sensor: RotationSensor,
     pub(super) reading_noise: ReadingNoise,
     pub(super) fit: RollFit,
-    /// Closed form of the rolls. `None` unless the displacement of the contact is linear in the rotation for all rolls,
-    /// and the reported rotations are the same in every trial.
+    /// Closed form of the rolls. It exists if the displacement of the contact is linear in the rotation for all rolls,
+    /// and the reported rotations are the same in every trial; otherwise `None`.
     pub(super) linear: Option<LinearRolls>,
     pub(super) sampled: Option<SampledRolls>,
     pub(super) estimator: RollEstimatorConfig,

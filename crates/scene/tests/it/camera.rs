@@ -88,8 +88,8 @@ fn rendered_and_projected_cameras_agree() {
         ("normal_displacement", 0.01),
         ("tangential_displacement", 0.003),
         ("hue_change", 2e-4),
-        // The mean hue has a larger error than the hue, because a pixel at the edge of two aligned discs may have a
-        // hue on either side of red, where the angle of the hue jumps.
+        // The mean hue has a larger error than the hue: a pixel at the edge of two aligned discs may have a hue on
+        // either side of red. At red, the angle of the hue jumps by a full turn.
         ("mean_hue_change", 0.015),
         ("centroid_shift", 0.02),
     ] {

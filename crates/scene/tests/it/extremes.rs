@@ -155,7 +155,7 @@ fn impossible_scenes_have_named_errors() {
     }
 }
 
-/// Tests that the unit of length does not matter: if all lengths are multiplied by a power of two, no error changes by
+/// Tests that the unit of length does not matter. All lengths are multiplied by a power of two; no error may change by
 /// more than a billionth of the estimated quantity.
 #[test]
 fn errors_are_the_same_in_any_unit() {

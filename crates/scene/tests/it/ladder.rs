@@ -199,8 +199,7 @@ fn a_layer_is_solved_only_where_it_is_thin() {
 #[test]
 fn an_estimator_uses_the_layer_of_auto() {
     let estimator = r#"{ kind = "bonded-layer" }"#;
-    // Because the tolerance (0.2) is large, `auto` chooses the half-space. The estimator nevertheless assumes the
-    // layer.
+    // Because the tolerance (0.2) is large, `auto` chooses the half-space. The estimator still assumes the layer.
     let model = r#"{ kind = "auto", thickness = 20.0, tolerance = 0.2 }"#;
     let text = press(1.0, model, 0.1, estimator);
     let study = config::parse("study.toml", &text).unwrap();
