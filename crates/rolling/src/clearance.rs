@@ -84,7 +84,8 @@ impl Terrain {
         Vector2::new(column as f64, row as f64) * self.spacing
     }
 
-    /// The height of the object at a lattice point; NaN outside the sampled tiles and outside the object.
+    /// The height of the object at a point of the sampling lattice; NaN outside the sampled tiles and outside the
+    /// object.
     fn height(&self, column: i64, row: i64) -> f64 {
         let index = row.rem_euclid(TILE) * TILE + column.rem_euclid(TILE);
         let tile = self
@@ -117,9 +118,9 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // `beside` is the index of a neighbouring sample. At the edge of the sampled window, `beside` may be the
-            // index of a sample in another row. Such a wrong index has no effect, because samples at the edge are too
-            // far from the centre to be used.
+            // `beside` is the index of a neighbouring sample. At the edge of the sampled window, this index is wrong:
+            // it may belong to another row. It has no effect, because samples at the edge are too far from the centre
+            // to be used.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
@@ -161,8 +162,8 @@ impl Terrain {
     }
 }
 
-/// The place between two lattice points at which the height of the object crosses `level`. If `rises` is true, the
-/// height increases from the first to the second point, otherwise it decreases.
+/// The place between two lattice points at which the height of the object crosses `level`. `rises` states whether the
+/// height increases from the first point to the second.
 fn crossing(
     object: &Shape,
     [mut low, mut high]: [Vector2<f64>; 2],

@@ -52,8 +52,8 @@ impl MeridianRung {
         self.revolved.is_some()
     }
 
-    /// The section of the object along which a motion without spin and sliding leads from the apex; `None` if there is
-    /// no such section.
+    /// The section of the object along which the contact moves in a motion from the apex; `None` if there is no section
+    /// in the motion's direction. The motion must have no spin and no sliding.
     #[inline]
     pub(crate) fn section(&self, motion: &Motion) -> Option<&Meridian> {
         let aside = match motion.drive() {

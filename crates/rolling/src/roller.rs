@@ -243,9 +243,9 @@ impl Roller {
             .shift_from(&self.first, self.probe.radius()))
     }
 
-    /// The matrix that maps the rotation `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the
-    /// contact's path on the probe (length). `None` for all models except the closed form, because only in the closed
-    /// form the path is a linear function of the rotation.
+    /// Matrix (length/rad) for a steady roll without spin or sliding. Its product with the rotation `[−Δθ_y, Δθ_x]` is
+    /// the contact's path on the probe. `None` for all models except the closed form: with other models, the path is
+    /// not a linear function of the rotation.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
             Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),

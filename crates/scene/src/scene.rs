@@ -137,7 +137,7 @@ pub trait Scenes {
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
     /// Builds the scene of the grid point with the number `cell`, and checks that its readings determine an estimate.
-    /// Traces do not need this check.
+    /// Use [`Scenes::scene`] if no estimate is needed.
     ///
     /// # Errors
     /// The errors of [`Scenes::scene`] and [`Trials::estimable`].
@@ -376,12 +376,12 @@ impl fmt::Display for Need {
     }
 }
 
-/// A scene whose trials the runner of sweeps can run.
+/// A scene in the form that the sweep runner needs to run its trials.
 #[derive(Debug)]
 pub struct SceneTrial {
     /// The scene whose trials are run.
     pub scene: Scene,
-    /// Kind of vector instructions with which batches of trials are run. The results of the trials do not depend on it.
+    /// Processor's vector instructions with which batches of trials run. They do not change the results of the trials.
     pub arch: Arch,
 }
 

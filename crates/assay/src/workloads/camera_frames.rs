@@ -137,7 +137,7 @@ pub fn detection(name: &str, size_px: usize) -> Result<Evaluation> {
     }))
 }
 
-/// The workload that matches the markers of a frame with themselves.
+/// The workload that matches the markers of two equal frames.
 ///
 /// # Errors
 /// An error if the markers are not found.

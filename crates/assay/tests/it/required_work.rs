@@ -121,7 +121,7 @@ fn pads_at_random_draw_their_place_only() {
     assert_eq!(trial, Tally::default());
 }
 
-/// The counted work of a scene, without the number of drawn random words.
+/// The counted work of a scene, without the number of random 64-bit words that are drawn.
 fn without_draws(tally: Tally) -> Tally {
     Tally { draws: 0, ..tally }
 }
@@ -191,7 +191,8 @@ fn point_tips_search_for_no_contacts() {
         r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05, axis = "z" } }"#;
     let [setup, trial] = work(GLIDE, &[point, ("NOISE", noise)]);
     assert_eq!(setup, Tally::default());
-    // Some normally distributed numbers need two random words instead of one, so the number of draws is a range.
+    // Some normally distributed numbers need two random 64-bit words instead of one, so the expected number of words is
+    // a range.
     assert!((30..=40).contains(&trial.draws), "{trial:?}");
 }
 
@@ -230,8 +231,8 @@ fn a_camera_paints_one_frame_for_each_press_and_draws_only_noise() {
     );
     let noisy = work(PRESS, &[HALF_SPACE, rendered, noise])[1];
     assert_eq!(noisy.frames, 1);
-    // Each of the 55,155 pixels in the image circle needs three random numbers, and one random word gives two numbers.
-    // If a row needs an odd number, the last number of its last word is not used.
+    // Each of the 55,155 pixels in the image circle needs three random numbers, and one random 64-bit word gives two
+    // numbers. If a row of pixels needs an odd number, the second number of its last word is not used.
     assert!((82_733..85_000).contains(&noisy.draws), "{noisy:?}");
     // The true positions of the 77 markers are computed once, to detect wrong matches.
     assert_eq!(noisy.projections, 77);

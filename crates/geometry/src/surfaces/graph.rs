@@ -31,8 +31,7 @@ impl HeightJet {
 
 /// A twice differentiable height z = f(x, y).
 pub trait Height {
-    /// Largest slope of the graph. Where the slope is larger, for example near a vertical wall, the graph has no
-    /// points.
+    /// Largest allowed slope. Places with a larger slope, for example near a vertical wall, do not belong to the graph.
     const STEEPEST: f64 = *SQUARABLE.end();
 
     /// Height and derivatives at `(x, y)`. Where the height is undefined or not twice
@@ -334,8 +333,8 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // Make only those checks of `Graph::jet` that are needed here. If a derivative is NaN, `in_domain` is false or
-        // the sum is not finite, so the point is rejected.
+        // Only some checks of `Graph::jet` are needed here. If a derivative is NaN, `in_domain` is false or the sum is
+        // not finite, so the point is rejected.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {

@@ -1,10 +1,10 @@
 //! Searches for the contact of a spherical tip.
 //!
 //! In a view from above, a tip that touches the object at `w` has its centre at `w + r n_xy(w)`. Here r is the radius
-//! of the tip, and n_xy is the horizontal part of the object's normal. Unlike heights, this map has no singularity at
-//! the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`, where S is the shape
-//! operator of the object. So the map has a fold, where two contacts belong to the same centre of the tip, only if the
-//! object's concave curvature reaches 1/r.
+//! of the tip, and n_xy is the horizontal part of the object's normal. This map from contacts to centres has no
+//! singularity at the silhouettes of closed objects, where heights have one. The determinant of its derivative is
+//! `det(I + r S)`, where S is the shape operator of the object. So the map has a fold, where two contacts belong to the
+//! same centre of the tip, only if the object's concave curvature reaches 1/r.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -244,7 +244,7 @@ impl<S: Surface> Search<'_, S> {
         };
         let hidden = relief.summit() - height(&best);
         if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
-            // No contact was found near the highest place of the grid, so this place is at an edge of the object or on
+            // No contact was found near the highest place of the grid. So this place is at an edge of the object or on
             // a spike.
             Err(match first {
                 Err(edge @ GlideError::Surface(_)) => edge,

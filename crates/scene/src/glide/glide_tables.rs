@@ -1,4 +1,4 @@
-//! Tables of a glide: its trace, and maps of the curvature estimated in trials.
+//! Tables of a glide: its trace (true contacts and readings), and maps of the curvature that is estimated in trials.
 
 use palpate_ep2::{Contact, ShapeError, regions};
 use palpate_estimators::push_map_point;

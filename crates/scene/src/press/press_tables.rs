@@ -1,4 +1,4 @@
-//! Tables of one press: its trace, and the profile of its displacements along a radius.
+//! Tables of one press: its trace (true values and readings), and the profile of its displacements along a radius.
 
 use palpate_estimators::tracks_table;
 use palpate_study::config::LengthUnit;

@@ -285,7 +285,8 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-/// The commanded motions without repetitions, each divided into `pieces` shorter motions.
+/// The different commanded motions: equal motions occur only once. Each motion is divided into `pieces` shorter
+/// motions.
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {
@@ -322,7 +323,7 @@ fn noiseless(
         let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
         let shift = roller.shift(&[command]);
         if shift.is_err() {
-            // If the probe overlaps the object already at the start, report this error instead of the error of the
+            // If the probe already overlaps the object at the start, report the overlap instead of the error of the
             // roll.
             let start = Motion {
                 duration_s: 0.0,

@@ -234,7 +234,8 @@ impl RollScene {
         Ok(all)
     }
 
-    /// Rows of the readings table of a trace: one row for each sample, with the index of its roll.
+    /// Rows of the table of readings in a trace (record of one simulation). There is one row for each sample, with the
+    /// index of its roll.
     pub(super) fn series_rows(
         &self,
         sampled: &SampledRolls,

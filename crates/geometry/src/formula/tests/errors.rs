@@ -12,7 +12,7 @@ fn assert_shown(text: &str, expected: &[&str]) {
     assert_eq!(error(text).to_string(), expected.join("\n"));
 }
 
-/// Checks the message for a formula. `marked` are the columns under which the message has marks.
+/// Checks the error message for the formula `text`. `marked` is the range of columns that the message marks.
 #[track_caller]
 fn assert_marked(text: &str, message: &str, marked: Range<usize>) {
     let marks = " ".repeat(marked.start) + &"^".repeat(marked.len());

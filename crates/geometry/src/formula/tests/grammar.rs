@@ -10,7 +10,8 @@ enum Tree {
 }
 
 impl Tree {
-    /// Value of an expression without `^`, with the same rounding errors as the formula.
+    /// Value of an expression without `^`. The operations are the same as in the formula, so the rounding errors are
+    /// equal.
     fn value(&self, x: f64, y: f64) -> f64 {
         match self {
             Self::Leaf("x") => x,
