@@ -24,8 +24,8 @@ const CONTACT: f64 = 1e-4;
 /// Largest distance, in probe radii, that the probe's centre moves between two successive samples of the clearance. If
 /// it moves farther, another sample between the two is computed.
 const LONGEST: f64 = 0.25;
-/// If the probe's centre moves at most this distance, in probe radii, between two samples of the clearance, no sample
-/// between them is computed.
+/// Smallest distance, in probe radii, between samples of the clearance. If the probe's centre moves less than this
+/// between two samples, no further sample is computed between them.
 const SHORTEST: f64 = 1e-3;
 /// If the slope between two neighbouring height samples is larger than this number, there is a wall between them.
 const STEEP: f64 = 2.0;

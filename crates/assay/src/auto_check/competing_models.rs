@@ -16,11 +16,12 @@ use palpate_study::config::{
 use crate::contact_reference::{tip_on_ellipsoid, tip_on_quadric, tip_on_waves};
 use crate::paraboloid_reference::{Body, ParaboloidPress};
 
-/// Numbers of steps with which RK4 competes.
+/// Numbers of steps of the competing RK4 models.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Tolerances with which DOP853 and Newton's method compete, as negative decimal exponents: 1 means a tolerance of 0.1.
+/// Tolerances of the competing models DOP853 and Newton's method, as negative decimal exponents: 1 means a tolerance of
+/// 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
 /// Two markers count as equally far from the contact if their distances differ by less than this share of the sensor's
 /// radius.

@@ -325,8 +325,8 @@ pub(super) struct Choice {
     pub(super) tolerance: Option<f64>,
 }
 
-/// Smallest tolerance that `auto` accepts: about the error of the most accurate model, which solves for the
-/// displacements of a layer without tables.
+/// Smallest tolerance that `auto` accepts: about the error of the most accurate model, which computes the displacements
+/// of a layer without tables.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 1.0;
 
