@@ -1,4 +1,5 @@
-//! Compares the measured numbers of a test program with the baseline, which is a committed table of the same numbers.
+//! Compares numbers that a test program measures with the baseline, a committed table of earlier values of the same
+//! numbers.
 
 use std::fmt;
 
@@ -48,8 +49,8 @@ pub(crate) struct Limits {
     pub(crate) harness: &'static str,
     /// Largest allowed increase of a number, as a share of the number in the baseline.
     pub(crate) allowed: f64,
-    /// Numbers below this value count as equal. In the comparison, a smaller number (measured or in the baseline) is
-    /// replaced by this value.
+    /// Two numbers below this value count as equal: before the comparison, a smaller number (measured or in the
+    /// baseline) is replaced by this value.
     pub(crate) floor: f64,
 }
 
@@ -63,7 +64,7 @@ impl Limits {
 enum Change {
     Same,
     Worse,
-    /// The number is smaller than in the baseline by more than the largest allowed increase.
+    /// The number is much smaller than in the baseline: if both were swapped, the change would be `Worse`.
     Better,
     New,
     Missing,
@@ -95,8 +96,8 @@ impl Comparison {
             .any(|(_, figures)| is_failure(self.change(figures)))
     }
 
-    /// Whether the baseline must be replaced: a number is new or missing, or has changed by more than [`Limits::floor`]
-    /// and by more than the rounding of the table.
+    /// Whether the baseline must be replaced, because a number is new or missing, or has changed. A change counts if it
+    /// is larger than [`Limits::floor`] and larger than the rounding of the numbers in the table.
     pub(crate) fn alters(&self) -> bool {
         self.rows().any(|(_, figures)| match figures {
             [Some(before), Some(now)] => {

@@ -15,16 +15,16 @@ use crate::peers::replace;
 use crate::programs;
 use crate::tools::has;
 
-/// Limits for instruction counts. These counts hardly vary between runs, but they change if the linker arranges the
-/// code in another order.
+/// Limits for instruction counts. Instruction counts hardly vary between runs. The limit allows for changes that occur
+/// if the linker arranges the code in another order.
 pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) differ between the
-/// mathematical libraries of machines.
+/// Limits for the errors of computed results. Errors below `floor` (about 20 rounding errors) are not compared, because
+/// they depend on the mathematical library of the machine.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",

@@ -18,7 +18,7 @@ const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
 const OUTPUT: &str = "out";
 /// Folder with the pages of the book.
 const BOOK: &str = "docs";
-/// Documents outside of the book's folder to which pages of the book link.
+/// Documents outside the book's folder. Pages of the book link to them.
 const PAGES: [&str; 6] = [
     "README.md",
     "ARCHITECTURE.md",
@@ -45,8 +45,8 @@ pub(crate) fn run(shell: &Shell) -> Result<()> {
 
 /// Checks the documents: their length, the glossary, links, claims, quoted files, commands and paths.
 ///
-/// Commands that begin with `cargo` are not run, because they could run this check again. For each `cargo xtask …`, the
-/// check only tests that the command exists.
+/// Does not run commands that begin with `cargo`, because such a command could run this check again. For a command
+/// `cargo xtask …`, only checks that the task exists.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
     check_texts(shell)?;
     let program = programs::build(shell, "palpate")?;

@@ -9,7 +9,8 @@ use xshell::{Shell, cmd};
 use crate::programs::{FEATURES, PYTHON};
 use crate::{bench_check, book, crate_imports, programs, python, reproduce, tools};
 
-/// Environment variables with which the compiler can check and link the Python package without a Python interpreter.
+/// Environment variables for the build scripts of PyO3. With these variables, the compiler checks and links the Python
+/// package without a Python interpreter.
 const NO_INTERPRETER: [(&str, &str); 2] = [
     ("PYO3_NO_PYTHON", "1"),
     ("PYO3_BUILD_EXTENSION_MODULE", "1"),
@@ -30,7 +31,8 @@ const STEPS: [Step; 9] = [
     ("results", results),
 ];
 
-/// Two lists of steps that run at the same time, because most of the time each step uses only one core.
+/// Two lists of steps. The lists run at the same time, because a step of these lists uses only one core most of the
+/// time.
 const SIDE_BY_SIDE: [&[Step]; 2] = [
     &[("python", python), ("instructions and accuracy", bench)],
     &[
@@ -119,8 +121,8 @@ fn licences(shell: &Shell) -> Result<()> {
     }
 }
 
-/// Compares instruction counts and errors with the baseline. Neither the models that `auto` chooses nor the fuzz corpus
-/// are checked here, because the step `tests` has checked them.
+/// Compares instruction counts and errors with the baseline. The step `tests` has already checked the models that
+/// `auto` chooses and the fuzz corpus.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 
 const CELLS: &str = "cells.csv";
-/// Table that `palpate report` writes, but `palpate run` does not.
+/// Table of scores. It is not compared, because `palpate report` writes it, not `palpate run`.
 const SCORED: &str = "claims.csv";
 /// File in which palpate lists the files that it wrote. It is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
@@ -16,7 +16,7 @@ pub(crate) const MANIFEST: &str = ".palpate.toml";
 const CELL: &str = "cell";
 /// Relative tolerance for the comparison of numbers. Results differ slightly between C libraries and processors.
 const TOLERANCE: f64 = 1e-9;
-/// If two numbers are smaller than this value, they agree within the absolute tolerance `TOLERANCE * SMALL`.
+/// Two numbers below this magnitude agree if they differ by at most `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
 /// Statistics that are computed from a histogram.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
@@ -47,7 +47,7 @@ impl Difference {
     }
 }
 
-/// Whether the column with the index `place` agrees in the committed row `old` and the new row `new`. Differences that
+/// Whether the committed row `old` and the new row `new` agree in the column with the index `place`. Differences that
 /// are normal between machines are ignored.
 fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> bool {
     let number = |text: &String| text.parse::<f64>().ok();

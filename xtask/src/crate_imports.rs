@@ -8,7 +8,7 @@ use crate::programs;
 
 /// Document with a table that lists, for each crate, the crates that it may import in addition to [`COMMON`].
 const DOCUMENT: &str = "ARCHITECTURE.md";
-/// Word in the table of allowed imports for a crate that may import every other crate.
+/// If the table of allowed imports has this word for a crate, the crate may import every other crate.
 const ANY: &str = "any";
 /// Crates that every crate may import.
 const COMMON: [&str; 1] = ["statistics"];

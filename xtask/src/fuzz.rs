@@ -1,4 +1,4 @@
-//! Fuzzes the parsers of files, that is, runs them on random inputs to find inputs that cause a panic.
+//! Fuzzes the parsers of files: runs the parsers on random inputs to find inputs that cause a panic.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -71,8 +71,8 @@ fn build(shell: &Shell) -> Result<PathBuf> {
     let version = cmd!(shell, "rustc -vV").read()?;
     let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     let host = host.context("`rustc -vV` has no host")?;
-    // State the compilation target explicitly. Otherwise, build scripts and macros would be compiled with coverage
-    // counters too.
+    // State the compilation target explicitly. Without an explicit target, cargo would compile build scripts and macros
+    // with coverage counters too.
     let target = target_dir(shell).join("fuzzing");
     cmd!(
         shell,

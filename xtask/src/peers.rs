@@ -15,8 +15,8 @@ use crate::programs;
 use peer_programs::{Absent, Kind, PeerPrograms};
 use peer_table::{Figure, medians};
 
-/// Name of palpate's Python package in the table of results. The script xtask/peers/python_package.py measures it
-/// together with its peers.
+/// Name of palpate's Python package in the table of results. The script xtask/peers/python_package.py measures the
+/// package and its peers.
 const PACKAGE: &str = "palpate for Python";
 
 /// The committed table with the results of the comparison.
@@ -71,7 +71,8 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 0.0,
     },
-    // The rms error over 100,000 trials has a standard error of 0.2 %. So errors are compared with a tolerance of 1 %.
+    // Each program draws its own random noise. The rms error over 100,000 trials has a standard error of 0.2 %, so
+    // errors are compared with a tolerance (`slack`) of 1 %.
     Group {
         name: "ep1-trial",
         peer: Kind::Python("ep1_trial.py"),
@@ -121,7 +122,8 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 1e-9,
     },
-    // In this group, the peer is palpate in Rust. So the comparison measures the overhead of Python.
+    // In this group, the peer of palpate's Python package is palpate in Rust. So the comparison measures the overhead
+    // of Python.
     Group {
         name: "python-glide",
         peer: Kind::Package("python-glide"),
@@ -190,7 +192,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
             };
             match package.is_empty() {
                 true => mine.extend(in_rust()?),
-                // The script `python-glide` measures all its peers itself except palpate in Rust.
+                // In the group `python-glide`, palpate in Rust is also a peer. The Python script does not measure it,
+                // so measure it here.
                 false if name == "python-glide" => theirs.extend(in_rust()?),
                 false => {}
             }
@@ -206,8 +209,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     print!("{}", peer_table::render(&rows));
     let path = shell.current_dir().join(RESULTS);
     let text = peer_table::csv(&rows, &programs::machine(shell))?;
-    // If only some tasks were run, keep the rows of the other tasks. Each row stays valid, because it compares times
-    // that were measured in one run on one machine.
+    // If only some tasks were run, keep the rows of the other tasks. The kept rows are valid, because both times of a
+    // row were measured in the same run on the same machine.
     let text = match is_whole {
         true => text,
         false => peer_table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,
@@ -217,8 +220,9 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Largest allowed error of palpate on each task, as an option for palpate's test program: the smallest error of all
-/// peers. Models of palpate with a tolerance must not exceed it.
+/// Options for palpate's test program that state, for each task, the largest allowed error of palpate. The largest
+/// allowed error is the smallest error of all peers. The test program chooses the tolerances of palpate's models so
+/// that their errors are at most this large.
 fn strictest(theirs: &[Figure]) -> Vec<String> {
     let mut least: Vec<(&str, f64)> = Vec::new();
     for figure in theirs {

@@ -14,15 +14,15 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
-/// Name of the crate of the Python package. It needs a Python interpreter, so only the command `cargo xtask python`
-/// builds and tests this crate.
+/// Name of the crate of the Python package. The crate needs a Python interpreter, so only `cargo xtask python` builds
+/// and tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Lints, tests and [`build`] switch this feature on. In the program that users install, it is off by default.
+/// Feature that lints, tests and [`build`] enable. In the program that users install, it is off by default.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
-/// Packages of [`build`]. Cargo combines the features of the selected packages. With this selection, programs, tests and
-/// the Python package share all compiled crates.
+/// Packages that [`build`] compiles. Cargo enables the features that any of these packages needs. With these packages,
+/// the features are the same as for tests and the Python package, so that all share the compiled crates.
 const RELEASED: [&str; 4] = ["-p", "palpate", "-p", "palpate-assay"];
 
 /// Builds the release programs in [`RELEASED`], and returns the path of `program`.
@@ -92,7 +92,7 @@ pub(crate) fn answers(shell: &Shell, options: &AssayOptions) -> Result<()> {
     harness(shell, ["answers", "--out", "results/answers.csv"], options)
 }
 
-/// Measures the coverage of intervals and the warnings, and writes the measured columns of the tables in [`FAMILIES`].
+/// Measures the coverage of intervals and how often warnings appear, and writes both into the tables in [`FAMILIES`].
 pub(crate) fn intervals(shell: &Shell, options: &AssayOptions) -> Result<()> {
     harness(shell, ["intervals", "--tables", FAMILIES], options)
 }

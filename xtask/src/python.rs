@@ -161,8 +161,8 @@ fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The interpreter of the virtual environment `environment`, with the packages that the file `list` names. If the
-/// environment does not exist or has other packages, it is created.
+/// Returns the interpreter of the virtual environment `environment`, which has the packages in the file `list`. Creates
+/// the environment if it does not exist or has other packages.
 pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Result<PathBuf> {
     let python = environment.join("bin").join("python");
     let wanted = shell.current_dir().join(list);
@@ -188,8 +188,8 @@ pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Resu
     Ok(python)
 }
 
-/// Builds the wheel. Its build settings are those of the release programs, so that crates which were compiled for these
-/// programs are used again.
+/// Builds the wheel. The build uses the settings of the release programs, so that the crates that were compiled for
+/// these programs need not be compiled again.
 fn wheel(shell: &Shell, python: &Path, place: &Path) -> Result<PathBuf> {
     let wheels = place.join("wheels");
     shell.remove_path(&wheels)?;

@@ -9,7 +9,7 @@ use xshell::{Shell, cmd};
 
 use crate::{compare, programs};
 
-/// Number n of the option `--every-nth-cell n` with which `cargo xtask reproduce --quick` calls `palpate run`.
+/// With `--quick`, only every thirteenth cell of a study is run (option `--every-nth-cell` of `palpate run`).
 const QUICK_STRIDE: usize = 13;
 /// Largest number of printed differences from the committed tables.
 const SHOWN: usize = 20;
@@ -57,7 +57,8 @@ pub(crate) fn run_with(shell: &Shell, palpate: &Path, options: &Options) -> Resu
     Ok(())
 }
 
-/// Runs the studies and draws their plots. Then tests the claims of all studies that have results.
+/// Runs the studies in `studies` and draws their plots. Then tests the claims of all studies that have results,
+/// including results of earlier runs.
 fn draw(
     shell: &Shell,
     palpate: &Path,
@@ -72,8 +73,8 @@ fn draw(
     for study in studies {
         let start = Instant::now();
         let out = results.join(study);
-        // Remove the manifest of the last run. Without the manifest, palpate overwrites the committed files even if
-        // they changed after that run.
+        // Remove the manifest of the last run. With the manifest, palpate would refuse to overwrite committed files
+        // that changed after that run.
         shell.remove_path(out.join(compare::MANIFEST))?;
         simulate(shell, palpate, study, &out, quick)?;
         cmd!(shell, "{palpate} plot {out}")
@@ -158,8 +159,7 @@ fn scores_claims(shell: &Shell, study: &str) -> bool {
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
 }
 
-/// The names of the studies to run, which are those in `asked`. Returns an error if a name in `asked` is not in
-/// `known`.
+/// Names of the studies to run: the names in `asked`. Returns an error if a name in `asked` is not in `known`.
 fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!(

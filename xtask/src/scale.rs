@@ -45,8 +45,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
 }
 
-/// Text about the first requirement of a local cluster that this machine does not meet; `None` if it meets all
-/// requirements.
+/// Reason why this machine cannot start a local cluster: the first missing requirement. `None` if all requirements are
+/// met.
 fn missing(shell: &Shell) -> Option<String> {
     // Slurm's daemons are in /usr/sbin, which may not be in PATH. Look for the files instead of running the commands,
     // because the commands fail without a config.
@@ -84,8 +84,8 @@ impl TestBench<'_> {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls, with one radius per cell. `trials` contains the number of trials of the first
-    /// cell, and that of each of the other cells.
+    /// Writes a config of rolls on balls, with one radius per cell. `trials[0]` is the number of trials of the first
+    /// cell, `trials[1]` is that of every other cell.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -121,7 +121,7 @@ impl TestBench<'_> {
     }
 
     fn kill(&self, kills: u32) -> Result<()> {
-        // Of the study's 24 cells, the first has many trials, and each other cell has few trials.
+        // The study has 24 cells. The first cell has many trials, and every other cell has few trials.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();
@@ -198,7 +198,8 @@ impl TestBench<'_> {
         let scripts = shell.current_dir().join("xtask/slurm");
         let (up, down) = (scripts.join("up.sh"), scripts.join("down.sh"));
         if let Err(error) = cmd!(shell, "{up} {lab}").quiet().run() {
-            // Some machines do not allow `unshare --mount`, with which the daemons get their own /etc/hosts.
+            // The daemons need their own /etc/hosts, which `unshare --mount` makes. Some machines do not allow this
+            // command.
             println!("the cluster is skipped: it does not start on this machine: {error}");
             cmd!(shell, "{down} {lab}")
                 .quiet()
@@ -227,8 +228,8 @@ impl TestBench<'_> {
         let (whole, out) = (self.path("alone"), self.path("cluster"));
         self.complete(&config, &whole)?;
 
-        // The scripts of the shards run the program that submitted them. Submit a copy, so that the test can replace it
-        // by a program that fails.
+        // Each job runs the program that submitted it. Submit the jobs with a copy of the program, so that the test can
+        // replace the copy by a program that fails.
         let program = self.path("palpate");
         fs::copy(&self.program, &program)?;
         self.hold(true)?;
@@ -300,7 +301,8 @@ impl TestBench<'_> {
         Ok(job.with_context(|| said.clone())?.to_owned())
     }
 
-    /// Stops the cluster from starting queued jobs (`is_held` is true), or lets it start them again.
+    /// If `is_held` is true, stops the cluster from starting queued jobs. Otherwise, lets the cluster start queued jobs
+    /// again.
     fn hold(&self, is_held: bool) -> Result<()> {
         let state = if is_held { "DOWN" } else { "UP" };
         let shell = self.shell;
@@ -320,12 +322,13 @@ impl TestBench<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Waits until a shard is running, and returns its process number. Shard 5 is not found, because its program fails
-    /// at once.
+    /// Waits until a shard is running, and returns its process number. This is never shard 5, whose program fails at
+    /// once.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();
-        // `pgrep` searches command lines. The brackets prevent it from finding its own command line.
+        // `pgrep` searches command lines for this pattern. The pattern with brackets does not match the command line of
+        // `pgrep` itself.
         let words = "[c]luster/run.toml --shard";
         while start.elapsed() < PATIENCE {
             let found = cmd!(shell, "pgrep -n -f {words}");

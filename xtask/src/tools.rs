@@ -4,7 +4,8 @@
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-/// Compilation target without threads, vector instructions and a C library. The libraries must compile for this target.
+/// Compilation target for which palpate's libraries must compile. It has no threads, no vector instructions and no C
+/// library.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 pub(crate) const DENY: &str = "cargo-deny";
 
@@ -28,8 +29,9 @@ const INSTALLED: [[&str; 3]; 3] = [
     ],
 ];
 
-/// Optional programs: the program, the check that is skipped without it, and the command that installs it. They are not
-/// installed automatically, because building cargo-deny would take longer than most checks.
+/// Optional programs: the program, a text about the check that is skipped without it, and the command that installs it.
+/// `cargo xtask` does not install optional programs. For example, building cargo-deny would take longer than most
+/// checks.
 const OPTIONAL: [[&str; 3]; 3] = [
     [
         "valgrind",

@@ -50,7 +50,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let checked = check_auto(shell, &assay, &fresh.join(AUTO_CHECK));
     keep(AUTO_CHECK, &fresh, &out)?;
     replace(&fresh, &out)?;
-    // Report a failed check of `auto` only after all tables are in their place.
+    // If the check of `auto` failed, return its error only now, when all tables are in their place.
     checked?;
     println!(
         "{}: {:.1} s; `cargo xtask reproduce` adds it to the page",
@@ -86,7 +86,8 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     Ok(())
 }
 
-/// Checks the models that `auto` chooses. The cost of a model is its number of processor instructions.
+/// Checks the models that `auto` chooses. The error of a chosen model must be within the tolerance. Its number of
+/// processor instructions must be at most twice that of the cheapest model within the tolerance.
 fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     let valgrind = cmd!(shell, "valgrind --version").quiet().ignore_stdout();
     if valgrind.ignore_stderr().run().is_err() {

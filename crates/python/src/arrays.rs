@@ -1,4 +1,4 @@
-//! Converts the arrays in the arguments of a call to rows of numbers.
+//! Converts arguments that are arrays to rows of numbers.
 
 use numpy::{
     PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -61,13 +61,14 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// The numbers as rows of `D` numbers along the last axis. All other axes are joined to one axis.
+    /// The numbers as rows. A row consists of the `D` numbers along the last axis; all other axes are joined to one.
     pub(crate) fn rows<const D: usize>(&self) -> &[[f64; D]] {
         self.flat().as_chunks::<D>().0
     }
 
-    /// Number of sets of readings, and number of columns. A two-dimensional array is a single set; the first number is
-    /// then `None`. The number of columns must be one of `columns`; otherwise the error states the shape `wanted`.
+    /// Number of sets of readings, and number of columns. A two-dimensional array is a single set; its number of sets
+    /// is `None`. The number of columns must be one of `columns`. If the shape of the array is wrong, the error states
+    /// the right shape, `wanted`.
     pub(crate) fn sets(&self, columns: &[usize], wanted: &str) -> PyResult<(Option<usize>, usize)> {
         match *self.shape() {
             [_, last] if columns.contains(&last) => Ok((None, last)),

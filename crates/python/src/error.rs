@@ -59,7 +59,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("RunError", py.get_type::<RunError>())
 }
 
-/// Exception for a wrong argument. It contains the position of the wrong number in the array, and this number.
+/// Exception for the wrong argument `name`. `value` is the wrong number; `index` is its position if the argument is an
+/// array.
 pub(crate) fn argument(
     name: &str,
     index: &[usize],
@@ -67,7 +68,7 @@ pub(crate) fn argument(
     message: impl Into<String>,
 ) -> PyErr {
     let error = ArgumentError::new_err(message.into());
-    // The exception has its own dictionary, so setting the attributes cannot fail.
+    // Ignore errors: the exception has a dictionary for its attributes, so setting an attribute cannot fail.
     let _ = Python::attach(|py| {
         let own = error.value(py);
         own.setattr("argument", name)?;
@@ -88,8 +89,8 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     argument(name, &[], None, message)
 }
 
-/// Settings whose argument in Python has a different name than their key in the config: the key, and the name of the
-/// argument.
+/// Settings whose names in the config and in Python differ. Each pair consists of the config key and the name of the
+/// Python argument.
 const RENAMED: [(&str, &str); 3] = [
     ("kind", "method"),
     ("from", "source"),
@@ -106,7 +107,8 @@ pub(crate) fn name(key: &str) -> &str {
     renamed.map_or(key, |(_, name)| name)
 }
 
-/// Message of a library error, in which the names of settings are replaced by the names of arguments.
+/// Message of a library error. The config keys of settings in the message are replaced by the names of the Python
+/// arguments.
 pub(crate) fn text(error: &impl Display) -> String {
     rename_settings(&error.to_string(), |key| name(key).to_owned())
 }

@@ -12,8 +12,7 @@ use serde::Serialize;
 
 use crate::json::to_python;
 
-/// A value of the library that is shown to Python as a result with fields. A field is computed only when Python reads
-/// it.
+/// A result of the library. In Python, it is an object with fields, and a field is computed only when Python reads it.
 pub(crate) trait Made: Send + Sync {
     /// All fields of the result that are also in the JSON of the command line.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
@@ -35,7 +34,7 @@ pub(crate) trait Made: Send + Sync {
     }
 }
 
-/// A number with its standard deviation. The fields `value` and `std` can be computed without the other fields.
+/// An estimated quantity. Its fields `value` and `std` can be read without computing its other fields.
 impl Made for Value {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, self)
@@ -223,7 +222,8 @@ impl Record {
             return Ok(false);
         };
         let [one, two] = [slf.get(), other.get()];
-        // A map consists of arrays only. Arrays cannot be compared as a whole, so a map equals only itself.
+        // A result without JSON fields is a map, which consists of arrays only. Arrays are not compared, so a map
+        // equals only itself.
         if !is_same_kind || one.fields(py)?.is_empty() {
             return Ok(slf.is(other));
         }

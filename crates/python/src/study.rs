@@ -159,8 +159,8 @@ impl Study {
         self.study.cell_count()
     }
 
-    /// Number of trials of all cells together. It is an upper limit, because a cell without random numbers runs only
-    /// one trial.
+    /// Number of trials of all cells together. A run may do fewer trials, because a cell without random numbers runs
+    /// only one trial.
     #[getter]
     fn trials(&self) -> u64 {
         self.study.trials()
@@ -233,14 +233,18 @@ impl Study {
 
     /// Forecasts a run: its cells, its trials, the models that it needs, and its approximate run time.
     ///
-    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads`, `groups` and
-    /// `intervals`. Each group has the number of its `cells`, its `needs` (models with reasons), and its `rungs` (models
-    /// that can compute the true values, with their errors and computing times in s). Each entry of `intervals` is the
-    /// coverage of 95 % intervals that was measured in similar random scenes, with the number of `cells` to which it
-    /// applies. It has the name of the `family` of scenes, `beyond` (numbers outside the family's ranges), the number of
-    /// `scenes`, `coverage95`, `lowest` (the lowest coverage in one scene) and `holds`; or the reason `not_tested`.
+    /// Returns a Record. `cells`, `checked`, `set_up` and `single` are numbers of cells: of all cells, of checked
+    /// cells, of cells whose models were set up, and of cells that run only one trial. `trials` is the number of trials
+    /// of all cells. `seconds` is the estimated run time with `threads` threads. `groups` lists groups of cells that
+    /// need the same models. A group has the number of its `cells`, its `needs` (models with reasons), and its `rungs`
+    /// (models that can compute the true values, with their errors and computing times in s). `intervals` lists
+    /// coverages of 95 % intervals that were measured in similar random scenes, each with the number of `cells` to
+    /// which it applies. A coverage has the name of the `family` of scenes, `beyond` (numbers outside the family's
+    /// ranges), the number of `scenes`, `coverage95`, `lowest` (the lowest coverage in one scene) and `holds`; or the
+    /// reason `not_tested`.
     ///
-    /// The run time is for `threads` threads. `progress` receives numbers of cells. Raises ConfigError.
+    /// The function `progress` is called with the number of cells that were checked since its last call. Raises
+    /// ConfigError.
     #[pyo3(signature = (*, threads=None, progress=None))]
     fn check<'py>(
         &self,
@@ -252,9 +256,9 @@ impl Study {
         Record::of(py, &check)
     }
 
-    /// Copy of the study with the number of trials and the model that fit a time budget (s) or a target error. The
-    /// target error is the largest allowed relative standard error of the rms error of any quantity.
-    /// Raises ConfigError, RunError.
+    /// Copy of the study with a number of trials and a model that are chosen for a time budget (s), a target error, or
+    /// both. The target error is the largest allowed relative standard error of the rms error of any quantity. Raises
+    /// ConfigError, RunError.
     #[pyo3(signature = (*, budget=None, target_error=None, threads=None))]
     fn plan(
         &self,
@@ -313,8 +317,8 @@ impl Study {
         Results::of(py, &study, found)
     }
 
-    /// Traces one trial of a cell, and returns a Trace. If `trial` is given, it is the trial with this number, with its
-    /// noise; by default, it is a trial without noise.
+    /// Traces one trial of a cell, and returns a Trace. `trial` is the number of a trial, which is repeated with its
+    /// noise. By default, a trial without noise is traced.
     ///
     /// Raises ConfigError if the study does not have the cell, and RunError if the trial ends early.
     #[pyo3(signature = (cell=0, trial=None))]

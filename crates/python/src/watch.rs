@@ -30,8 +30,8 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Reports that the work `done` is completed in total. If the work is cancelled, this function panics on purpose,
-    /// because there is no other way to end the work.
+    /// Reports progress. `done` is the amount of work that is completed, counted from the start. If the work is
+    /// cancelled, this function panics on purpose, because there is no other way to end the work.
     pub(crate) fn reach(&self, done: u64) {
         let before = self.reached.swap(done, Ordering::Relaxed);
         self.add(done.saturating_sub(before));
@@ -50,7 +50,8 @@ impl Watch {
     }
 }
 
-/// Longest time for which the caller waits until cancelled work ends. After this time, the exception is raised anyway.
+/// Longest time to wait for the end of cancelled work. After this time, the exception is raised although the work still
+/// runs.
 const PATIENCE: Duration = Duration::from_millis(60);
 
 /// Runs work on another thread, without the interpreter's lock. Meanwhile, the calling thread checks for signals and
@@ -91,7 +92,7 @@ pub(crate) fn watched<T: Send + 'static>(
     })?;
     match (done, worker.join()) {
         (Some(done), _) => watch.call(py, progress.as_ref()).map(|()| done),
-        // If the work panics, it sends no result. Continue the panic in this thread.
+        // The work panicked, so it sent no result. Continue the panic in this thread.
         (None, Err(panic)) => std::panic::resume_unwind(panic),
         (None, Ok(_)) => Err(error::RunError::new_err("the work has no result")),
     }

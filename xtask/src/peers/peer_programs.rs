@@ -1,5 +1,5 @@
-//! Prepares the programs with which palpate is compared: creates a virtual Python environment for scripts, and compiles
-//! other programs under the target directory.
+//! Prepares the peer programs, with which palpate is compared. Creates a virtual environment for Python scripts, and
+//! compiles other programs under the target directory.
 
 use std::env;
 use std::ffi::OsString;
@@ -20,7 +20,8 @@ const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_N
 /// Language of a peer program, with the path of its source.
 pub(crate) enum Kind {
     Python(&'static str),
-    /// A group of tasks in xtask/peers/python_package.py. This script also measures palpate's Python package.
+    /// Name of a group of tasks in the script xtask/peers/python_package.py, which also measures palpate's Python
+    /// package.
     Package(&'static str),
     /// A C++ source file in xtask/peers/, compiled with g++.
     Cpp(&'static str),

@@ -47,10 +47,10 @@ impl Made for Found {
 /// Finds values of fields with which all cells of a study meet a target, for example a pad pitch, a roll length or a
 /// camera.
 ///
-/// The search tries at least 16 values. Wherever one value meets the target and the next one misses it, the search tries
-/// values in between. New trials verify the answer, which is right with a probability of 95 %. Values between the tried
-/// values are not tested. If several fields are varied, one of them is searched at each combination of the values of the
-/// other fields.
+/// The search tries at least 16 values. If a value meets the target and the next tried value misses it, the search
+/// tries values between the two. New trials verify the answer, which is right with a probability of 95 %. The search
+/// tests only the tried values, not the values between them. If several fields are varied, the search runs over one
+/// field, at each combination of the values of the other fields.
 ///
 /// Parameters
 /// ----------

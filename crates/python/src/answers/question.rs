@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 use crate::error;
 use crate::json::{from_python, to_toml};
 
-/// Makes the exception for a question that has no answer, from the error of the library. `quantity` is the name of the
-/// argument that states the quantity.
+/// Converts the library's error for a question without an answer to a Python exception. `quantity` is the name of the
+/// Python argument that states the quantity; the exception names this argument if the quantity is wrong.
 pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     let message = error.to_string();
     let (argument, value) = match error {
@@ -30,8 +30,8 @@ pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {
     error::argument("vary", &[], None, format!("vary: {message}"))
 }
 
-/// Converts the argument `vary` to fields, each with the values to try. The argument is a dictionary, or texts as on
-/// the command line.
+/// Converts the argument `vary` to a list of fields, each with the values to try. The argument is a dictionary, or one
+/// or several texts such as "scene.sensor.pitch=0.05..2".
 pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     let text = |text: &Bound<'_, PyString>| text.to_cow()?.parse::<Vary>().map_err(wrong);
     if let Ok(one) = vary.cast::<PyString>() {
@@ -83,7 +83,7 @@ fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
     }
 }
 
-/// Converts the values of a Python list; `None` for any other object.
+/// Converts a Python list to TOML values; `None` for an object that is not a list.
 pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<Vec<toml::Value>>> {
     let Json::Array(values) = from_python(values)? else {
         return Ok(None);

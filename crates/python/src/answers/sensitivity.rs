@@ -41,8 +41,8 @@ impl Made for Found {
 
 /// Computes the effect of each numeric field of a study's scene on the rms error of a quantity.
 ///
-/// Only one field is changed at a time, and the random numbers stay the same. If the study sweeps fields, its first cell
-/// is used.
+/// Changes one field at a time, and uses the same random numbers for all values of the field. If the study sweeps
+/// fields, only its first cell is used.
 ///
 /// Parameters
 /// ----------

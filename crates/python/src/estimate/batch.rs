@@ -23,16 +23,16 @@ use crate::watch::{pool, watched};
 /// stored once, and everything else becomes a list. The field is None if no estimate has it.
 #[pyclass(frozen, sequence, module = "palpate")]
 pub(crate) struct Batch {
-    /// For each set of readings, the estimate, or the error message if there is no estimate.
+    /// One entry per set of readings: the estimate, or the error message if there is no estimate.
     estimates: Vec<Result<Member, String>>,
 }
 
-/// Function that converts a record to the Python object of an estimate.
+/// Function that converts a record to a Python object of the class of its estimate, for example `PressEstimate`.
 type Class = fn(Python<'_>, Record) -> PyResult<Bound<'_, PyAny>>;
 
 enum Member {
-    /// Three parts: the estimate as a value of the library, the function that converts it to a Python object, and this
-    /// object. The object is made when Python reads it for the first time.
+    /// An estimate that palpate computed: its value in the library, the function that converts it to a Python object,
+    /// and this object. The object is made when Python reads it for the first time.
     Made(Arc<dyn Made>, Class, PyOnceLock<Py<Record>>),
     Restored(Py<Record>),
 }
@@ -62,7 +62,7 @@ impl Member {
     }
 }
 
-/// Computes estimates for many sets of readings. They are computed on several threads, without the interpreter's lock.
+/// Computes estimates for many sets of readings, on several threads and without the interpreter's lock.
 pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     py: Python<'py>,
     sets: Vec<R>,
@@ -84,8 +84,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Extends an error about an array that contains several sets of readings: puts the number `set` of the set with the
-/// error in front of the index in the error. `with_sets` contains the names of such arrays. Errors about other arrays
+/// Adds the number `set` of a set of readings to an error about one of its arrays: the index in the error then begins
+/// with this number. `with_sets` contains the names of the arrays that contain several sets. Errors about other arrays
 /// do not change.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
@@ -104,8 +104,8 @@ pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> Re
     }
 }
 
-/// Combines the values that one field has in many estimates. An entry of `all` is `None` if its estimate does not have
-/// the field.
+/// Combines the values of one field of many estimates into an array, a list or a dictionary. An entry of `all` is
+/// `None` if an estimate does not have the field.
 fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<Bound<'py, PyAny>> {
     let Some(first) = all.iter().flatten().find(|one| !one.is_none()) else {
         return Ok(py.None().into_bound(py));
@@ -149,8 +149,8 @@ fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     list.iter().map(|item| number(&item)).collect()
 }
 
-/// Combines the values of one field of many estimates into an array. To save time, only this field was computed for
-/// each estimate. `None` if an estimate does not have the field.
+/// Combines the values of one field of many estimates into an array. The values were computed without the other fields,
+/// to save time. An entry of `all` is `None` if an estimate does not have the field.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());
     let mut unit = None;

@@ -25,12 +25,13 @@ record!(
     "Curvature of a patch, from contacts of gliding fingers.\n\nFields: those that `palpate estimate glide` prints, for the middle of the patch: `gaussian_curvature`, `mean_curvature`,\n`k_min`, `k_max` (each with `value`, `std` or None, and `unit`), `position`, `normal`, `direction_of_min`,\n`direction_of_max` (arrays of 3), `shape_index`, `class_`, `class_probabilities`,\n`thresholds`, `noise`, `regions`, `p_value`, `effective_contacts`, `left_out` (rows from 1, with a reason) and `warnings`\n(each with `code`, `text` and `numbers`); for methods plane, sphere, cylinder and shape also `shape`, `radius` and\n`rms_misfit`; for one stroke `stroke`, and None as curvatures; `covariance`, (2, 2), of Gaussian and mean curvature, NaN where\nthe method states no uncertainty; and `map`: arrays (grid, grid), along the fingers' travel first, or (n,) at the\ncontacts that are not left out: `position`, `normal`, `direction_of_min`, `direction_of_max` with 3 numbers each, `gaussian_curvature`,\n`gaussian_curvature_std`, `mean_curvature`, `mean_curvature_std`, `k_min`, `k_max`, `shape_index`, `class_index` of\n`palpate.SHAPE_CLASSES`, `region` (-1: none) and `class_probabilities` with 8 numbers each."
 );
 
-/// A patch: the fitted surface and its curvatures. All other results are computed only when Python reads them.
+/// Estimate of a patch. The fitted surface and its curvatures are computed first; all other results are computed only
+/// when Python reads them.
 struct Patch {
     fitted: GlideFitResult<'static>,
     curvatures: Vec<Curvature>,
     report: OnceLock<(recorded::GlideEstimate, GlideMap)>,
-    /// Shape of those arrays that contain one number for each point of the map.
+    /// Shape of an array with one number per point of the map: two axes for a grid, one axis for a map at the contacts.
     shape: Vec<usize>,
 }
 

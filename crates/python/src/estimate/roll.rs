@@ -193,8 +193,8 @@ pub(crate) fn estimate_roll<'py>(
 
 type Call = (Py<PyDict>, Option<LengthUnit>, RollOptions);
 
-/// Settings and options of the last call without the argument `like`. A loop over readings repeats the same settings,
-/// and parsing these settings takes longer than an estimate.
+/// Settings and parsed options of the last call without the argument `like`. A loop over readings calls with the same
+/// settings, and parsing settings takes longer than an estimate, so the options are used again.
 static LAST: Mutex<Option<Call>> = Mutex::new(None);
 
 fn options<'py>(

@@ -80,7 +80,7 @@ pub(crate) fn length_unit(name: Option<&str>) -> PyResult<Option<LengthUnit>> {
 }
 
 /// Options of an estimate, taken from a cell (grid point) of a study; `None` without a study. Lengths are converted to
-/// the unit of the readings. If this unit is not stated (`None`), lengths keep the unit of the study.
+/// `unit`, the unit of the readings; with `None`, lengths keep the unit of the study.
 pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,

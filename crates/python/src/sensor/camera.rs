@@ -51,10 +51,10 @@ impl CameraCalibration {
 
     /// The camera as a dictionary.
     ///
-    /// The keys are `place` (position), `turn_deg` (rotation) and `px_per_rad` (scale), with the standard deviations
-    /// `place_std`, `turn_std_deg` and `px_per_rad_std`; `centre_px`; `covariance`, a 9 x 9 matrix of the centre (px),
-    /// the relative scale, the position and the rotation (rad); `residuals_px`, one per marker of the layout;
-    /// `residual_px`, `reduced_chi_squared` and `warnings`.
+    /// `place` (position), `turn_deg` (rotation) and `px_per_rad` (scale) have the standard deviations `place_std`,
+    /// `turn_std_deg` and `px_per_rad_std`. `covariance` is the 9 x 9 covariance matrix of the centre (px), the
+    /// relative scale, the position and the rotation (rad). `residuals_px` has one number per marker of the layout. The
+    /// other keys are `centre_px`, `residual_px`, `reduced_chi_squared` and `warnings`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.camera)
     }
@@ -97,7 +97,7 @@ impl CameraCalibration {
 /// ArgumentError
 ///     If `rest` does not have the shape (h, w, 3).
 /// ReadingsError
-///     If the study has no camera. If the frame has another size or other colours than the study states, does not show
+///     If the study has no camera; if the frame has another size or other colours than the study states, does not show
 ///     the markers of the layout, or is saturated or under-exposed.
 ///
 /// Source

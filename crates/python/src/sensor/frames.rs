@@ -36,12 +36,12 @@ record!(
 /// ----------
 /// rest, pressed : array of uint8, (h, w, 3)
 ///     Frames of the same size, with the colours red, green and blue. The camera is in the sensor's centre and looks at
-///     the apex. Its fisheye lens maps an angle to the image radius r = f · angle. The columns of the image are along x,
-///     the rows against y.
+///     the apex. Its fisheye lens maps an angle to the image radius r = f · angle. The column number of a pixel
+///     increases along x, the row number along −y.
 /// calibration : Calibration or CameraCalibration, optional
-///     A Calibration is for displacements; it needs `sensor_radius` and `depth`, or `like`. A CameraCalibration is for
-///     `method="image"`; its camera and covariance replace those of the study. All lengths are in the calibration's
-///     unit.
+///     A Calibration converts the frames to displacements, and also needs `sensor_radius` and `depth`, or `like`. A
+///     CameraCalibration is for `method="image"`: its camera and covariance replace those of the study. All lengths are
+///     in the unit of the calibration.
 /// px_per_rad : float, optional
 ///     Focal length f of the fisheye lens, px per rad. By default, it is the calibration's scale (px per length),
 ///     multiplied by the distance of the markers from the centre.
@@ -55,9 +55,9 @@ record!(
 /// like, cell
 ///     The same arguments as in `estimate_press`.
 /// **settings
-///     All other arguments of `estimate_press` except `radial_scale`, `length_unit` and `threads`. `method="image"` fits
-///     the press to the centroid, hue and size of each marker in the frames. It needs `like`, a study that states the
-///     layout, discs, soft body, camera and noise.
+///     All other arguments of `estimate_press` except `radial_scale`, `length_unit` and `threads`. `method="image"`
+///     fits the press to the centroid, hue and size of each marker in the frames. `method="image"` needs the argument
+///     `like`: a study that states the layout, discs, soft body, camera and noise.
 ///
 /// Returns
 /// -------

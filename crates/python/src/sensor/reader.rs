@@ -14,8 +14,8 @@ fn refused(argument: &str, message: impl Into<String>) -> PyErr {
     error::argument(argument, &[], None, message)
 }
 
-/// Chooses how the pressed frame is evaluated: by a fit to its pixels, or with a calibration. The result is `None` if
-/// the arguments request neither of the two.
+/// Chooses the method that estimates the press from the frames: a fit in the image, or a calibration of displacements.
+/// Returns `None` if the arguments of `track` request no estimate.
 pub(super) fn reader(
     calibration: Option<&Bound<'_, PyAny>>,
     px_per_rad: Option<f64>,

@@ -29,8 +29,8 @@ fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     }
 }
 
-/// Runs some cells of a study; `None` means all cells. Returns the results. If the config requests a trace, also
-/// returns the trace of the first cell.
+/// Runs the given cells of a study; with `None`, runs all cells. Returns the results and, if the config requests a
+/// trace, the trace of the first of these cells.
 pub(super) fn run(
     py: Python<'_>,
     (study, cells): (Arc<Study>, Option<Vec<usize>>),
@@ -79,8 +79,8 @@ pub(super) fn check(
     check.map(|check| check.to_json()).map_err(of_sweep)
 }
 
-/// Plans a study for a time budget, a target error, or both. Returns its config with the chosen number of trials and
-/// model.
+/// Chooses the number of trials and the model of a study for a time budget, a target error, or both. Returns the config
+/// of the study with both choices, as TOML text.
 pub(super) fn plan(
     py: Python<'_>,
     study: Arc<Study>,

@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use ode_solvers::{Dop853, OutputType, SVector, System};
 
-/// State of the contact: latitude and longitude on the probe, two coordinates on the object, and the angle between the
-/// charts of both bodies.
+/// State of the contact: latitude and longitude on the probe (rad), two coordinates on the object, and the angle
+/// between the axes of both charts at the contact (rad).
 type State = SVector<f64, 5>;
 
 const RATE: f64 = 0.1;
@@ -44,9 +44,9 @@ struct OverParaboloid;
 
 impl System<f64, State> for OverParaboloid {
     fn system(&self, _: f64, state: &State, rate: &mut State) {
-        // `p` and `q` are the slopes of the surface z along x and y. The slopes determine the Gauss frame, whose two
-        // axes are tangents of the surface. `x_first`, `x_second` and `y_second` are the changes of x and y per unit of
-        // velocity along these axes.
+        // `p` and `q` are the slopes of the paraboloid along x and y. They determine the two tangent axes of the Gauss
+        // frame. If the contact moves with unit velocity along the first axis, x changes at the rate `x_first`. If it
+        // moves along the second axis, x and y change at the rates `x_second` and `y_second`.
         let (p, q) = (-2.0 * state[2], -2.0 * state[3]);
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
@@ -77,7 +77,7 @@ impl System<f64, State> for OverParaboloid {
 fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     let first = State::from([0.0, 0.0, latitude, 0.0, DIRECTION]);
     let end = ANGLE / RATE;
-    // Do not use the solver's dense output, because it would extrapolate the last point.
+    // Use the sparse output of the solver: the dense output would extrapolate the last point.
     let mut solver = Dop853::from_param(
         system,
         0.0,
@@ -100,8 +100,8 @@ fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     *solver.y_out().last().expect("the end of the roll")
 }
 
-/// Compares pairs of points. Each pair consists of the computed and the exact contact point. Returns the largest
-/// difference of any coordinate in any pair.
+/// Returns the largest difference of a coordinate between two points of a pair. Each pair consists of the computed and
+/// the exact contact point.
 fn largest<const N: usize>(pairs: [([f64; 3], [f64; 3]); N]) -> f64 {
     let differences = pairs
         .iter()
@@ -138,8 +138,9 @@ fn meridian(r: f64) -> f64 {
 }
 
 fn error_over_paraboloid(state: &State) -> f64 {
-    // The roll angle of the probe is the slope angle plus the length of the meridian divided by the probe's radius, 1.
-    // Find the r at which this sum is ANGLE.
+    // The roll angle of the probe is the sum of two angles: the slope angle of the paraboloid, and the length of the
+    // meridian divided by the probe's radius, which is 1. Find the distance r from the axis at which the roll angle is
+    // ANGLE.
     let mut r = ANGLE / 3.0;
     for _ in 0..60 {
         let slope = 2.0 * r;
