@@ -85,7 +85,7 @@ impl TestBench<'_> {
     }
 
     /// Writes a config of rolls on balls, with one radius per cell. `trials[0]` is the number of trials of the first
-    /// cell, `trials[1]` is that of every other cell.
+    /// cell, `trials[1]` is that of each of the other cells.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -121,7 +121,7 @@ impl TestBench<'_> {
     }
 
     fn kill(&self, kills: u32) -> Result<()> {
-        // The study has 24 cells. The first cell has many trials, and every other cell has few trials.
+        // The study has 24 cells. The first cell has many trials, and all other cells have few trials.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();
