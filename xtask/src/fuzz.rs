@@ -32,7 +32,7 @@ pub(crate) struct Options {
     /// Time for which each parser is fuzzed, s.
     #[arg(long, default_value_t = 60)]
     seconds: u32,
-    /// Keep inputs that reach new code: add them to crates/fuzz/corpus.
+    /// Add inputs that reach new code to crates/fuzz/corpus.
     #[arg(long)]
     keep: bool,
 }

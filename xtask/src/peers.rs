@@ -44,8 +44,8 @@ struct Group {
     /// Tasks whose required ratio of times differs from `target`, each with its ratio.
     task_targets: &'static [(&'static str, f64)],
     /// Largest allowed excess of palpate's error over the peer's error, as a share of the peer's error. The value is 0
-    /// if both programs use the same inputs. If each program draws its own random inputs, the value is the sampling
-    /// error.
+    /// if both programs use the same inputs. If each program draws its own random inputs, the value allows for the
+    /// sampling error.
     slack: f64,
 }
 

@@ -153,7 +153,7 @@ fn known_studies(shell: &Shell) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Whether the config of a study lists claims of the papers that its tables test.
+/// Whether the config of a study lists claims of the papers, which the tables of the study test.
 fn scores_claims(shell: &Shell, study: &str) -> bool {
     let config = shell.read_file(format!("sim-configs/{study}.toml"));
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))

@@ -1,5 +1,4 @@
-//! Answers questions about sensors and their use, computed by Monte Carlo simulation. Also scores the papers' claims
-//! and explains words.
+//! Answers questions about sensors by Monte Carlo simulation. Also scores the papers' claims and explains words.
 
 pub(crate) mod design;
 pub(crate) mod distinguish;

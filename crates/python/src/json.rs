@@ -25,8 +25,8 @@ pub(crate) fn to_python<'py>(
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// Converts a Python value to JSON: texts, numbers, lists, dictionaries, and objects with `tolist`, such as NumPy
-/// arrays and numbers.
+/// Converts a Python value to JSON. The value is a text, a number, a list, a dictionary, or an object with the method
+/// `tolist`, such as a NumPy array.
 pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Json> {
     let py = value.py();
     let settings = PyDict::new(py);
