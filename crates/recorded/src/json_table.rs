@@ -28,11 +28,13 @@ pub(super) const MAX_FINGERS: usize = 5;
 const MAX_COMPONENTS: usize = 4;
 
 enum Rows<'a> {
-    /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows. If `names`
-    /// contains column names, each item is a list with one value per name.
+    /// Text of each row (an object or a list), with a number for messages: the line of the row or, if the whole list is
+    /// written in one line, the number of the row, counted from 1. If `names` contains column names, each row is a list
+    /// with one value per name.
     Sequence {
-        text: Text<'a>,
+        rows: Vec<(&'a str, usize)>,
         names: Option<Vec<String>>,
+        is_list: bool,
     },
     Records(Vec<Json>),
     Columns(Vec<Vec<&'a RawValue>>),
@@ -53,29 +55,46 @@ impl<'a> JsonTable<'a> {
         header_line: usize,
         label: Option<&str>,
     ) -> Result<(Self, Vec<String>), RecordedError> {
+        let object: BTreeMap<String, &RawValue> =
+            serde_json::from_str(text.all).unwrap_or_default();
+        let data = object.get("data").map(|data| Text {
+            all: data.get(),
+            ..text.from(data.get())
+        });
+        let data = data.filter(|data| data.all.starts_with('['));
+        let split = object.get("columns").filter(|_| data.is_some());
+        let split = split.and_then(|columns| serde_json::from_str::<Vec<Json>>(columns.get()).ok());
         let mut table = Self {
-            rows: Rows::Sequence { text, names: None },
+            rows: Rows::Columns(Vec::new()),
             names: Vec::new(),
             header_line,
         };
-        if let Some(rows) = split(file, text)? {
-            table.rows = rows;
-        } else if let Some((names, columns)) = columns(file, text)? {
-            table.rows = Rows::Columns(columns);
-            table.names.clone_from(&names);
-            return Ok((table, names));
-        } else if let Ok(object) = serde_json::from_str(text.all) {
-            let rows = match records(&object) {
-                Some(rows) => Some(rows),
-                None => nested(file, &object)?,
+        table.rows =
+            if let Some(data) = data.filter(|_| split.is_some() || object.contains_key("schema")) {
+                let names = split.map(|columns| distinct(file, &columns)).transpose()?;
+                sequence(file, data, names)?
+            } else if let Some(rows) = indexed(&object) {
+                Rows::Sequence {
+                    rows,
+                    names: None,
+                    is_list: true,
+                }
+            } else if let Some((names, columns)) = columns(file, object)? {
+                table.rows = Rows::Columns(columns);
+                table.names.clone_from(&names);
+                return Ok((table, names));
+            } else {
+                let object = serde_json::from_str(text.all).ok();
+                let rows = object.map(|object| nested(file, &object)).transpose()?;
+                match rows.flatten() {
+                    Some(rows) => Rows::Records(rows),
+                    None => sequence(file, text, None)?,
+                }
             };
-            table.rows = rows.map_or(table.rows, Rows::Records);
-        }
         let first = match &table.rows {
-            Rows::Sequence { text, names } => {
-                let first = texts(file, *text).next().transpose()?;
-                let value = |(row, line)| Ok((value(file, names.as_deref(), line, row)?, line));
-                first.map(value).transpose()?
+            Rows::Sequence { rows, names, .. } => {
+                let value = |&(row, line)| Ok((value(file, names.as_deref(), line, row)?, line));
+                rows.first().map(value).transpose()?
             }
             Rows::Records(rows) => rows.first().map(|row| (row.clone(), 1)),
             Rows::Columns(_) => None,
@@ -119,12 +138,15 @@ impl<'a> JsonTable<'a> {
             })
         };
         match &self.rows {
-            Rows::Sequence { text, names } => {
+            Rows::Sequence {
+                rows,
+                names,
+                is_list,
+            } => {
                 let names = names.as_deref();
-                let (is_list, places) = (is_list(*text), self.places(names));
+                let places = self.places(names);
                 let mut before = self.header_line;
-                for row in texts(file, *text) {
-                    let (row, line) = row?;
+                for &(row, line) in rows {
                     fields.clear();
                     match self.plain_values(row, &places) {
                         Some(values) => values.iter().for_each(|value| fields.push_field(value)),
@@ -208,49 +230,60 @@ impl<'a> JsonTable<'a> {
     }
 }
 
-/// Rows and columns of a table that pandas wrote with the orientation `split`; `None` if it is no such table. Returns an
-/// error if a column occurs twice.
-fn split<'a>(file: &RecordedFile, text: Text<'a>) -> Result<Option<Rows<'a>>, RecordedError> {
-    #[derive(Deserialize)]
-    struct Split<'a> {
-        columns: Vec<Json>,
-        #[serde(borrow)]
-        data: &'a RawValue,
-    }
-    // Only an object is a table in this form, but the parser would also accept a list of two rows.
-    let object = text.all.trim_start().starts_with('{');
-    let parsed = object.then(|| serde_json::from_str::<Split<'_>>(text.all).ok());
-    let Some(Split { columns, data }) = parsed.flatten() else {
-        return Ok(None);
-    };
+/// Names of columns. Returns an error if a name occurs twice.
+fn distinct(file: &RecordedFile, columns: &[Json]) -> Result<Vec<String>, RecordedError> {
     let names: Vec<String> = columns.iter().map(scalar).collect();
-    if let Some(name) = (1..names.len()).find(|&at| names[..at].contains(&names[at])) {
-        let message = format!("column `{}` occurs twice; rename one of them", names[name]);
-        return Err(file.fail(1, message));
+    match (1..names.len()).find(|&at| names[..at].contains(&names[at])) {
+        Some(at) => {
+            let message = format!("column `{}` occurs twice; rename one of them", names[at]);
+            Err(file.fail(1, message))
+        }
+        None => Ok(names),
     }
-    let rows = data.get();
-    let start = text.all.find(rows).unwrap_or_default();
-    let lines = text.all[..start].matches(text.end).count();
-    let text = Text {
-        all: rows,
-        end: text.end,
-        line: text.line + lines,
-    };
-    let names = Some(names);
-    Ok(is_list(text).then_some(Rows::Sequence { text, names }))
 }
 
-/// The text of each row, with a number for messages: the line of the row or, if the whole list is written in one line,
-/// the number of the row, counted from 1.
-fn texts<'a>(
-    file: &'a RecordedFile,
+/// The rows in a text that is a JSON list, or that has a JSON object in each line (JSON Lines).
+fn sequence<'a>(
+    file: &RecordedFile,
     text: Text<'a>,
-) -> impl Iterator<Item = Result<(&'a str, usize), RecordedError>> {
-    let is_one_line = text.rows_after(0).nth(1).is_none();
-    Elements::of(file, text).zip(1..).map(move |(row, place)| {
-        let (row, line) = row?;
-        Ok((row, if is_one_line { place } else { line }))
+    names: Option<Vec<String>>,
+) -> Result<Rows<'a>, RecordedError> {
+    let is_list = text.all.trim_start().starts_with('[');
+    let lines = || text.rows_after(0).map(|(row, line)| (row.trim(), line));
+    let rows = if is_list {
+        let rows: Vec<&RawValue> = serde_json::from_str(text.all)
+            .map_err(|error| no_json(file, text.line, text.all, &error))?;
+        let is_one_line = lines().nth(1).is_none();
+        let mut rest = text;
+        let row = |(row, number): (&&'a RawValue, usize)| {
+            rest = rest.from(row.get());
+            (row.get(), if is_one_line { number } else { rest.line })
+        };
+        rows.iter().zip(1..).map(row).collect()
+    } else {
+        lines().collect()
+    };
+    Ok(Rows::Sequence {
+        rows,
+        names,
+        is_list,
     })
+}
+
+/// Rows of a table that pandas wrote with the orientation `index`, with their numbers in the table; `None` if it is no
+/// such table.
+fn indexed<'a>(object: &BTreeMap<String, &'a RawValue>) -> Option<Vec<(&'a str, usize)>> {
+    let row = |(number, row): (&String, &&'a RawValue)| {
+        // If this is a column instead of a row, its keys are the numbers of the rows.
+        let is_row = row.get().starts_with('{')
+            && serde_json::from_str::<NumberedRows<'_>>(row.get()).is_err();
+        let number = number.parse::<u64>().ok().filter(|_| is_row)?;
+        Some((number, row.get()))
+    };
+    let rows = object.iter().map(row).collect::<Option<Vec<_>>>();
+    let mut rows = rows.filter(|rows| !rows.is_empty())?;
+    rows.sort_by_key(|(number, _)| *number);
+    Some(rows.into_iter().map(|(_, row)| row).zip(1..).collect())
 }
 
 /// Parses a row. If `names` contains the names of its values, the result is an object with these keys. Returns an error
@@ -361,12 +394,11 @@ fn single_values(object: &Map<String, Json>, path: &str, values: &mut Vec<(Strin
 #[expect(clippy::type_complexity, reason = "names and values of the columns")]
 fn columns<'a>(
     file: &RecordedFile,
-    text: Text<'a>,
+    object: BTreeMap<String, &'a RawValue>,
 ) -> Result<Option<(Vec<String>, Vec<Vec<&'a RawValue>>)>, RecordedError> {
-    let object = serde_json::from_str::<BTreeMap<String, &RawValue>>(text.all);
     let (mut names, mut columns, mut shared) = (Vec::new(), Vec::new(), Vec::new());
     let mut is_table = false;
-    for (name, value) in object.unwrap_or_default() {
+    for (name, value) in object {
         let column = match value.get() {
             list if list.starts_with('[') => serde_json::from_str::<Vec<&RawValue>>(list),
             rows if rows.starts_with('{') => {
@@ -438,102 +470,6 @@ fn is_of_axis(name: &str) -> bool {
     words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))
 }
 
-/// Rows of a table that pandas wrote with the orientation `table` or `index`; `None` if it is no such table.
-fn records(object: &Map<String, Json>) -> Option<Vec<Json>> {
-    if let Some(Json::Array(rows)) = object.get("data") {
-        return object.contains_key("schema").then(|| rows.clone());
-    }
-    let row = |(number, row): (&String, &Json)| {
-        // An object whose keys are all numbers is a column, not a row.
-        let keys = row.as_object()?.keys();
-        let has_names = keys.into_iter().any(|key| key.parse::<u64>().is_err());
-        let number = number.parse::<u64>().ok().filter(|_| has_names)?;
-        Some((number, row.clone()))
-    };
-    let rows = object.iter().map(row).collect::<Option<Vec<_>>>();
-    let mut rows = rows.filter(|rows| !rows.is_empty())?;
-    rows.sort_by_key(|(number, _)| *number);
-    Some(rows.into_iter().map(|(_, row)| row).collect())
-}
-
-fn is_list(text: Text<'_>) -> bool {
-    text.all.trim_start().starts_with('[')
-}
-
-/// JSON values in a list or one after the other, each with the line where it begins.
-struct Elements<'a> {
-    file: &'a RecordedFile,
-    rest: &'a str,
-    end: char,
-    line: usize,
-    is_list: bool,
-}
-
-impl<'a> Elements<'a> {
-    fn of(file: &'a RecordedFile, text: Text<'a>) -> Self {
-        let mut elements = Self {
-            file,
-            rest: text.all,
-            end: text.end,
-            line: text.line,
-            is_list: is_list(text),
-        };
-        elements.advance(0);
-        elements.advance(usize::from(elements.is_list));
-        if elements.is_list && elements.rest == "]" {
-            elements.rest = "";
-        }
-        elements
-    }
-
-    fn advance(&mut self, bytes: usize) {
-        let rest = self.rest[bytes..].trim_start();
-        let skipped = &self.rest[..self.rest.len() - rest.len()];
-        self.line += skipped.matches(self.end).count();
-        self.rest = rest;
-    }
-}
-
-impl<'a> Iterator for Elements<'a> {
-    type Item = Result<(&'a str, usize), RecordedError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.rest.is_empty() {
-            return None;
-        }
-        let line = self.line;
-        // Outside of a list, each object is on a line of its own (JSON Lines). In a list, an object may extend over
-        // several lines.
-        let end = if self.is_list {
-            None
-        } else {
-            self.rest.find(self.end)
-        };
-        let text = &self.rest[..end.unwrap_or(self.rest.len())];
-        let mut elements = serde_json::Deserializer::from_str(text).into_iter::<&RawValue>();
-        let element = match elements.next()? {
-            Ok(element) => element.get(),
-            Err(error) => {
-                self.rest = "";
-                return Some(Err(no_json(self.file, line, text, &error)));
-            }
-        };
-        self.advance(elements.byte_offset());
-        if self.is_list {
-            match self.rest.strip_prefix([',', ']']) {
-                Some(rest) if rest.trim().is_empty() == self.rest.starts_with(']') => {
-                    self.advance(1)
-                }
-                _ => {
-                    let message = format!("is no JSON object: the list is not closed; {NEEDED}");
-                    return Some(Err(self.file.fail(self.line, message)));
-                }
-            }
-        }
-        Some(Ok((element, line)))
-    }
-}
-
 const NEEDED: &str = "a list of objects is needed, or an object per line";
 
 fn no_json(
@@ -542,12 +478,12 @@ fn no_json(
     text: &str,
     error: &serde_json::Error,
 ) -> RecordedError {
-    let mut lines = text.lines().skip(error.line().saturating_sub(1));
+    let skipped = error.line().saturating_sub(1);
+    let (mut lines, line) = (text.lines().skip(skipped), line + skipped);
     let before = error.column().saturating_sub(1);
     let rest = lines.next().and_then(|line| line.get(before..));
     let is_no_number = |name: &&str| rest.is_some_and(|rest| rest.starts_with(*name));
     if let Some(name) = ["NaN", "Infinity"].into_iter().find(is_no_number) {
-        let line = line + error.line().saturating_sub(1);
         return file.fail(
             line,
             format!("`{name}` is no number of JSON; leave such rows out"),

@@ -328,6 +328,16 @@ impl<'a> Text<'a> {
         self.all.split_terminator(self.end)
     }
 
+    /// The rest of this text from `part` on; `part` must be a slice of this text.
+    pub(super) fn from(self, part: &'a str) -> Self {
+        let start = part.as_ptr() as usize - self.all.as_ptr() as usize;
+        Self {
+            all: &self.all[start..],
+            line: self.line + self.all[..start].matches(self.end).count(),
+            ..self
+        }
+    }
+
     pub(super) fn rows_after(self, line: usize) -> impl Iterator<Item = (&'a str, usize)> {
         let lines = self.lines().zip(self.line..);
         lines.filter(move |(text, number)| *number > line && !text.trim().is_empty())
