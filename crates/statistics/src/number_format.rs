@@ -35,7 +35,8 @@ impl Number {
     pub fn known_to(number: f64, std: f64) -> Self {
         let size = |number: f64| libm::floor(libm::log10(number.abs()));
         let digits = size(number) - size(std) + 1.0;
-        // Use at most 16 digits, because a double-precision number has no more significant digits.
+        // `digits` is the number of digits after the decimal point of the scientific notation. It is at most 16:
+        // together with the digit before the point, 17 significant digits identify every double-precision number.
         let digits = if digits.is_finite() {
             digits.clamp(2.0, 16.0)
         } else {

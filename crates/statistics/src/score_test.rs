@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::{chi_squared_tail, ratio_tail};
 
-/// Smallest share of a pattern's squared norm that the parameters of the model must leave unexplained, so that the
-/// pattern is tested. A smaller unexplained part may only be due to the model's nonlinearity. Use a larger limit for
-/// patterns that contain noise.
+/// Limit for testing a pattern, as a share of the pattern's squared norm. A pattern is tested only if the part that the
+/// parameters of the model cannot explain has a larger share. A smaller part may only be due to the model's
+/// nonlinearity. Use a larger limit for patterns that contain noise.
 pub const LEFT: f64 = 0.02;
 
 /// Decrease of a fit's chi-squared, to first order, if the model's parameters and the amplitudes of patterns in the
@@ -24,10 +24,11 @@ pub struct Explained {
 impl Explained {
     /// Computes the decrease of a fit's chi-squared if the amplitudes of patterns are fitted too. Patterns and
     /// residuals must be divided by the standard deviations of the readings. The remainder of a pattern is the part
-    /// that the parameters of the model cannot explain. `squares` are the squared norms of the patterns. `left` are the
-    /// inner products of all pairs of remainders, and `by_residuals` those of the remainders with the residuals. A
-    /// combination of patterns is skipped if its remainder is at most the share `least` (usually [`LEFT`]) of the
-    /// combination, measured by squared norms. If a number is not finite, all patterns are skipped.
+    /// that the parameters of the model cannot explain. `squares` are the squared norms of the patterns. `left`
+    /// contains the inner products of all pairs of remainders. `by_residuals` contains the inner product of each
+    /// remainder with the residuals. A combination of patterns is skipped if its remainder is at most the share `least`
+    /// (usually [`LEFT`]) of the combination, measured by squared norms. If a number is not finite, all patterns are
+    /// skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,

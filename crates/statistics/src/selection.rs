@@ -2,7 +2,7 @@
 
 /// Selects at most `most` of `count` readings, and returns their indices in ascending order. The readings are divided
 /// into blocks of equal length, and one reading of each block is selected. Its position within the block differs from
-/// block to block. With a fixed position, the selection could contain only one finger if the readings of several
+/// block to block. With a fixed position, all selected readings could be of the same finger if the readings of several
 /// fingers alternate.
 ///
 /// ```

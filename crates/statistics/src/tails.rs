@@ -48,7 +48,7 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
 /// of freedom, an asymptotic expansion is used.
 const MOST_TERMS: usize = 1_000_000;
 
-/// Terms of the series that are smaller than the largest term by this factor are omitted.
+/// Limit for the terms of the series, as a share of the largest term. Smaller terms are omitted.
 const NEGLIGIBLE: f64 = 1e-18;
 
 /// Tail probability of chi-squared for many degrees of freedom. `half` is half of chi-squared, and `a` is half of the
@@ -105,7 +105,8 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
 }
 
 /// Largest number of degrees of freedom that is used in a computation; larger numbers are replaced by this number. With
-/// more degrees of freedom, the product xᵃ (1 − x)ᵇ of the beta distribution would lose too many digits.
+/// more degrees of freedom, the factor xᵃ (1 − x)ᵇ of the beta distribution would lose too many digits. Its exponents a
+/// and b are half the two numbers of degrees of freedom.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
 /// Half-width, in standard errors, of the interval that contains the true value with the probability `probability`. The
@@ -195,8 +196,8 @@ fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     front * value
 }
 
-/// Argument of the gamma function from which its logarithm is computed with Stirling's series. The series avoids the
-/// cancellation of large logarithms.
+/// For arguments x of at least this value, ln Γ(x) is computed with Stirling's series. The difference of large values
+/// of `lgamma` would lose digits.
 const LARGE: f64 = 20.0;
 
 fn log_beta(a: f64, b: f64) -> f64 {

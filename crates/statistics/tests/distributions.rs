@@ -133,7 +133,7 @@ fn far_tails_and_many_degrees_keep_their_digits() {
         let found = chi_squared_tail(sum, freedom);
         is_near(found, due, 1e-12 * due, "chi-squared");
     }
-    // Up to a million degrees of freedom, the tail is computed as a sum. Test numbers of degrees of freedom just below
+    // Up to a million degrees of freedom, the tail is computed as a sum. The test uses degrees of freedom just below
     // and just above this limit, and the largest `usize`.
     for (freedom, due) in [
         (999_999, 0.499_811_936_709_362_8),

@@ -352,8 +352,7 @@ pub fn related(word: &str) -> Option<Term> {
     }
 }
 
-/// Smallest number of letters of a part of a word. A word with at least this number of letters counts as similar to
-/// every longer word that contains it.
+/// Smallest number of letters of a word that counts as similar to every longer word that contains it.
 const MIN_PART: usize = 3;
 
 /// Up to five names of terms, quantities or statistics that are similar to `word`, the most similar first.

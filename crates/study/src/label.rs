@@ -36,7 +36,7 @@ impl Label {
     }
 
     /// Label of a column of shares, which are displayed in percent. `unit` is a percent sign, or a percent sign with
-    /// its reference, such as `% of the IFD`.
+    /// its reference, such as `% of the IFD` (inter-finger distance).
     pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),

@@ -66,13 +66,15 @@ impl Unit {
 pub enum QuantityKind {
     /// Estimated from readings, so the value has an error.
     Estimated,
-    /// Measured or counted, but not estimated. In labels, its mean has the name of the quantity alone.
+    /// Measured or counted, but not estimated. The label of its mean is the name of the quantity, without the word
+    /// "mean".
     Measured,
     /// Share of the points of a patch at which an estimate is correct, from 0 to 1.
     Share,
 }
 
-/// A quantity that the trials of a study determine. `cells.csv` has one row for each cell and quantity.
+/// A quantity that the trials of a study determine. `cells.csv` has one row for each quantity in each cell, that is,
+/// for each combination of the swept values.
 ///
 /// ```
 /// use palpate_study::{Quantity, QuantityKind};

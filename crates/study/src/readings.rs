@@ -123,7 +123,8 @@ impl Measure {
         }
     }
 
-    /// Unit with which palpate's names of columns with this physical quantity end; `None` if these names have no unit.
+    /// Unit at the end of the column names that palpate uses for this physical quantity; `None` if these names have no
+    /// unit.
     const fn in_name(self) -> Option<&'static str> {
         match self {
             Self::Length | Self::Plain => None,

@@ -3,7 +3,8 @@
 use crate::label::{self, Label, spoken_unit};
 use crate::quantity::{Quantity, QuantityKind};
 
-/// A statistic of a quantity over the trials of a cell. The variants are in the order of the columns of `cells.csv`.
+/// A statistic of a quantity over the trials of a cell. A cell is one combination of the swept values; its trials
+/// differ in their random noise. The variants are in the order of the columns of `cells.csv`.
 ///
 /// ```
 /// use palpate_study::Statistic;

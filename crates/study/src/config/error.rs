@@ -61,7 +61,8 @@ impl ConfigError {
         }
     }
 
-    /// Adds the number of a cell of the study, and the swept values of this cell, to the error message.
+    /// Adds the number of a cell to the error message, and its swept values. A cell is one combination of the values
+    /// that the study sweeps.
     pub(super) fn in_cell(mut self, cell: usize, coordinates: &str) -> Self {
         let indent = " ".repeat(
             self.details
@@ -118,8 +119,8 @@ impl Fault {
         }
     }
 
-    /// Puts `key`, a key or an index, in front of the fault's path and location. The fault was found in a part of a
-    /// larger table, and its path began at this part.
+    /// Puts `key`, a key or an index, in front of the fault's path and location. This is necessary if the fault was
+    /// found in a part of a table, so that its path begins at this part instead of the whole table.
     pub(super) fn under(self, key: impl std::fmt::Display) -> Self {
         let join = |path: &str| match path {
             "" => key.to_string(),
@@ -196,8 +197,8 @@ impl Source {
         }
     }
 
-    /// Byte range of the value at a path, or of its key. If only the beginning of the path exists, this is the range of
-    /// the value at the end of this beginning. `None` if not even the first key exists.
+    /// Byte range of the value at a path, or of its key. If the text contains only the first keys of the path, the
+    /// result is the range of the value of the last key that exists. `None` if not even the first key exists.
     pub(super) fn locate(&self, path: &str, is_key: bool) -> Option<Span> {
         let root = DeValue::Table(DeTable::parse(&self.text).ok()?.into_inner());
         let (mut node, mut rest) = (&root, path);
@@ -299,10 +300,10 @@ impl FieldError {
 }
 
 impl Study {
-    /// Error in a field of a cell, found after the config was validated, for example a pitch that is larger than the
-    /// probe. The error states the position of the field in the text. If a sweep sets the field, it states the position
-    /// of the swept value. If the field is missing in the text, it states the position of the table that would contain
-    /// the field.
+    /// Error in a field of a cell (one combination of the swept values), found after the config was validated, for
+    /// example a pitch that is larger than the probe. The error states the position of the field in the text. If a
+    /// sweep sets the field, it states the position of the swept value. If the field is missing in the text, it states
+    /// the position of the table that would contain the field.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
         self.error_within(cell, path, None, message.into())
     }

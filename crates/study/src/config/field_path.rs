@@ -44,8 +44,8 @@ impl Study {
         }
         let refuse = |message| Err(ConfigError::of_field(self.file(), name, message));
         let ending = format!(".{name}");
-        // First search the fields of the kinds of tables that this config states. If none of these fields has the name,
-        // search the fields of all kinds.
+        // First search only the kinds of tables that occur in this config. If no field of these kinds has the name,
+        // search all kinds.
         for in_any_kind in [false, true] {
             let mut paths = paths(&tree, in_any_kind);
             paths.retain(|path| path.ends_with(&ending));

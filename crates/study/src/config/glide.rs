@@ -107,7 +107,7 @@ pub struct GlideMotionConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideModelConfig {
-    /// The closed form of the contact point if one exists for the two shapes, otherwise Newton's method.
+    /// The closed form of the contact point if one exists for the shapes of tip and object, otherwise Newton's method.
     Auto {
         /// Largest error of a contact's position, relative to the tip's radius.
         #[serde(default = "tolerance")]
@@ -262,7 +262,8 @@ pub enum NormalNoise {
 }
 
 /// Points at which estimates are compared with the true values. They form a square grid around the middle of the patch.
-/// For the shape class of a point, Gaussian and mean curvatures below the thresholds count as zero.
+/// The shape class of a point depends on the signs of the Gaussian and the mean curvature. A curvature whose magnitude
+/// is below its threshold counts as zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateConfig {
@@ -273,8 +274,9 @@ pub struct EvaluateConfig {
     /// Half the side length of the square grid.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub half_width: f64,
-    /// Threshold for the magnitude of the Gaussian curvature: smaller values count as zero. It must be at least the
-    /// square of `mean_threshold`.
+    /// Threshold for the magnitude of the Gaussian curvature K: smaller values count as zero. It must be at least the
+    /// square of `mean_threshold`; otherwise, points could get the impossible shape class K > 0, H = 0, where H is the
+    /// mean curvature.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length^2"))]
     pub gaussian_threshold: f64,
     /// Threshold for the magnitude of the mean curvature: smaller values count as zero.

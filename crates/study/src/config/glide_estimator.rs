@@ -10,7 +10,7 @@ use super::schema::{number, whole};
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideEstimatorConfig {
     /// One bicubic spline, fitted to the heights of the contacts and, if there are normals, to the slopes. A penalty on
-    /// its third derivatives makes it smooth.
+    /// the third partial derivatives of the height makes it smooth.
     Penalised {
         /// Number of knot intervals of the spline along each side of the patch. By default, palpate computes it from
         /// the number of contacts.
@@ -29,9 +29,9 @@ pub enum GlideEstimatorConfig {
         #[serde(flatten)]
         noise: StatedNoise,
     },
-    /// The method of the 1996 paper: two smoothing splines are fitted one after the other. The second spline is also
-    /// fitted to points on the tangents at the contacts. In the settings of this method, lengths are in units of the
-    /// inter-finger distance.
+    /// The method of Charlebois, Gupta and Payandeh (1996): two smoothing splines are fitted one after the other. The
+    /// second spline is also fitted to points on the tangents at the contacts. In the settings of this method, lengths
+    /// are in units of the inter-finger distance.
     TwoPass {
         /// Degree of the first spline in both directions.
         #[serde(default = "whole::<2>")]
@@ -89,12 +89,12 @@ pub struct StatedNoise {
     /// Standard deviation of the error of a contact's position along each axis; by default estimated from the contacts.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
     pub position_std: Option<f64>,
-    /// Standard deviation of a contact's position along each axis as a fraction of the inter-finger distance. State
-    /// either this or `position_std`.
+    /// Standard deviation of the error of a contact's position along each axis, as a fraction of the inter-finger
+    /// distance. State either this or `position_std`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
     pub position_fraction_of_ifd: Option<f64>,
     /// Standard deviation of the error of a normal, that is, of the angle by which it is tilted about each of two
-    /// tangents. By default estimated from the contacts.
+    /// perpendicular tangents; by default estimated from the contacts.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
     pub normal_std_deg: Option<f64>,
 }

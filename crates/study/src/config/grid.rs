@@ -126,8 +126,9 @@ impl Grid {
         (tree, None)
     }
 
-    /// Sets the location of a fault in a field of a cell. If a sweep sets the field, this is the location of the swept
-    /// value in the `sweep` section. Otherwise, it is the location of the field in the scene.
+    /// Sets the location of a fault in a field of a cell (one combination of the swept values). If a sweep sets the
+    /// field, this is the location of the swept value in the `sweep` section. Otherwise, it is the location of the
+    /// field in the scene.
     pub(super) fn in_text(&self, cell: usize, mut fault: Fault) -> Fault {
         let path = fault.location.clone();
         for (axis, row) in self.axes.iter().zip(self.rows_of(cell)) {

@@ -35,7 +35,7 @@ pub(super) fn is_infinite(text: Option<&str>) -> bool {
     text == Some("inf")
 }
 
-/// Writes a length that may be infinite or, if it is optional, missing.
+/// Writes a length, which may be infinite. An optional length may also be missing.
 pub fn serialize<S: Serializer>(
     length: &(impl Copy + Into<Option<f64>>),
     serializer: S,
@@ -44,7 +44,7 @@ pub fn serialize<S: Serializer>(
     length.map(Form::from).serialize(serializer)
 }
 
-/// Reads a length that may be infinite or, if it is optional, missing.
+/// Reads a length, which may be infinite. An optional length may also be missing.
 ///
 /// # Errors
 /// The error of the deserializer if the value is neither a number nor "inf".

@@ -326,8 +326,9 @@ fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     Ok(config)
 }
 
-/// Config of a cell of the study. If all swept values are plain (`has_plain_values`), this function checks only the
-/// rules that involve several fields, because each value has already been validated.
+/// Config of a cell of the study (one combination of the swept values). If all swept values are plain
+/// (`has_plain_values`), this function checks only the rules that involve several fields, because each value has
+/// already been validated.
 fn cell_config(
     source: &Source,
     grid: &Grid,
@@ -460,9 +461,10 @@ impl Study {
         &self.sample
     }
 
-    /// Selects some of the cells that pass `filters`, and returns their numbers. A filter consists of the path of a
-    /// swept field and the texts of its allowed values. In each selected cell, at most one axis is not at its first
-    /// allowed row. If no row of an axis passes the filters, the filters are ignored for this axis.
+    /// Selects some of the cells (combinations of the swept values) that pass `filters`, and returns their numbers. A
+    /// filter consists of the path of a swept field and the texts of its allowed values. In each selected cell, at most
+    /// one axis is not at its first allowed row. If no row of an axis passes the filters, the filters are ignored for
+    /// this axis.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();

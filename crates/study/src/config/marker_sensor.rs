@@ -116,8 +116,8 @@ impl Default for LayoutConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NamedLayout {
-    /// The 77 markers of the 2020 paper. One marker is at the apex. Each of 4 gores has rows of 1, 3, 3, 5 and 7
-    /// markers, and neighbouring rows are 11.9° apart.
+    /// The 77 markers of the sensor of Lin and others (2020). One marker is at the apex. Each of 4 gores has rows of 1,
+    /// 3, 3, 5 and 7 markers, and neighbouring rows are 11.9° apart.
     Published,
 }
 
@@ -226,8 +226,9 @@ impl PressSensorConfig {
     }
 }
 
-/// The camera, and the method that computes displacements from its images. The camera has a fisheye lens: if k3 and k5
-/// are 0, distances from the image's centre are proportional to the polar angle.
+/// The camera, and the method that computes displacements from its images. The camera has a fisheye lens. If `k3` and
+/// `k5` are 0, the distance of an image point from the image's centre is proportional to the polar angle, that is, the
+/// angle from the camera's axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
@@ -346,7 +347,7 @@ pub enum ShownMarkers {
     /// All markers. Their true displacements come from the contact model.
     #[default]
     All,
-    /// Only the marker under the contact, as in the 2020 paper.
+    /// Only the marker under the contact, as in the paper of Lin and others (2020).
     UnderContact,
 }
 

@@ -39,8 +39,9 @@ pub struct PlotConfig {
     pub component: Option<Component>,
     /// Column whose values separate the panels. There is one panel for each value.
     pub panels: Option<String>,
-    /// Filter that selects the plotted rows of the table. In a class map or a profile, it selects the plotted cells.
-    /// Each entry consists of the name of a column in quotes, and the value or list of values that pass the filter.
+    /// Filter that selects the plotted rows of the table. In a class map or a profile, it selects the plotted cells,
+    /// that is, combinations of the swept values. Each entry consists of the name of a column in quotes, and the value
+    /// or list of values that pass the filter.
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub where_: BTreeMap<String, toml::Value>,
@@ -199,10 +200,10 @@ pub struct Points {
     pub x: Vec<f64>,
     /// y values of the points, in the unit of the y axis. The number of x values and of y values must be equal.
     pub y: Vec<f64>,
-    /// The line of the plot whose colour the points have. It is stated as a value of the plot's column `series`; in a
-    /// plot of the kind `profile`, as the name of the line.
+    /// The line of the plot whose colour the points have. Each line belongs to one value of the column that the plot's
+    /// key `series` names: state this value. In a plot of the kind `profile`, state the name of the line.
     pub series: Option<String>,
-    /// The panel in which the points are drawn, stated as a value of the plot's column `panels`. By default, the points
-    /// are drawn in every panel.
+    /// The panel in which the points are drawn. Each panel belongs to one value of the column that the plot's key
+    /// `panels` names: state this value. By default, the points are drawn in every panel.
     pub panel: Option<String>,
 }

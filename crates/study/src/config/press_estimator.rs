@@ -46,9 +46,9 @@ pub enum PressEstimatorConfig {
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// The method of the 2020 paper: a Gaussian is fitted to the normal displacements. The effective radius is R = c
-    /// σ²/δ, with the fitted width σ of the Gaussian, the indentation δ and a constant c. If the indentation is stated,
-    /// the amplitude of the Gaussian is an additional unknown. Otherwise, the fitted amplitude is used as δ.
+    /// The method of Lin and others (2020): a Gaussian is fitted to the normal displacements. The effective radius is R
+    /// = c σ²/δ, where σ is the fitted width of the Gaussian, δ is the indentation and c is a constant. The amplitude
+    /// of the Gaussian is also fitted. If no indentation is stated, this amplitude is used as δ.
     Gaussian {
         /// The constant c of the method. By default, palpate calibrates c with a simulated press on a plane, without
         /// noise and with the same indentation: c is chosen so that the estimated effective radius on the plane equals
@@ -207,9 +207,8 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// If a setting is not stated, and its default is a value of the scene's model, this function sets it to this
-    /// value. `of_thickness` is the thickness of the model's layer (`None` without a layer), and `of_poisson` is the
-    /// model's Poisson's ratio.
+    /// Sets each missing setting whose default is a value of the scene's model to this value. `of_thickness` is the
+    /// thickness of the model's layer (`None` without a layer), and `of_poisson` is the model's Poisson's ratio.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
             Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {

@@ -205,7 +205,7 @@ pub enum RollModelConfig {
         #[serde(default)]
         chart: Chart,
     },
-    /// The closed form of the contact's path, if one exists for the two shapes.
+    /// The closed form of the contact's path, if one exists for the shapes of probe and object.
     ClosedForm {},
     /// Computes the length of the contact's path from the roll angle. This is possible for rolls along a meridian
     /// through the apex of a surface of revolution. If the motion has no noise, it is also possible for rolls along the
@@ -275,8 +275,8 @@ pub enum RollSensorConfig {
     /// An ideal sensor, whose readings have no error.
     #[default]
     Ideal,
-    /// A force sensor in the wrist. The error of the measured contact position is Gaussian, and equal in all directions
-    /// along the probe's surface.
+    /// A force sensor in the wrist. The error of the measured contact position is Gaussian, with the same distribution
+    /// in all directions along the probe's surface.
     Wrist {
         /// Standard deviation of the error along each of two perpendicular directions.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
@@ -437,7 +437,7 @@ fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollEstimatorConfig {
     /// A least-squares fit of the curvature to the rotations of all rolls and the distances that the contact has moved,
-    /// as in the 1996 paper.
+    /// as in the paper of Charlebois, Gupta and Payandeh (1996).
     #[default]
     LeastSquares,
     /// Finds all curvatures that agree with the times at which the contact moves from one pad to the next. It needs

@@ -1,4 +1,4 @@
-//! Chooses which cells of a large study are checked before the run.
+//! Chooses which cells of a large study are checked before the run. A cell is one combination of the swept values.
 
 use super::grid::Grid;
 use super::sweep::Axis;

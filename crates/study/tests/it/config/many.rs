@@ -47,8 +47,8 @@ fn of_a_million_cells_a_sample_has_every_value_and_every_corner() {
 
 #[test]
 fn cells_of_plain_values_are_those_that_the_schema_checks() {
-    // If an axis has tables as values, each cell is validated as a whole. If all values are plain, they are validated
-    // one by one. Both studies must have equal cells.
+    // If an axis has tables as values, each cell is validated as a whole. If all values are numbers, words or Booleans,
+    // each value is validated only once. Both studies must have equal cells.
     let plain = MILLION.replace("count = 1000", "count = 7");
     let table = format!(
         "{plain}[[sweep]]\npath = \"scene.probe\"\nvalues = [{{ label = \"p\", kind = \"sphere\", radius = 2.0 }}]\n"

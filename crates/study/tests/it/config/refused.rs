@@ -127,8 +127,8 @@ const PLOTS: &str = r#"
 [[plot]]\nx = "truth"\ny = "std_bound" | 14:5 plot.0.y | no column `std_bound`
 "#;
 
-/// Config of a press. With this config and `GLIDE`, the config of a glide, a test checks kinds of plots that only one
-/// kind of scene allows.
+/// Config of a press. A test uses it, and the config `GLIDE` of a glide, to check plots that only one kind of scene can
+/// have.
 const PRESS: &str = r#"name = "a-press"
 outputs = ["cells", "map", "trace"]
 [scene]
