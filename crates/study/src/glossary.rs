@@ -83,14 +83,14 @@ subjects! {
         "bonded-layer": "Model of a soft layer that is bonded to a rigid core. Its contact is computed from an integral equation.";
         "hertz": "Hertz's model of elastic contact with a half-space. In this model, all markers move like the surface, even if they are below the surface.";
         "elliptic": "Estimator of presses on an object that is not round, for example a cylinder. It fits an elastic half-space, and estimates both principal curvatures of the object and their directions (`principal`, with `curvature_max` and `curvature_min`).";
-        "gaussian": "Estimator of the 2020 paper. It fits a Gaussian to the normal displacements, and computes the effective radius from the width of the Gaussian.";
+        "gaussian": "Estimator of presses from the paper of Lin and others (2020). It fits a Gaussian to the normal displacements, and computes the effective radius from the width of the Gaussian.";
     }
     "Sensors and noise" {
         "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal or uniform; a uniform layout has the same density of pads everywhere on the sphere. If `offset` is random, each roll starts at another place on a pad.";
         "pad": "Element of a tactile array. Wherever the contact is on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
         "pitch": "A length: the distance between neighbouring pads or markers.";
-        "IFD": "Inter-finger distance: the distance between neighbouring fingers. The 1996 paper states the noise of positions as a fraction of this distance (`fraction_of_ifd`, `axis_fractions`).";
+        "IFD": "Inter-finger distance: the distance between neighbouring fingers. The paper of Charlebois, Gupta and Payandeh (1996) states the noise of positions as a fraction of this distance (`fraction_of_ifd`, `axis_fractions`).";
         "marker": "Coloured disc, or a pair of discs at two depths, under the skin of a camera sensor. A press displaces the marker. In tables of markers, `dx`, `dy`, `dhue` and `dmean_hue` are changes since the frame at rest, and `radial_position` is the distance from the apex.";
         "layout": "Arrangement of the markers of a sensor.";
         "hue": "Colour of a marker that is a pair of discs; `mean_hue` is the mean over its pixels. The hue changes with the overlap of the discs, and so with the difference between their inward displacements.";
@@ -109,46 +109,46 @@ subjects! {
     "Estimators" {
         "least-squares": "Estimator of rolls. A least-squares fit gives the curvature that best explains the rotations and the movements of the contact (shifts) of all rolls.";
         "pad-edge": "Estimator of rolls whose readings are time series from pads. When the active pad changes, the contact is on the line between two pads; at all other times, it is on the active pad. The curvatures that agree with all samples give the estimate and its bounds.";
-        "trajectory": "Estimator of rolls whose readings are time series. It fits the curvature at the first contact and the change of curvature along the rolls. It uses the smallest number of terms that explains the readings.";
-        "quadric": "Estimator of glides: it fits one quadric (second-degree surface) to the whole patch. It has few unknowns, and cannot represent other shapes.";
+        "trajectory": "Estimator of rolls whose readings are time series. It fits the curvature at the first contact and the change of curvature along the rolls. It describes the curvature along a roll by a polynomial with the smallest number of terms that explains the readings.";
+        "quadric": "Estimator of glides: it fits one quadric (second-degree surface) to the whole patch. A quadric has few unknowns, but cannot represent other shapes.";
         "image": "Estimator of presses for a sensor with a camera: it fits the contact model directly to the position, hue and size of each marker in the image, without computing displacements first.";
         "plane": "Estimator of glides: it fits a plane to the contacts and rejects outliers.";
         "sphere": "Estimator of glides: it fits a sphere to the contacts and rejects outliers. The contacts may lie anywhere on the sphere.";
         "cylinder": "Estimator of glides: it fits a circular cylinder to the contacts and rejects outliers. The contacts may lie anywhere on the cylinder.";
         "shape": "Estimator of glides. It chooses the most probable of plane, sphere and cylinder (`shape_probabilities`), or finds that `none` of them fits. It states the `centre`, the `axis`, the rms distance of the contacts from the shape (`rms_misfit`) and the p-value of the fit (`shape_p_value`).";
         "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness. The penalty reduces the effective number of its parameters (`effective_unknowns`). The weight of the penalty depends on the noise of the readings.";
-        "two-pass": "Estimator of glides from the 1996 paper: a smoothing spline, and a second one that also uses \
+        "two-pass": "Estimator of glides from the paper of Charlebois, Gupta and Payandeh (1996): a smoothing spline, and a second one that also uses \
             tangents. Its lengths are in units of the inter-finger distance (IFD).";
-        "std": "Standard deviation of an estimate, as the estimator computes it from the stated noise or from the residuals. `normal_std` and `tangential_std` are the standard deviations of the displacements in a press.";
+        "std": "Standard deviation of an estimate, as the estimator computes it from the stated noise or from the residuals. `normal_std` and `tangential_std` are the standard deviations of the noise of the markers' displacements in a press, along the normal and along the skin.";
         "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is correct. If an end is null, the interval has no bound on that side.";
         "verdict": "Shape of a pressed object, from the 95 % interval of its curvature: convex, concave, flat-within-noise or not-resolved.";
-        "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0 and is narrower than the sensor's own curvature.";
-        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing about the object's shape. There is also a warning with this code for a shape that is fitted to contacts: the contacts do not determine the radius of the shape, so the interval of the radius is open.";
+        "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0, and its width is less than the sensor's own curvature (the inverse of the sensor's radius).";
+        "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0, and its width is at least the sensor's own curvature (the inverse of the sensor's radius). The press determines almost nothing about the object's shape. A warning of glides has the same code: the contacts do not determine the radius of the fitted shape, so the interval of the radius has no upper end.";
         "amplification": "Relative error of the estimated curvature, divided by the relative error of a roll's readings that causes it: 1 + R_object/R_probe. It increases with the radius of the object.";
         "baseline": "A length: a constant offset of the displacements of all markers, for example because the sensor was not at rest at the start. It is fitted only on request.";
         "gain": "Factor on all inward displacements; 1 if the sensor has no scale error. It is fitted only on request. Readings cannot separate a gain from a change of curvature and indentation.";
         "contact_seen": "Whether the readings alone show a contact. If they show no contact, but an indentation is stated, the interval contains every curvature for which the displacements would be within the noise.";
         "radius below": "Status of rolls during which the contact stayed on one pad in some direction. The readings then give only an upper bound on the object's radius in this direction.";
         "wrong markers": "Markers whose readings contradict the other markers so much that the fit does not use them.";
-        "chi-squared": "Sum of the squared residuals, each divided by its variance. The reduced chi-squared (`reduced_chi_squared`) is about 1 if the residuals are as large as the noise.";
+        "chi-squared": "Sum of the squared residuals, each divided by the variance of its noise. The reduced chi-squared (`reduced_chi_squared`) is chi-squared divided by the degrees of freedom. It is about 1 if the residuals are as large as the noise.";
         "polynomial": "Status of the estimator `two-pass`: the spline needs no knots, so it is a single polynomial. Its sum of squared residuals (the smoothing sum) is at most the target.";
         "interpolating": "Status of the estimator `two-pass`: the spline passes through all contacts, up to rounding errors.";
         "smoothing": "Status of the estimator `two-pass`: the sum of squared residuals (the smoothing sum) equals its target, within a tolerance.";
         "knots-exhausted": "Status of the estimator `two-pass`: even with the largest possible number of knots, the sum of squared residuals (the smoothing sum) stays above its target. The curvatures are unusable. Use a larger --smoothing.";
-        "unsettled": "Status of the estimator `two-pass`: the search found no parameter that balances residuals against roughness. The curvatures are unusable. Use another --smoothing.";
-        "never-enough": "Status of a pair of objects in `distinguish`: no number of trials distinguishes them, because a single trial of each object gives the wrong order as often as the right order.";
+        "unsettled": "Status of the estimator `two-pass`: the search found no weight of the roughness for which the sum of squared residuals (the smoothing sum) equals its target. The curvatures are unusable. Use another --smoothing.";
+        "never-enough": "Status of a pair of objects in `distinguish`: no number of trials distinguishes them. The estimates from a single trial of each object are in the wrong order as often as in the order of the true values.";
     }
     "Fields of estimates" {
-        "amplification_u": "Relative error of the estimated curvature along u, divided by the relative error of a roll's readings that causes it: 1 + 1/RCR. `amplification_v` is the same along v.";
-        "principal_curvature_min": "Smallest normal curvature, estimated from rolls. `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v. The direction's standard deviation is 52° if the two curvatures do not differ significantly.";
+        "amplification_u": "Relative error of the estimated curvature along u, divided by the relative error of a roll's readings that causes it: 1 + 1/RCR. RCR is the relative curvature ratio: the object's normal curvature along u, divided by the probe's curvature. `amplification_v` is the same along v.";
+        "principal_curvature_min": "Smallest normal curvature, estimated from rolls. `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v. If the two curvatures do not differ significantly, the direction is undetermined. Its standard deviation is then 52°, as for directions that are distributed uniformly over 180°.";
         "radius": "Inverse of the mean curvature from rolls and glides. It has two 95 % intervals: for a convex and for a concave object.";
         "residual_rms": "Root mean square of the residuals in the fit of rolls. The residuals are those of the shifts, that is, of the movements of the contact on the probe.";
         "contacts": "Number of readings of a glide, by `fingers` fingers (`finger` is the number of a finger); `with_normals` states whether they have normals. In `distinct_contacts`, copies of a contact and contacts of a resting finger count once. `correlated_contacts` is the number of consecutive contacts that together count as one, because their noise is correlated. `effective_contacts` is the resulting number of independent contacts.";
         "convex95": "95 % interval of the radius if the object is convex; null if it cannot be convex. `concave95` is the interval if it is concave.";
         "stroke": "Result for a glide whose contacts lie along a single path (stroke). `curvature_along` is the curvature along the stroke. The readings do not determine the curvature across the stroke (`curvature_across`). For rolls in only one direction, the curvature in this direction is in `single_direction`.";
         "stiffness": "The product E*√R of a load curve, with the modulus E* = E/(1 − ν²) and the effective radius R. `exponent` is the power of the indentation that fits the forces best; in Hertz contact, it is 3/2.";
-        "told_apart": "Probability that the estimates from one trial of each of two objects are in the right order, with its 95 % interval from `low95` to `high95`. `repeats` is the number of trials per object whose mean estimates are in the right order with the required `confidence`. `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
-        "effect": "Relative change of the rms error, divided by the relative change of a field's value. It is 1 if the error is proportional to the field. `rms_errors` are the errors at both changed values, and `skipped` lists fields without a result.";
+        "told_apart": "Probability that the estimates from one trial of each of two objects are in the same order as the true values, with its 95 % interval from `low95` to `high95`. With `repeats` trials per object, the mean estimates are in this order with the required probability `confidence`. `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
+        "effect": "Relative change of the rms error of an estimate, divided by the relative change of a field's value that causes it. It is 1 if the error is proportional to the field. `rms_errors` are the rms errors for the two compared values of the field, usually a smaller and a larger value than in the config. `skipped` lists fields without a result.";
         "meets": "Ranges of values that meet the `target` of `design`; `misses` are the ranges of values that miss it. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
         "main_failure": "Most frequent kind of failure of the trials. `first_trial` in failures.csv is the number of the first trial that failed in this way.";
         "std_from": "Source of the standard deviations of estimates from rolls: stated noise, the pitch of the pads, or the residuals.";
@@ -180,8 +180,8 @@ subjects! {
         "stated-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
     }
     "Warnings about readings, calibrations and runs" {
-        "not-through-rest": "Warning about a calibration: a line with an intercept fits the points much better than a line through zero. The readings may not be changes from the state at rest.";
-        "large-calibration-residual": "Warning about a calibration: the residual is more than 10 % of the largest displacement.";
+        "not-through-rest": "Warning about a calibration: a line with an intercept fits the calibration points much better than a line through zero. Perhaps the readings are not changes from the state at rest.";
+        "large-calibration-residual": "Warning about a calibration: the rms residual of the calibrated displacements is more than 10 % of the largest displacement.";
         "insignificant-slope": "Warning about a calibration: its slope is not significantly different from 0.";
         "different-slopes": "Warning about a calibration: the slopes of its series differ by more than 20 %.";
         "other-sensor": "Most markers moved far between the frames. The frames may be of two different sensors, or the camera moved.";
@@ -200,7 +200,7 @@ subjects! {
         "unnamed-probes": "No column states to which roll each row belongs. Palpate separates the rolls by rows, blank lines or times.";
         "assumed-columns": "The names of the columns in the file are not palpate's names. Palpate used the order of the columns, or interpreted them as columns of several fingers, or ignored some columns.";
         "unnamed-fingers": "No column states to which finger each row belongs. Palpate separates the fingers by blank lines or by long steps between contacts.";
-        "half-turn": "The contact of a simulated roll passes half way round the probe, so the shift no longer determines the length of the roll.";
+        "half-turn": "The contact of a simulated roll passes half way round the probe, so the movement of the contact on the probe (the shift) no longer determines the length of the roll.";
         "hidden-markers": "The simulated camera does not image all markers.";
         "large-shift": "The sideways movement of a simulated press is larger than the contact radius, so the strains are not small.";
         "markers-at-surface": "The contact model moves the markers as if they were at the surface of the skin. The estimator, however, computes their displacements at their true depth.";
@@ -227,15 +227,15 @@ subjects! {
         "large-contact": "The contact radius is a large share of the sensor's or the object's radius, so the strains are not small.";
         "gaussian-body": "The fitted Gaussian is not an elastic contact model, so its intervals cover the noise but not the error of the model.";
         "srgb-frames": "The frame at rest fits the sensor only if its pixels are encoded by sRGB. Both frames were linearised. State `--srgb` to omit this warning.";
-        "subsampled-colours": "The frame at rest is compressed with a lower resolution of its colours, as in JPEG 4:2:0. The calibration fits the errors of the compression into the lens, so curvatures may have a bias of several percent.";
+        "subsampled-colours": "The frame at rest is compressed with a lower resolution of its colours, as in JPEG 4:2:0. The calibration attributes the errors of the compression to the lens, so curvatures may have a bias of several percent.";
         "jpeg-frames": "The frames are compressed as JPEG. The compression changes all markers in a similar way, so all uncertainties are tripled.";
-        "scatter-at-rest": "The markers in the frame at rest scatter more than the tracker's stated errors explain. The intervals are widened accordingly.";
+        "scatter-at-rest": "In the frame at rest, the markers differ from the model of the sensor by more than the errors that the tracker states. All uncertainties are multiplied by the ratio of these two numbers.";
         "missing-markers": "Some markers of the layout were not found in the frames.";
         "other-camera": "The frame at rest contradicts the stated camera.";
         "camera-scale": "The stated scale of the camera, in pixels per radian, contradicts the calibration.";
         "uncertain-gain": "The gain of the calibration is uncertain, so the curvature is uncertain too.";
         "ignored-layer": "The study's contact model is a layer, but the estimator fits a half-space.";
-        "uneven-pictures": "Palpate computes the effect of light and blur on the images of the markers for markers at rest. This effect changes when the markers move.";
+        "uneven-pictures": "Palpate computes how light and blur change the images of markers at rest. This effect is different for displaced markers.";
     }
     "Failures of rolls" {
         "too-few-probes": "There are fewer than two rolls. The curvature of a surface has three components, and one roll determines two of them. Roll in at least two directions.";
