@@ -39,8 +39,9 @@ pub enum Statistic {
     RelativeRmsError,
     /// Mean of the absolute errors, divided by the true value.
     RelativeMeanAbsError,
-    /// 5 % quantile of the estimates. It is computed from a histogram of the errors with 128 bins per factor of two.
-    /// Therefore, its distance from the true value is accurate to 0.4 %. Tables show only the digits that are accurate.
+    /// 5 % quantile of the estimates. It is computed from a histogram of the errors. The bins are logarithmic, with 128
+    /// bins per factor of two of the error's magnitude. Therefore, the distance of the quantile from the true value is
+    /// accurate to 0.4 %. Tables show only the digits that are accurate.
     Q05,
     /// Median of the estimates, with the same accuracy as `Q05`.
     Q50,
@@ -148,7 +149,8 @@ impl Statistic {
             Self::Coverage50 => {
                 "Share of the estimator's 50 % intervals that contain the true value; 0.50 is \
                  ideal. An interval is the estimate ± 0.67 standard deviations. If the estimator \
-                 states its own 95 % interval, each side of it is multiplied by 0.67/1.96."
+                 states its own 95 % interval, the distances of its ends from the estimate are \
+                 multiplied by 0.67/1.96."
             }
             Self::Coverage80 => {
                 "Share of the estimator's 80 % intervals that contain the true value; 0.80 is \

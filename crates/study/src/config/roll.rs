@@ -126,8 +126,8 @@ pub enum ProbeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollMotionConfig {
-    /// Rate at which the probe rotates. It is required with `duration_s`, and for rolls with a spin. Otherwise, the
-    /// default is 1 rad/s, and the rate changes only the times in a trace.
+    /// Rate at which the probe rotates. It is required with `duration_s`, and for rolls with a spin about the contact
+    /// normal (`spin_rad_per_s`). Otherwise, the default is 1 rad/s, and the rate changes only the times in a trace.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_rad_per_s: Option<f64>,
     /// Duration of each roll. State one of `duration_s`, `arc_length` and `angle_deg`.
