@@ -119,9 +119,9 @@ macro_rules! quantities {
 }
 
 quantities! {
-    /// Normal curvature of the object along u at the first contact.
+    /// Normal curvature of the object at the first contact, along u, the x axis of the contact frame.
     NORMAL_CURVATURE_U = "normal_curvature_u", "normal curvature along u", PerLength, Estimated, &["roll"];
-    /// Normal curvature of the object along v at the first contact.
+    /// Normal curvature of the object at the first contact, along v, the tangent direction perpendicular to u.
     NORMAL_CURVATURE_V = "normal_curvature_v", "normal curvature along v", PerLength, Estimated, &["roll"];
     /// Gaussian curvature of the object.
     GAUSSIAN_CURVATURE = "gaussian_curvature", "Gaussian curvature", PerLengthSquared, Estimated, &["roll", "glide"];

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Warning {
-    /// Name of the kind of warning in kebab case, for example `large-contact`.
+    /// Name of the kind of warning, in lower-case words joined by hyphens, for example `large-contact`.
     pub code: String,
     /// The message, in one sentence.
     pub text: String,

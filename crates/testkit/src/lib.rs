@@ -82,7 +82,7 @@ fn colour(hue: f64) -> [f64; 3] {
 }
 
 /// The pixels near a disc, each as (column, row, share). The share is the part of the pixel's area that the disc
-/// covers, estimated with 8 × 8 sample points.
+/// covers, from 0 to 1, estimated with 8 × 8 sample points.
 fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)> {
     let bounds = |at: f64| {
         let first = (at - radius - 2.0).max(0.0) as usize;

@@ -68,9 +68,10 @@ impl Study {
     }
 }
 
-/// Paths of all fields that a scene can have. If `in_any_kind` is true, the list contains the fields of all kinds of
-/// each table. Otherwise, it contains the fields of the kind that the config tree `tree` states for the table; a table
-/// that is missing in `tree` is listed with the fields of all its kinds.
+/// Paths of all fields that a scene can have. The key `kind` of a table decides which fields the table has. If
+/// `in_any_kind` is true, the list contains the fields of all kinds of each table. Otherwise, it contains the fields of
+/// the kind that the config tree `tree` states. For a table that is missing in `tree`, it contains the fields of all
+/// kinds.
 fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     fn visit(schema: &Json, node: Option<&Value>, path: &str, any: bool, found: &mut Vec<String>) {
         let kind = node.and_then(|node| node.get("kind")?.as_str());

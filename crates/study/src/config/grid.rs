@@ -164,8 +164,8 @@ impl Grid {
 
 /// Adds the tables and lists on `path` that are missing in the config, because a sweep sets a field in them. An added
 /// table or list has its default value; without a default, it is empty. If only one kind of an added table has the
-/// swept field, the table gets this kind. It is an error if the kind remains undetermined, or if the config has another
-/// value in place of the table or list.
+/// swept field, the table gets this kind (its key `kind`). It is an error if the kind remains undetermined, or if the
+/// config has another value in place of the table or list.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];

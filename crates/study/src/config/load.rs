@@ -402,8 +402,8 @@ impl Study {
         })
     }
 
-    /// Number of trials that the config states for a cell of the study. This function is fast, because it does not
-    /// compute the config of the cell.
+    /// Number of trials (repetitions with new random noise) that the config states for a cell of the study. This
+    /// function is fast, because it does not compute the config of the cell.
     pub fn trials_of(&self, cell: usize) -> u64 {
         let swept = self.grid.axis("trials").and_then(|(axis, place)| {
             let faster = self.grid.axes.iter().rev();
@@ -462,9 +462,9 @@ impl Study {
     }
 
     /// Selects some of the cells (combinations of the swept values) that pass `filters`, and returns their numbers. A
-    /// filter consists of the path of a swept field and the texts of its allowed values. In each selected cell, at most
-    /// one axis is not at its first allowed row. If no row of an axis passes the filters, the filters are ignored for
-    /// this axis.
+    /// filter consists of the path of a swept field and the texts of its allowed values. A selected cell differs from
+    /// the cell of all first allowed rows in at most one sweep axis. If no row of an axis passes the filters, the
+    /// filters are ignored for this axis.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();
@@ -489,8 +489,8 @@ impl Study {
         sample::star(&self.grid, &rows)
     }
 
-    /// Sum of the numbers of trials that the config states for all cells; at most the largest `u64`. Cells without
-    /// random numbers run only one trial each, but they count with their stated number.
+    /// Sum of the numbers of trials that the config states for all cells; at most the largest `u64`. A cell
+    /// (combination of swept values) without random numbers runs only one trial, but counts with its stated number.
     pub fn trials(&self) -> u64 {
         let cells = self.cell_count() as u64;
         let Some((axis, place)) = self.grid.axis("trials") else {

@@ -94,8 +94,9 @@ impl PressConfig {
         }
     }
 
-    /// Rejects a stated strain of the discs (`strain`) if the models of the scene cannot compute the strain of the
-    /// skin.
+    /// Rejects a stated strain of the discs (`strain`) if the skin is compressible, because the strain is then not
+    /// computed. Also rejects it together with `scene.noise.sensor` or the estimator `image`, because a fit to images
+    /// assumes rigid discs.
     fn check_strain(&self) -> Result<(), (&'static str, &'static str)> {
         let PressProbeConfig::MarkerSphere { discs, .. } = &self.probe;
         if discs.as_ref().is_none_or(|discs| discs.strains().is_none()) {

@@ -59,8 +59,8 @@ pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     sample.into_iter().collect()
 }
 
-/// Numbers of the cells in which at most one axis is not at its first row. `rows` contains the rows that are used for
-/// each axis.
+/// Numbers of the cells in which every sweep axis, except at most one, is at its first used row. `rows` contains the
+/// used rows of each axis.
 pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     let first: Vec<usize> = rows.iter().map(|rows| rows[0]).collect();
     let mut cells = Vec::new();

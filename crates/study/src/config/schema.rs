@@ -136,8 +136,8 @@ pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
         .collect()
 }
 
-/// The unit of a field; `None` if the field has no unit. All kinds of the table that have the field have the same unit
-/// for it. The items of an array have the unit of the array.
+/// The unit of a field; `None` if the field has no unit. A table may have several kinds, which have different fields. A
+/// field has the same unit in all kinds that have it. The items of an array have the unit of the array.
 pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     let unit = |field: &'a Json| field["x-unit"].as_str();
     let parents = (1..=keys.len()).rev();
@@ -159,7 +159,8 @@ pub(super) fn alternatives(path: &str) -> Vec<String> {
     all.iter().map(|key| format!("{parent}.{key}")).collect()
 }
 
-/// Whether a field accepts only whole numbers. The answer is the same for all kinds of the table that have the field.
+/// Whether a field accepts only whole numbers. A table may have several kinds, which have different fields. The answer
+/// is the same for all kinds that have the field.
 pub(super) fn is_whole(schema: &Json, keys: &[&str]) -> bool {
     let field = fields_at(schema, keys).into_iter().next();
     field.is_some_and(|field| field["type"] == "integer")

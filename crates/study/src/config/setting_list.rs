@@ -34,7 +34,7 @@ use super::validate::{instead_of, kind_of};
 pub struct Setting {
     /// Key of the setting in a config. If the table has kinds, the first setting is `kind` itself.
     pub key: String,
-    /// Kinds of the table that have this setting; empty if the table does not have kinds.
+    /// Kinds of the table (values of its key `kind`) that have this setting; empty if the table does not have kinds.
     pub kinds: Vec<String>,
     /// Meaning of the setting in words.
     pub help: String,

@@ -63,7 +63,8 @@ pub struct StudyConfig {
     pub plot: Vec<PlotConfig>,
 }
 
-/// Stopping rule. The trials of a cell end when the relative standard error of a statistic is small enough.
+/// Stopping rule. The trials of a cell (one combination of the swept values) end when the relative standard error of a
+/// statistic is small enough.
 ///
 /// The trials run in blocks of 1,024, in the order of their numbers. The rule is tested after 1, 2, 4, 8 … blocks. The
 /// standard error is computed from the scatter between trials. The observations within one trial, for example at all

@@ -40,8 +40,8 @@ pub(super) fn validate(schema: &Json, node: &Value) -> Result<(), Fault> {
     }
 }
 
-/// The schema of the field at a path of keys and array indices. For each table on the path, the schema of the kind that
-/// the tree states is used. `None` if these kinds have no such field.
+/// The schema of the field at a path of keys and array indices. The tree states the kind of each table on the path (key
+/// `kind`), and each kind has its own schema. `None` if the stated kinds have no such field.
 pub(super) fn at<'a>(schema: &'a Json, tree: &Value, path: &str) -> Option<&'a Json> {
     let (mut schema, mut node) = (schema, Some(tree));
     for key in path.split('.') {

@@ -226,7 +226,7 @@ impl Study {
 }
 
 impl SweepConfig {
-    /// Removes fields from this sweep axis: all fields for whose path `is_out` returns true.
+    /// Removes from this sweep axis all fields for whose paths `is_out` returns true.
     fn forget(&mut self, is_out: impl Fn(&str) -> bool) {
         if self.path.as_deref().is_some_and(&is_out) {
             self.path = None;
