@@ -13,7 +13,7 @@ pub enum Misfit {
     },
     /// One reading contradicts the other readings.
     Outlier {
-        /// Number of the roll, contact or marker whose reading contradicts the others, counted from 0.
+        /// Index, counted from 0, of the roll, contact or marker whose reading contradicts the others.
         reading: usize,
         /// P-value of the largest contradiction among all readings.
         p_value: f64,
@@ -76,7 +76,7 @@ impl Misfit {
 
     /// Returns [`Misfit::Outlier`] for the reading with the smallest p-value, or `None` if this p-value is not
     /// significant. Because many readings are tested, the smallest p-value is first multiplied by the number of
-    /// readings (Bonferroni). Each item of `p_values` is the number of a reading and its p-value.
+    /// readings (Bonferroni). Each item of `p_values` is the index of a reading and its p-value.
     ///
     /// ```
     /// use palpate_statistics::Misfit;

@@ -14,7 +14,7 @@ pub const LEFT: f64 = 0.02;
 /// residuals are fitted together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
-    /// Decrease of the fit's chi-squared.
+    /// Decrease of the fit's chi-squared if the amplitudes of the patterns are fitted too.
     pub fall: f64,
     /// Degrees of freedom of the test: the number of independent patterns that changes of the model's parameters cannot
     /// explain.
@@ -80,7 +80,7 @@ impl Explained {
 }
 
 /// Finds the hypothesis with the smallest p-value, for example the roll that is most likely an outlier. Each item of
-/// `chances` is the number of a hypothesis and its p-value. Returns the number of the found hypothesis, and its p-value
+/// `chances` is the index of a hypothesis and its p-value. Returns the index of the found hypothesis, and its p-value
 /// multiplied by the number of hypotheses (Bonferroni; at most 1). Without hypotheses, the result is (0, 1).
 ///
 /// ```

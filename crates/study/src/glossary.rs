@@ -172,7 +172,7 @@ subjects! {
         "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. The number `p_value` is the probability that chance alone causes a contradiction at least as large as the observed one.";
         "p-value": "Probability that noise of the stated size causes residuals at least as large as the observed ones, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
         "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls, below 0.02). The stated noise is too small, or the model does not hold.";
-        "outlier": "Warning: one reading contradicts the others. `numbers` contains the number of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
+        "outlier": "Warning: one reading contradicts the others. `numbers` contains the index of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are too narrow or too wide.";
         "stated-pitch": "Warning about rolls: a contact moved by less than the stated pitch, but pads report only multiples of the pitch.";
         "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the same length in the readings or in the scene.";

@@ -36,7 +36,7 @@ pub struct GlideConfig {
     pub estimator: GlideEstimatorConfig,
     /// Points of the patch at which estimates are compared with the true values.
     pub evaluate: EvaluateConfig,
-    /// Whether the tables also have the principal curvatures, their direction and the radius of the object.
+    /// Whether the result tables also have the object's principal curvatures, their direction and the object's radius.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub principal_curvatures: bool,
 }

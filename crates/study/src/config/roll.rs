@@ -32,7 +32,7 @@ pub struct RollConfig {
     /// The estimator of the object's curvature.
     #[serde(default)]
     pub estimator: RollEstimatorConfig,
-    /// Whether the tables also have the principal curvatures, their direction and the radius of the object.
+    /// Whether the result tables also have the object's principal curvatures, their direction and the object's radius.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub principal_curvatures: bool,
 }

@@ -10,7 +10,7 @@ const MOST_WHOLE: usize = 10_000;
 /// Limit for the length of a sweep axis, in rows. Up to this limit, all rows of the axis are in the sample of the
 /// study's cells. Of longer axes, only some rows are in the sample.
 const MOST_ROWS: usize = 1000;
-/// Number of cells in a sample that are spread evenly over all cells of the study.
+/// A sample contains this number of cells that are spread evenly over all cells of the study.
 const SPREAD: usize = 2000;
 
 /// Numbers of the cells that are checked, in ascending order. They depend only on the axes. All cells of a small study
