@@ -12,8 +12,8 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step of a disc's depth, as a share of the sensor's radius. With this step, finite differences compute the
-/// derivatives with respect to the depth.
+/// Step of a disc's depth for finite differences, as a share of the sensor's radius. From the displacements
+/// at both depths, the fit computes their derivatives with respect to the depth.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
@@ -38,8 +38,8 @@ pub struct ImageFitSetup<'a> {
     /// Joint prior of the differences between the sensor's parameters and their nominal values in `optics`. `None` if
     /// the covariance matrix of these differences is not stated.
     pub departure_prior: Option<DeparturePrior>,
-    /// Function that builds a bonded layer from its thickness and from a list of depths. It returns one body per depth,
-    /// which computes the displacements at this depth.
+    /// Function that builds a bonded layer (a soft layer on a rigid core). Its arguments are the thickness of the layer
+    /// and a list of depths. It returns one body per depth, which computes the displacements at this depth.
     pub layers: &'a Layers<'a>,
 }
 

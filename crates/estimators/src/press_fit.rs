@@ -26,8 +26,8 @@ pub struct PressFitSetup<'a> {
     pub markers: &'a Markers,
     /// Depth of the markers under the skin (length).
     pub marker_depth: f64,
-    /// Indentation (length) of the simulated press on a plane from which the width c of the Gaussian model is
-    /// calibrated. `None` if this indentation is not stated.
+    /// Indentation (length) of a simulated press on a plane. The width c of the Gaussian model is calibrated with this
+    /// press. `None` if the indentation is not stated.
     pub calibrated_at: Option<f64>,
     /// Whether the estimator receives the indentation as an input instead of fitting it.
     pub knows_indentation: bool,
@@ -44,8 +44,9 @@ impl PressFitSetup<'_> {
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
         Ok(ForwardFit {
-            // In the Gaussian model, if the estimator receives the indentation, the amplitude of the Gaussian is the
-            // indentation times a fitted gain. Otherwise, the amplitude is the fitted indentation.
+            // The amplitude of the Gaussian model depends on whether the estimator receives the indentation. If it
+            // does, the amplitude is this indentation times a fitted gain. Otherwise, the amplitude is the fitted
+            // indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
                     true => Prior::Free,

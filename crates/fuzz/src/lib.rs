@@ -53,9 +53,10 @@ pub const TARGETS: [Target; 5] = [
     },
 ];
 
-/// Largest number of lines for which estimates of glides and presses are computed. It limits the run time of a target.
+/// Estimates of glides and presses are computed only from inputs with at most this number of lines. This limits the run
+/// time of a target.
 const MAX_ROWS: usize = 60;
-/// Largest number of pixels of a frame in which markers are detected. It limits the run time of a target.
+/// Markers are detected only in frames with at most this number of pixels. This limits the run time of a target.
 const MAX_PIXELS: u32 = 200 * 200;
 
 /// Reads a study's config.

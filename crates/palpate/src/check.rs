@@ -18,14 +18,15 @@ use crate::planner::{Pace, spread};
 
 /// Time limit for setting up cells completely, that is, including the camera if a camera reads the press.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for setting up the remaining cells without their cameras. The remaining cells are set up only if all
-/// cells of the study are checked. In a large study, only a sample of the cells is checked.
+/// Time limit for setting up cells after [`SET_UP_LIMIT`], with presses that have no camera. It applies only if all
+/// cells of the study are checked. In a large study, only a sample is checked, and set-up ends at [`SET_UP_LIMIT`].
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
 /// Time limit for running a few trials to measure the time per trial.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);
 /// Time limit for measuring the errors and the computing times of contact models, for all groups of cells together.
 const LADDERS_LIMIT: Duration = Duration::from_millis(600);
-/// If a trial of a roll takes longer than this time, the errors and computing times of its models are not measured.
+/// If a trial of a roll takes longer than this time, the errors and computing times of the roll models are not
+/// measured.
 const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 
 /// Forecast of a study, made by [`check()`].
@@ -88,8 +89,9 @@ pub enum Rungs {
         cell: usize,
         /// The models with their errors, cheapest first.
         ladder: Ladder,
-        /// Indices and computing times of the chosen model and of its neighbours in the list: all models from the next
-        /// cheaper to the next more exact model that can compute the scene. A time is `None` if it was not measured.
+        /// Index in `ladder` and computing time of the chosen model, and of its neighbours: the next cheaper and the
+        /// next more exact model that can compute the scene, and all models between them. A time is `None` if it was
+        /// not measured.
         times: Vec<(usize, Option<EvaluationTime>)>,
     },
 }

@@ -1,8 +1,8 @@
 //! Measured coverage: the share of 95 % intervals that contained the true value in random scenes. The random scenes
 //! are grouped into families; this module finds the family that matches a given scene.
 //!
-//! `cargo xtask intervals` measures the families. Each row of its tables is one family: the fields of its scenes, many
-//! of them as ranges, and the measured coverage.
+//! `cargo xtask intervals` measures the families. It writes tables in which each row is one family. The row contains
+//! the fields of the family's scenes, many of them as ranges, and the measured coverage.
 
 mod comparable_scene;
 
@@ -16,8 +16,8 @@ use serde_json::{Value as Json, json};
 
 use comparable_scene::{Fields, comparable_fields, unit_length};
 
-/// Name of the field that replaces the radius of a ball or a dish in the tables of families. Its value is the
-/// curvature, which is negative for a dish.
+/// Field that replaces the radius of a ball or a dish in the tables of families, which are groups of random scenes. Its
+/// value is the curvature of the object, which is negative for a dish.
 const CURVATURE: &str = "scene.object.curvature";
 
 /// Name and CSV text of each table of families of random scenes.
@@ -33,7 +33,7 @@ pub const FAMILY_TABLES: [(&str, &str); 4] = [
 pub struct Family {
     /// Kind of the scenes: `roll`, `glide` or `press`.
     pub scene: &'static str,
-    /// Name of the family, as in the table of families.
+    /// Name of the family, as in one of the [`FAMILY_TABLES`].
     pub name: String,
     /// Number of random scenes that were drawn for this family.
     pub scenes: usize,

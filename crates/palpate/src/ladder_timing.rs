@@ -34,9 +34,9 @@ impl EvaluationTime {
     }
 }
 
-/// Indices and computing times of all models from the next cheaper usable model to the next more exact usable model,
-/// with the chosen model between them. A time is `None` if the model is not usable, or if there was no time to measure
-/// it before `deadline`.
+/// Index in `ladder` and computing time of the chosen model, and of its neighbours: the next cheaper and the next more
+/// exact model that can compute the scene, and all models between them. A time is `None` if the model cannot compute
+/// the scene, or if `deadline` passed before the measurement.
 pub(crate) fn neighbour_times(
     scene: (&SceneConfig, LengthUnit, u64),
     ladder: &Ladder,

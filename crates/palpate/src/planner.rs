@@ -55,7 +55,8 @@ pub(crate) trait Plannable: Sized {
     fn tolerances(&self) -> &[f64];
 
     /// Estimates and true values of a cell, computed without noise by a model with this tolerance. `trial` is the
-    /// experiment of the cell. Returns `None` if the cell cannot be computed without noise.
+    /// simulated experiment of the cell, as [`Self::set_up`] returned it. Returns `None` if the cell cannot be computed
+    /// without noise.
     fn pass(&self, cell: usize, trial: &Self::Trial, tolerance: f64) -> Option<Pass>;
 
     /// Returns the same cells with a model of this tolerance. If `tolerance` is `None`, the cells use the model of the
@@ -374,8 +375,8 @@ impl Planner<'_> {
     }
 }
 
-/// For each cell, the largest shift of the estimates that the error of the contact model may cause. The shift is
-/// relative to the rms error, if the pilot (a small run before the actual run) estimated it.
+/// For each cell, the largest allowed shift of an estimate by the error of the contact model. It is a share of the rms
+/// error, if the pilot (a small run before the actual run) estimated the rms error.
 fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64) -> Vec<Allowance> {
     let rms_errors = |cell: usize| {
         let found = random.iter().position(|&one| one == cell);

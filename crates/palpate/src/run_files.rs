@@ -157,8 +157,9 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     row.number(summary.truth);
     row.text(cell.trials);
     row.text(cell.failed());
-    // Quantiles are rounded to the resolution of their histogram. But if the 5 % and the 95 % quantile are equal, all
-    // estimates are equal and exact, so keep all digits.
+    // Quantiles are rounded to the resolution of their histogram. They are also limited to the range from the smallest
+    // to the largest estimate. If all estimates are equal, all quantiles are therefore equal and exact, so keep all
+    // digits.
     let quantile = |value| match summary.q05 == summary.q95 {
         true => value,
         false => with_digits(value, summary.truth),
@@ -184,8 +185,9 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     }
 }
 
-/// Rounds a quantile to the digits that are significant. Quantiles come from a histogram whose resolution is 1/256 of
-/// the distance from the true value. The last kept digit has the decimal place of the first digit of this resolution.
+/// Rounds a quantile to the digits that are significant. Quantiles come from a histogram. Its resolution at a quantile
+/// is 1/256 of the distance between the quantile and the true value. The last kept digit has the decimal place of the
+/// first digit of this resolution.
 fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     let (value, error) = (quantile?, (quantile? - truth?).abs());
     if value == 0.0 || error == 0.0 {

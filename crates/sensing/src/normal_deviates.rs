@@ -44,7 +44,8 @@ fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     sum
 }
 
-/// Radius r = √(−2 ln u) of a pair of normal numbers, for the uniform number u = (k + ½) / 2³¹.
+/// Radius r = √(−2 ln u) of a pair of normal numbers. The uniform number is u = (k + ½) / 2³¹, where `k` is a random
+/// integer below 2³¹.
 #[inline(always)]
 fn radius(k: u32) -> f32 {
     // Convert k to a floating-point number as a signed integer, because processors have one instruction for this.

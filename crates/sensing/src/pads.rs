@@ -139,7 +139,7 @@ impl Pads {
 
     /// Errors of a contact position that these pads report, divided by the errors of square pads with the same pitch.
     /// The first ratio is for the standard deviation per axis, the second for the largest error along an axis. A shift
-    /// has such an error at its start and at its end.
+    /// is the difference of two positions, so it has such an error at its start and at its end.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
             // A reading of a hexagonal pad has the error variance 5/72 pitch² per axis; of a square pad, 1/12 pitch².
@@ -260,7 +260,8 @@ impl Pads {
     }
 
     /// Centre of the active pad if the contact is at `place`. Centre and contact are stated as great-circle
-    /// displacements (length) from the pads' origin. In these coordinates, the edges of the pads are straight.
+    /// displacements (length) from the pads' origin, the centre of the pad at the first contact. In these coordinates,
+    /// the edges of the pads are straight.
     ///
     /// # Errors
     /// [`BeyondPads`] if the contact is outside of the cap.

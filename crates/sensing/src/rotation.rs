@@ -39,7 +39,7 @@ impl Encoder {
         rotation.map(|angle| {
             let start = 0.5 * stream.symmetric_uniform();
             let reported = ((angle / self.step_rad + start).round() - start) * self.step_rad;
-            // If the number of steps overflows, the reading is exact, because the steps are then extremely small.
+            // If the number of steps overflows, return the exact angle, because the steps are then extremely small.
             if reported.is_finite() {
                 reported
             } else {

@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Largest value of `long_enough`, the required duration of a measurement in [`seconds_per_trial`].
+/// Upper limit for the shortest accepted duration of a measurement (`long_enough` in [`seconds_per_trial`]).
 const LONGEST: Duration = Duration::from_millis(10);
-/// Smallest value of `long_enough`, the required duration of a measurement in [`seconds_per_trial`].
+/// Lower limit for the shortest accepted duration of a measurement (`long_enough` in [`seconds_per_trial`]).
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement of trials that takes longer than this time is not repeated: the delay of waking the threads is then
 /// negligible.
@@ -15,7 +15,7 @@ const SLOW: Duration = Duration::from_millis(100);
 const REPEATS: usize = 3;
 const MAX_TIMED: u64 = 1 << 20;
 
-/// Time per trial of each cell, s. It is the time on one thread, while all other threads are busy too.
+/// Time per trial of each cell, s: the time that one thread needs for a trial while all threads run trials.
 #[derive(Clone, Debug)]
 pub(crate) struct Pace {
     seconds: Vec<f64>,

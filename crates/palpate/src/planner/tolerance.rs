@@ -31,7 +31,7 @@ pub(crate) struct PassValue {
     pub(crate) truth: f64,
 }
 
-/// Largest shift of a cell's estimates that the model's error may cause.
+/// Largest allowed shift of a cell's estimates by the error of the contact model.
 pub(super) struct Allowance {
     /// Largest allowed shift, relative to the rms error of a quantity. If no rms error was estimated, it is relative
     /// to [`PassQuantity::scale`].

@@ -89,8 +89,8 @@ fn standard_errors_are_estimated_from_the_residuals() {
     // there are 5 degrees of freedom.
     let residual = (4.0 * 0.1_f64.powi(2) / 5.0).sqrt();
     assert_close(number_at(&json, "/residual_rms/value"), residual, 1e-9);
-    // Two rolls of 0.5 rad determine the travel t = 8 mm of the contact per radian. The curvature contains 1/t, so its
-    // standard deviation contains the derivative 1/t² = 1/64.
+    // Two rolls of 0.5 rad determine the travel t = 8 mm of the contact per radian. The curvature is 1/t minus the
+    // curvature of the probe. So its standard deviation is the standard deviation of t times 1/t² = 1/64.
     let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
     assert_close(number_at(&json, "/normal_curvature_u/std"), std, 1e-9);
 }

@@ -139,8 +139,8 @@ fn two_pass_of_one_finger_needs_a_unit() {
 
 #[test]
 fn a_map_at_the_contacts_has_their_positions_in_their_order() {
-    // The outward direction of the bowl is z; therefore, lines in this direction meet the surface z = 0.2 (x² + y²) at
-    // the contacts.
+    // The contacts have no noise, and the outward direction of the bowl is z. So the line through a contact in this
+    // direction meets the surface z = 0.2 (x² + y²) at the contact itself.
     let desk = desk(&bowl());
     let on_grid = desk
         .palpate("estimate glide r.csv --map grid.csv")

@@ -303,7 +303,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
         r#"{ kind = "half-space", indentation_std = 0.02 }"#,
         r#"{ kind = "gaussian" }"#,
     );
-    // The profile has 60 steps to either side, up to twice the contact radius.
+    // The row of markers has 60 markers on each side of the apex, up to a distance of twice the contact radius.
     let gaussian = edited(
         &gaussian,
         "marker_depth = 2.0",

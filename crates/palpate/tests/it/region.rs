@@ -118,7 +118,7 @@ fn the_grid_closes_in_on_the_best_value() {
 #[test]
 fn the_best_of_listed_values_and_of_a_single_field() {
     let desk = Desk::with(STUDY);
-    // The noise is so large that the ball with a radius of 500 mm misses the target at every tried noise.
+    // At every noise in this range, the ball with a radius of 500 mm misses the target.
     let noise = format!("--vary {FRACTION}=0.05..0.2 --gap 0.3");
     let answer = desk.json(&format!(
         "design c.toml {TARGET} --vary scene.object.radius=5,20,500 {noise} --maximise scene.object.radius"
@@ -132,8 +132,8 @@ fn the_best_of_listed_values_and_of_a_single_field() {
     let largest = if met[1] { "20" } else { "5" };
     assert!(met[0], "{answer}");
     assert_eq!(answer["best_that_meets"]["scene.object.radius"], largest);
-    // If only the noise varies, the largest allowed noise that the search reports is the upper end of the range of
-    // values that meet the target.
+    // If only the noise varies, the search without `--maximise` reports the range of noise that meets the target. With
+    // `--maximise`, it must report the upper end of this range.
     let alone = format!("--vary {FRACTION}=0.001..0.2 --gap 0.3");
     let [line, best] = ["".to_owned(), format!("--maximise {FRACTION}")]
         .map(|sought| desk.json(&format!("design c.toml {TARGET} {alone} {sought}")));

@@ -130,8 +130,8 @@ proptest! {
             let turned = Vector2::new(place[0], place[1]);
             let read = encoder.read(&mut stream, &turned);
             for (read, angle) in read.iter().zip(&turned) {
-                // The bound includes rounding errors. If the step is smaller than the rounding error of the angle, the
-                // reading is equal to the angle.
+                // The error of an encoder is at most one step plus rounding errors. If the step is smaller than the
+                // rounding error of the angle, the reading is equal to the angle.
                 let bound = size + 2.0 * f64::EPSILON * angle.abs();
                 prop_assert!((read - angle).abs() <= bound, "{encoder:?}: {read:e}, not {angle:e}");
             }
@@ -149,8 +149,8 @@ proptest! {
         let due = Vector3::new(cos * libm::sin(angle), sin * libm::sin(angle), libm::cos(angle));
         prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
-        // Near the point opposite the start, a small error of the direction causes a large error of the displacement.
-        // Therefore the bound is larger there.
+        // Near −z, the point opposite the start of the displacement, a small error of the direction causes a large
+        // error of the displacement. Therefore the bound is larger there.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
         prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
         if far.iter().all(|&x| is_tame(x)) {

@@ -44,8 +44,8 @@ proptest! {
         let lattice = UniformLattice::with_pitch(pitch).unwrap();
         let at = direction(z, azimuth);
         let found = (lattice.direction(lattice.nearest(&at)) - at).norm();
-        // If the lattice resembles a plane lattice around a point, the nearest pad is at most 0.83 pitches away. Near a
-        // pole, it is at most 1 pitch away. The test allows a little more.
+        // Far from the poles, the lattice resembles a plane lattice, and every point of the sphere is at most 0.83
+        // pitches from its nearest pad. Near a pole, the distance is at most 1 pitch. The test allows a little more.
         prop_assert!(found < 1.05 * pitch, "{found} pitches {}", found / pitch);
     }
 }

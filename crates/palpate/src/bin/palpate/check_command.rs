@@ -107,8 +107,9 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// Groups the values of [`Coverage`] by kind: measured, outside the measured scenes, or not measured. Returns one tuple
-/// for each kind: its number of cells, its number of values besides the lowest one, and its lowest value.
+/// Groups coverages by kind: measured, outside the measured scenes, or not measured. `all` contains each coverage with
+/// its number of cells. Returns for each kind: the number of its cells, the number of its coverages minus one, and its
+/// coverage with the worst single scene.
 fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
     let lowest = |one: &Coverage| match one {
         Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,
@@ -134,7 +135,8 @@ fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
 }
 
 /// Returns two texts about a coverage. The first states the measured coverage, or the reason why it was not measured.
-/// The second states the coverage in the most similar random scenes, if the scene itself is outside of these scenes.
+/// The second states the coverage in the most similar random scenes. It exists only if a number of the scene is outside
+/// the ranges of the random scenes.
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);

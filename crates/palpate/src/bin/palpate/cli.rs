@@ -133,8 +133,8 @@ If several fields are varied, one field is searched in this way for each of seve
 the field of --maximise or --minimise, otherwise the last field with a range. Near the best value, the values
 of the other fields are closer together.")]
     Design(DesignArgs),
-    /// Compute how often single trials put the swept objects in the right order. Also compute how many trials must be
-    /// averaged for a reliable order.
+    /// Compute how often the estimates from single trials put the swept objects in the right order, for example by
+    /// curvature. Also compute how many trials must be averaged for a reliable order.
     #[command(after_help = "Examples:
   palpate distinguish examples/press-a-ball.toml --vary scene.object.radius=20,25,30
   palpate distinguish my.toml --quantity class --confidence 0.99 --out out/which-shapes

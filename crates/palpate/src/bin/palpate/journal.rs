@@ -70,8 +70,8 @@ enum Record {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct CellRecord {
     pub(crate) cell: u64,
-    /// Rows of `cells.csv`, `failures.csv`, `map.csv` and the table of trials. Rows of the table of trials that an
-    /// earlier `Trials` record contains are not repeated here.
+    /// Rows of `cells.csv`, `failures.csv`, `map.csv` and the table of trials. Rows of trials are omitted here if an
+    /// earlier `Trials` record contains them.
     pub(crate) rows: [String; 4],
     pub(crate) trials: u64,
     /// Each kind of failure of the cell, with the number of trials that failed in this way.

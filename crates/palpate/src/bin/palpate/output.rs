@@ -47,8 +47,8 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
             Some(value) => (value, ","),
             None => (line, ""),
         };
-        // Replace the number -0.0 by 0.0. A line that ends in -0.0 cannot end in a JSON string, because a string ends
-        // in a quotation mark.
+        // Replace the number -0.0 by 0.0. If a line ends in -0.0, its value is a number, because a string would end in
+        // a quotation mark.
         match value.strip_suffix("-0.0") {
             Some(key) => format!("{key}0.0{comma}"),
             None => line.to_owned(),

@@ -66,8 +66,9 @@ pub(crate) struct DesignArgs {
         allow_negative_numbers = true
     )]
     pub(crate) max_failures: f64,
-    /// Accuracy of the answer: largest gap between a value that meets the target and the next value that misses it.
-    /// The gap is relative to the value if the range is divided by ratios, otherwise relative to half the range.
+    /// Accuracy of the answer: largest gap between a value that meets the target and the next value that misses it. The
+    /// gap is relative to the value if the range is divided by ratios, otherwise relative to half the width of the
+    /// range.
     #[arg(
         long,
         value_name = "SHARE",

@@ -16,8 +16,8 @@ use crate::failure::Failure;
 /// Directory into which a command writes. The command overwrites only files that palpate wrote, except with `--force`.
 pub(crate) struct OutputDir {
     pub(crate) dir: PathBuf,
-    /// Manifest of the directory. If the directory has a run's config but no manifest, the manifest is made here. It
-    /// then lists the files in the directory that have the name of an output file of palpate.
+    /// Manifest of the directory. If the directory has a run's config but no manifest, this is a new manifest. It lists
+    /// the files in the directory that have the name of an output file of palpate.
     pub(crate) manifest: Option<Manifest>,
     guard: Guard,
 }

@@ -41,7 +41,7 @@ struct Values {
 
 enum Present {
     Numbers(Vec<f64>),
-    /// Whole numbers. An unsigned number is stored with the same bits as a signed number.
+    /// Whole numbers. An unsigned number is stored as the signed number that has the same bits.
     Whole(Vec<i64>),
     Texts(Vec<ByteArray>),
 }
