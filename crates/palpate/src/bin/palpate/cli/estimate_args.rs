@@ -90,12 +90,12 @@ were separated.
 
 ", tables!(), "Other columns are not used, but a map with --at-contacts has them after its own columns.
 
-The JSON has the curvature in the middle of the patch, and the regions of one shape class. Lost readings are left out and
-listed in `left_out`. `effective_contacts` is the number of independent contacts: repeated rows and rests count once, and
-correlated noise reduces the number. The methods plane, sphere, cylinder and shape also state `radius`, `shape` and
-`rms_misfit`. For a single stroke, `stroke` has the curvature along the stroke. --map writes the curvature all over the
-patch, with standard deviations and the probability of each class. With --at-contacts, the map has the positions of the
-readings.
+The JSON has the curvature in the middle of the patch, and the regions of one shape class. Lost readings are left out
+and listed in `left_out`. `effective_contacts` is the number of independent contacts: repeated rows and rests count
+once, and correlated noise reduces the number. The methods plane, sphere, cylinder and shape also state `radius`,
+`shape` and `rms_misfit`. For a single stroke, `stroke` has the curvature along the stroke. --map writes the curvature
+all over the patch, with standard deviations and the probability of each class. With --at-contacts, the map has the
+positions of the readings.
 
 `p_value` is the probability that noise of the stated size causes residuals at least as large. It is null if the noise is
 estimated, and for the method two-pass.
@@ -151,9 +151,10 @@ A force that presses the two bodies together is positive. Indentations are measu
 ", tables!(), "
 By Hertz's law, the force is 4/3 E* sqrt(R) d^1.5, with the indentation d, the effective radius
 R = 1/(1/R_sensor + 1/R_object) and E* = E/(1 - nu^2). Without the modulus E, the curve determines only
-`stiffness` = E* sqrt(R), not the radius. The intervals include the effects of the noise of the forces and of the standard
-deviation of the modulus. `exponent` is the power of the indentation that fits the forces best. The warning other-body reports that this
-power is not 1.5, so that the radius is wrong. Possible causes: a wrong point of first touch, a thin layer, or an edge.
+`stiffness` = E* sqrt(R), not the radius. The intervals include the effects of the noise of the forces and of the
+standard deviation of the modulus. `exponent` is the power of the indentation that fits the forces best. The warning
+other-body reports that this power is not 1.5, so that the radius is wrong. Possible causes: a wrong point of first
+touch, a thin layer, or an edge.
 
 The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
 
@@ -174,10 +175,11 @@ values of the other columns as `columns`.
 
 The JSON has curvatures, radii and the indentation, each with its 95 % interval. If an end of an interval is null, the
 interval is unbounded on this side. object_radius is negative for a dish and null for a plane. It has one interval for a
-convex object and one for a concave object; in these intervals, null is a plane. `verdict` is the shape that follows from
-the interval of the curvature: convex, concave, flat-within-noise or not-resolved. `wrong_markers` are the rows that contradict the
-others and were left out. `contact_seen` is false if only the stated indentation implies a contact. The interval then
-contains all objects that the readings do not exclude. If only one marker shows the contact, a warning names this marker.
+convex object and one for a concave object; in these intervals, null is a plane. `verdict` is the shape that follows
+from the interval of the curvature: convex, concave, flat-within-noise or not-resolved. `wrong_markers` are the rows
+that contradict the others and were left out. `contact_seen` is false if only the stated indentation implies a contact.
+The interval then contains all objects that the readings do not exclude. If only one marker shows the contact, a warning
+names this marker.
 
 `warnings` are also printed on standard error. Each has a `code`, a `text` and `numbers`. Warnings with a `p_value` report
 that the readings contradict the model: poor-fit, stated-noise, stated-indentation, outlier (the interval then also
@@ -188,10 +190,10 @@ The JSON has `format_version` 2, which increases when a key is removed or change
 
 The stated indentation is compared with the indentation that follows from the readings alone, and the stated noise with
 the residuals. If the residuals depend on the distance or the direction from the contact, the body, the depth of the
-markers or the shape of the object differs from the model. Implausible displacements or positions
-cause a warning about units or signs. The readings do not show whether a stated indentation, Poisson's ratio or Young's modulus is right, or whether
-all lengths are wrong by a common factor. They hardly show whether the sensor's radius R is right: a wrong R changes the
-object's curvature by the error of 1/R.
+markers or the shape of the object differs from the model. Implausible displacements or positions cause a warning about
+units or signs. The readings do not show whether a stated indentation, Poisson's ratio or Young's modulus is right, or
+whether all lengths are wrong by a common factor. They hardly show whether the sensor's radius R is right: a wrong R
+changes the object's curvature by the error of 1/R.
 
 With --like STUDY.toml, the sensor, the noise of its readings and the estimator come from a study of kind press, and are
 converted to the readings' unit. Flags override them. The indentation of the study's presses is not used: the indentation

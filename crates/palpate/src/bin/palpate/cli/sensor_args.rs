@@ -47,16 +47,16 @@ skin also has a normal displacement, the shift in px per length is fitted as a f
 Frames are PNG, JPEG, BMP, TIFF or WebP images. The first frame is at rest. For each other frame, --normal and
 --tangential state the displacement of the marker that changes most.
 
-The command prints slope, standard error of the slope, R^2 and residual, of all points and of each series. It prints them
-for two lines: the line with an intercept, as in the paper of Lin et al. (2020), and the line through rest, from which
-`track` computes displacements. It warns of large residuals, of slopes that may be 0, and of series that disagree. It
-cannot detect that all displacements are wrong by a common factor.
+The command prints slope, standard error of the slope, R^2 and residual, of all points and of each series. It prints
+them for two lines: the line with an intercept, as in the paper of Lin et al. (2020), and the line through rest, from
+which `track` computes displacements. It warns of large residuals, of slopes that may be 0, and of series that disagree.
+It cannot detect that all displacements are wrong by a common factor.
 
 With --rest and --layout, the camera is calibrated by one frame at rest with the markers of a study's sensor. The result
 has place, turn, px per rad and odd terms of the lens, with standard deviations and covariance. The covariance is in the
-order: image's centre (px), px per rad (share), place (length), turn (rad), odd terms. The result also has the distance of
-each marker from its expected position. An odd term of the lens keeps the study's value unless the frame determines the term to half
-of its prior standard deviation.
+order: image's centre (px), px per rad (share), place (length), turn (rad), odd terms. The result also has the distance
+of each marker from its expected position. An odd term of the lens keeps the study's value unless the frame determines
+the term to half of its prior standard deviation.
 
 Examples:
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv \\
