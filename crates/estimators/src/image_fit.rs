@@ -119,7 +119,7 @@ pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
         colour,
     } = *noise;
     let turn = turn_deg.to_radians();
-    // The lens coefficients k3 and k5 are exact, so their standard deviations stay 0.
+    // The lens coefficients k3 and k5 are assumed to be exact, so their standard deviations stay 0.
     let mut stds = [0.0; Departure::NUMBERS];
     stds[13..19].fill(colour);
     stds[..13].copy_from_slice(&[

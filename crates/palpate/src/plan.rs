@@ -62,7 +62,7 @@ pub fn plan(
     Ok((study, plan))
 }
 
-/// The cells of a study for which a number of trials and a model are chosen.
+/// Cells of a study. A plan chooses the number of trials and the model for these cells.
 struct Chosen {
     study: Study,
     /// Numbers of the chosen cells in the study.

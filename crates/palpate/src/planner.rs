@@ -15,7 +15,7 @@ use pilot::{CellPilot, Pilot};
 use tolerance::{Allowance, tolerance_for};
 pub(crate) use tolerance::{Pass, PassQuantity, PassValue};
 
-/// Largest shift that the model's error may cause in an estimate, divided by (target error × rms error).
+/// Largest allowed shift of an estimate by the model's error, as a share of (target error × rms error).
 pub const MODEL_ERROR_SHARE: f64 = 0.1;
 /// Largest number of trials per cell that may be chosen to reach a target error.
 const MAX_FOR_TARGET: f64 = 1e8;

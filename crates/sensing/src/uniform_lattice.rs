@@ -1,11 +1,11 @@
 //! A near-uniform lattice of pads on the sphere. The nearest pad is found in constant time.
 //!
 //! In the spherical Fibonacci lattice, pad `i` of `n` lies at `z = 1 − (2i + 1)/n` and azimuth `2π i (Φ − 1)`, where Φ
-//! is the golden ratio. Around any place, the lattice resembles a plane lattice, whose two basis vectors lead from pad
-//! `i` to the pads `i + F_k` and `i + F_{k+1}`. F_k and F_{k+1} are successive Fibonacci numbers that depend on the
-//! latitude. The pads nearest to a direction follow from the inverse of this basis (Keinert, Innmann, Sänger and
-//! Stamminger, *Spherical Fibonacci Mapping*, 2015). Azimuths are 64-bit fractions of a turn, so that they are accurate
-//! even for 10¹³ pads.
+//! is the golden ratio. Around any place that is not near a pole, the lattice resembles a plane lattice. Its two basis
+//! vectors lead from pad `i` to the pads `i + F_k` and `i + F_{k+1}`. F_k and F_{k+1} are successive Fibonacci numbers
+//! that depend on the latitude. The pads nearest to a direction follow from the inverse of this basis (Keinert,
+//! Innmann, Sänger and Stamminger, *Spherical Fibonacci Mapping*, 2015). Azimuths are 64-bit fractions of a turn, so
+//! that they are accurate even for 10¹³ pads.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 

@@ -159,9 +159,9 @@ fn name_glide(glide: &mut Json) {
     }
 }
 
-/// Makes the fields of a press comparable. The curvature replaces a round object. The noise of the mean of several
-/// frames replaces the noise of one frame and the number of frames. Settings of the estimator that equal the simulated
-/// soft body are removed.
+/// Makes the fields of a press comparable. A ball of the same curvature replaces a sphere, a dish or a plane. The noise
+/// of the mean of several frames replaces the noise of one frame and the number of frames. Settings of the estimator
+/// that equal the simulated soft body are removed.
 fn name_press(press: &mut Json, poisson: f64) {
     // Replace only round objects by a ball of the same curvature. A cylinder or an ellipsoid has no single curvature.
     if !["cylinder", "ellipsoid"]

@@ -139,8 +139,8 @@ fn a_target_decides_trials_and_tolerance() {
 fn a_budget_leaves_time_for_planning() {
     let (model_error, plan) = planned(&[10, 10], budget(10)).unwrap();
     let trials = plan.trials().unwrap().get();
-    // Each trial takes a microsecond. Two cells share nine tenths of the ten seconds that remain after planning, so
-    // about 4 million trials fit per cell.
+    // Each trial takes a microsecond. Planning uses a part of the ten seconds. Two cells share nine tenths of the
+    // remaining time, so about 4 million trials fit per cell.
     assert!((3_500_000..4_500_000).contains(&trials), "{trials}");
     assert_eq!((model_error, plan.by_target), (0.0, None));
     let both = Goal {

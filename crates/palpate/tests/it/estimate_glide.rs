@@ -120,8 +120,8 @@ fn two_pass_of_one_finger_needs_a_unit() {
     desk(&one)
         .palpate("estimate glide r.csv --method two-pass")
         .fails(1, "needs --inter-finger-distance");
-    // The fingers of the grid are 0.4 apart. Stating this distance, which is the unit of length of the method
-    // `two-pass`, does not change the estimate.
+    // The fingers of the grid are 0.4 apart. The method `two-pass` uses this distance as its unit of length. If the
+    // command states the distance, the estimate stays the same.
     let given = estimate(&bowl, "--method two-pass --inter-finger-distance 0.4");
     let found = estimate(&bowl, "--method two-pass");
     assert_close(mean(&given), mean(&found), 1e-9);

@@ -43,9 +43,10 @@ In all these tables, a quaternion qx,qy,qz,qw, a matrix r11,r12,r13,r21 to r33, 
 replace rotation_x_rad and rotation_y_rad. A time series may also have a column rotation_z_rad, the component about the
 normal; without it, the probe is assumed to roll without spin.
 
-Rotations are summed in the probe's contact frame, whose z axis points out of the probe. If a contact moves to +u, then
-rotation_y < 0. Shifts are great-circle displacements on the probe from its first contact. Without a column probe, each
-row is a probe. A new time series starts after a blank line, or where the time does not increase.
+Rotations are integrals of the angular velocity in the probe's contact frame, whose z axis points out of the probe. If a
+contact moves to +u, then rotation_y < 0. Shifts are great-circle displacements on the probe from its first contact.
+Without a column probe, each row is a probe. A new time series starts after a blank line, or where the time does not
+increase.
 
 ", tables!(), "Other columns are not used. In the output, `unresolved_probes` lists the rolls whose contact did not move, with
 their values of the other columns as `columns`.
