@@ -252,7 +252,7 @@ fn number(scene: &Fields, field: &str) -> f64 {
     scene.get(field).and_then(Json::as_f64).unwrap_or(0.0)
 }
 
-/// All families whose coverage was measured with readings without a deliberate flaw.
+/// All families whose coverage was measured, except families whose readings contain a deliberate flaw.
 fn families() -> &'static [Family] {
     static FAMILIES: OnceLock<Vec<Family>> = OnceLock::new();
     FAMILIES.get_or_init(|| {

@@ -317,8 +317,8 @@ impl Planner<'_> {
         target: f64,
     ) -> Result<(), PlanError<C::Error>> {
         let Some(need) = pilot.need(target) else {
-            // All estimates in the pilot (the trials before the run) are exact, so more trials are not needed. Use the
-            // same number of trials as the pilot.
+            // All estimates in the pilot (the small run before the actual run) are exact, so more trials are not
+            // needed. Use the same number of trials as the pilot.
             let run = pilot.cells.iter().map(|cell| cell.trials).max();
             plan.by_target = run.and_then(NonZeroU64::new).or(Some(NonZeroU64::MIN));
             return Ok(());
