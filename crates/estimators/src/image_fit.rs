@@ -12,8 +12,8 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step of a disc's depth for finite differences, as a share of the sensor's radius. From the displacements
-/// at both depths, the fit computes their derivatives with respect to the depth.
+/// Length by which the depth of a disc is increased, as a share of the sensor's radius. From the displacements at both
+/// depths, the fit computes their derivatives with respect to the depth by finite differences.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 

@@ -18,8 +18,9 @@ use crate::planner::{Pace, spread};
 
 /// Time limit for setting up cells completely, that is, including the camera if a camera reads the press.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for setting up cells after [`SET_UP_LIMIT`], with presses that have no camera. It applies only if all
-/// cells of the study are checked. In a large study, only a sample is checked, and set-up ends at [`SET_UP_LIMIT`].
+/// Time limit for the set-up of cells after [`SET_UP_LIMIT`]; presses are then set up without their camera. It applies
+/// only if all cells of the study are checked. In a large study, only a sample is checked, and set-up ends at
+/// [`SET_UP_LIMIT`].
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
 /// Time limit for running a few trials to measure the time per trial.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);

@@ -130,8 +130,8 @@ proptest! {
             let turned = Vector2::new(place[0], place[1]);
             let read = encoder.read(&mut stream, &turned);
             for (read, angle) in read.iter().zip(&turned) {
-                // The error of an encoder is at most one step plus rounding errors. If the step is smaller than the
-                // rounding error of the angle, the reading is equal to the angle.
+                // The test allows an error of one step plus rounding errors. If the step is smaller than the rounding
+                // error of the angle, the reading is equal to the angle.
                 let bound = size + 2.0 * f64::EPSILON * angle.abs();
                 prop_assert!((read - angle).abs() <= bound, "{encoder:?}: {read:e}, not {angle:e}");
             }
