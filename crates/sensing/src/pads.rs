@@ -149,7 +149,7 @@ impl Pads {
         }
     }
 
-    /// Position of the first contact on the pads.
+    /// Position of the first contact relative to the pads: at the centre of a pad, or at a random place.
     pub const fn offset(&self) -> PadOffset {
         self.offset
     }

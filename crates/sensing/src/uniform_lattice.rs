@@ -94,7 +94,7 @@ impl UniformLattice {
         let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
         let mut best = Nearest::new(direction);
         if let Some(inverse) = basis.try_inverse() {
-            // Numbers of steps along the two basis vectors, counted from pad 0, which lies at azimuth 0 and depth 0.
+            // Numbers of steps along the two basis vectors that lead from pad 0 (azimuth 0, `depth` 0) to `direction`.
             let steps = inverse * Vector2::new(azimuth_here, depth);
             let corner = steps.map(f64::floor);
             for along in -1..=2 {

@@ -121,8 +121,8 @@ const fn budget(seconds: u64) -> Goal {
 
 #[test]
 fn a_target_decides_trials_and_tolerance() {
-    // With normally distributed errors, 1/(2 · 0.02²) = 1250 trials are needed. If half of the trials fail, twice as
-    // many are needed. The planner adds a margin of at most a half.
+    // For a target error of 0.02 and normally distributed errors, 1/(2 · 0.02²) = 1250 trials are needed. If half of
+    // the trials fail, twice as many are needed. The planner adds a margin of at most a half.
     for (successes, least) in [(10, 1250), (5, 2500)] {
         let (model_error, plan) = planned(&[successes], target(0.02)).unwrap();
         let trials = plan.trials().unwrap().get();

@@ -75,7 +75,8 @@ fn quantity(key: &str, value: &Value) -> Option<String> {
 }
 
 /// Text with the shape or the shape class of the object, and the probability of this shape or class. The text is "not
-/// resolved across" if all rolls or strokes have the same direction.
+/// resolved across" if all rolls or strokes have the same direction, because they do not determine the curvature across
+/// this direction.
 fn verdict(estimate: &Value) -> Option<String> {
     if !(estimate["stroke"].is_null() && estimate["single_direction"].is_null()) {
         return Some("not resolved across".to_owned());
