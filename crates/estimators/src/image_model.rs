@@ -7,7 +7,7 @@ use palpate_tracking::{Marker, MarkerErrors};
 
 /// Computes the images of markers in a camera whose parameters differ from their nominal values. An image consists of
 /// the centroid (px), the hue (turns) and the logarithm of the size (px²) of a marker. A [`Departure`] contains the
-/// differences of the parameters, which are the same for all markers.
+/// differences between the parameters and their nominal values. These are the same for all markers.
 #[derive(Clone, Debug)]
 pub struct ImageModel {
     /// Camera and markers of the sensor with its nominal parameters.

@@ -19,7 +19,8 @@ pub struct MarkerImages {
     pub pressed: Vec<Option<Seen>>,
 }
 
-/// Estimates presses by a fit to marker images. All trials share the images of the markers at rest.
+/// Estimates presses by a fit to marker images. All trials share the images of the markers at rest, unless
+/// [`MarkerImages::own_rest`] contains other images.
 #[derive(Clone, Debug)]
 pub struct ImageEstimator {
     fit: ImageFit,

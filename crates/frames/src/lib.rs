@@ -122,7 +122,7 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, FrameError> {
 /// Encodes an image as PNG.
 ///
 /// # Errors
-/// The error of the encoder, for an image without pixels.
+/// The error of the encoder if the image has no pixels.
 pub fn png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Cursor::new(Vec::new());
     image.write_with_encoder(PngEncoder::new(&mut bytes))?;

@@ -125,8 +125,7 @@ pub fn unit_of(name: &str, length_unit: LengthUnit) -> Option<String> {
     let ending = of_length
         .chain(others)
         .filter(|(suffix, _)| name.ends_with(suffix));
-    // A column's name may end with several of these endings, for example with `_s` and `_rad_per_s`. Use the longest
-    // one.
+    // A column's name may match several endings in `UNITS`, for example `_s` and `_rad_per_s`. Use the longest one.
     let longest = ending.max_by_key(|(suffix, _)| suffix.len());
     longest.map(|(_, unit)| unit)
 }

@@ -54,8 +54,8 @@ pub struct Family {
 pub enum Coverage {
     /// The scene belongs to this family, whose coverage was measured.
     Measured(&'static Family),
-    /// The scene belongs to no family, because some of its numbers are outside the ranges. The variant contains the
-    /// most similar family, and a text that lists these numbers.
+    /// The scene belongs to no family, because some of its numbers are outside the ranges of every family. The variant
+    /// contains the most similar family, and a text that lists the numbers outside its ranges.
     Outside(&'static Family, String),
     /// No similar scenes were measured. The text states the reason.
     NotMeasured(String),

@@ -79,7 +79,7 @@ enum Placement {
     /// For hexagonal pads: position of the first contact relative to the centre of a pad, in pitches.
     Hexagonal(Vector2<f64>),
     /// For a uniform lattice: rotation from the contact frame to the lattice's frame, and direction of the pad at the
-    /// first contact.
+    /// first contact in the lattice's frame.
     Uniform {
         lattice_from_contact: UnitQuaternion<f64>,
         first_pad: Vector3<f64>,
@@ -142,8 +142,9 @@ impl Pads {
     /// is the difference of two positions, so it has such an error at its start and at its end.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
-            // A reading of a hexagonal pad has the error variance 5/72 pitch² per axis; of a square pad, 1/12 pitch².
-            // The largest errors are 1/√3 pitches (at a corner of a hexagon) and half a pitch (at an edge of a square).
+            // The variance of a reading's error per axis is 5/72 pitch² for hexagonal pads and 1/12 pitch² for square
+            // pads. The largest errors are 1/√3 pitches (at a corner of a hexagon) and half a pitch (at an edge of a
+            // square).
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
             Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
         }

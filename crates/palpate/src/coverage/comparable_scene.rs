@@ -100,7 +100,7 @@ fn name_roll(roll: &mut Json) {
     let object = curvature(&roll["object"]);
     let motion = &mut roll["motion"];
     // Convert an arc length to a roll angle. Per radian of rotation, a contact moves by 1/(1/R₁ + 1/R₂), where R₁ and
-    // R₂ are the radii of probe and object. Here, R₁ is 1.
+    // R₂ are the radii of probe and object. Here, R₁ is 1, because it is the unit of length.
     let by_arc = object.map_or(0.0, |curvature| {
         (1.0 + curvature) * number(motion, "arc_length")
     });
