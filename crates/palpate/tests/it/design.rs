@@ -96,8 +96,8 @@ fn values_may_be_listed_and_fields_set() {
             "design c.toml {kinds} --target relative_rms_error(mean_curvature)<=0.016 --set scene.noise.angular_velocity.fraction=0.01 --set scene.object.radius=50"
         ),
     );
-    // The expected rms errors of the curvature are 1.2 % for uniform noise and 2.1 % for Gaussian noise. The standard
-    // deviation of uniform noise within ±0.01 is 0.01/√3, and that of Gaussian noise is 0.01.
+    // The expected rms errors of the curvature are 1.2 % for uniform noise and 2.1 % for Gaussian noise. They differ
+    // because the standard deviation of uniform noise within ±0.01 is 0.01/√3, and that of Gaussian noise is 0.01.
     assert_eq!(
         answer["meets"],
         serde_json::json!([{ "from": "uniform", "to": "uniform" }])

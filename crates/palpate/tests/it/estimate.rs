@@ -62,7 +62,7 @@ fn intervals_use_students_t_unless_the_noise_is_stated() {
         (high - low) / (2.0 * number_at(quantity, "/std"))
     };
     // The half-width of the 95 % interval, divided by the standard deviation, is a quantile of a distribution. Without
-    // stated noise, it is Student's t distribution with five degrees of freedom; with stated noise, it is the normal
+    // stated noise, this is Student's t distribution with five degrees of freedom; with stated noise, the normal
     // distribution.
     assert_close(half_width(""), 2.570_582, 1e-6);
     assert_close(half_width("--shift-std 0.1"), 1.959_964, 1e-6);

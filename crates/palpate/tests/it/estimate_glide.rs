@@ -6,7 +6,8 @@ use super::desk::{Desk, assert_close, number_at as number};
 
 const BARE: &str = "finger,x_mm,y_mm,z_mm";
 
-/// Contacts on a grid of `side` × `side` points. `row` computes the line of a contact from x and y in [−1, 1].
+/// Contacts on a grid of `side` × `side` points. `row` returns the table row of the contact at x and y in [−1, 1],
+/// without the field `finger`.
 fn grid(header: &str, side: usize, row: impl Fn(f64, f64) -> String) -> String {
     let mut text = format!("{header}\n");
     let at = |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;

@@ -11,8 +11,8 @@ use super::desk::Desk;
 pub(crate) const SIDE: u32 = 400;
 /// Scale f of the fisheye lens, px per rad.
 pub(crate) const PX_PER_RAD: f64 = 151.3;
-/// Distance of the markers from the camera, mm: the skin has a radius of 20 mm, and the markers are 2 mm under the
-/// skin.
+/// Distance of the markers from the camera, mm. The camera is at the centre of the skin, whose radius is 20 mm. The
+/// markers are 2 mm under the skin.
 pub(crate) const DISTANCE: f64 = 18.0;
 /// Angle between neighbouring markers, rad.
 const SPACING: f64 = 0.2;

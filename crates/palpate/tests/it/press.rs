@@ -258,7 +258,7 @@ fn forces_follow_from_a_modulus() {
     };
     let press = estimate("--young 0.3");
     // The expected force is (4/3) E* √R δ^1.5, and the highest pressure is (2 E*/π) √(δ/R). R is the effective radius,
-    // δ the indentation, and E* = E/(1 − 1/4) with Young's modulus E.
+    // δ the indentation, and E* = E/(1 − ν²) with Young's modulus E and Poisson's ratio ν = 1/2.
     assert_close(
         number(&press["force"]["value"]),
         4.0 / 3.0 * 0.4 * 20.0_f64.sqrt(),

@@ -76,8 +76,8 @@ fn no_draw_depends_on_another() {
             for (sums, own) in sums.iter_mut().zip(own) {
                 for (sums, other) in sums.iter_mut().zip(other) {
                     sums[0] += own * other;
-                    // Also sum the products of the centred squares, because these reveal a dependence even if the draws
-                    // are uncorrelated.
+                    // Also sum the products of the centred squares (squares minus their mean), because these reveal a
+                    // dependence even if the draws are uncorrelated.
                     sums[1] += (own * own - 1.0) * (other * other - 1.0);
                 }
             }

@@ -17,8 +17,8 @@ fn read(pads: &Pads, trial: u64, displacement: Vector2<f64>) -> Vector2<f64> {
 
 #[test]
 fn the_papers_reading_of_a_fifty_millimetre_sphere() {
-    // A probe of radius 10 mm rolls by 0.1 rad on a ball of radius 50 mm, so the contact moves by 0.833 mm. Pads of 0.5
-    // mm and of 1 mm both report 1 mm.
+    // A probe of radius 10 mm rolls by 0.1 rad on a ball of radius 50 mm, so the contact moves by 0.833 mm. The nearest
+    // whole number of pitches is 1 mm, both for pads of 0.5 mm and for pads of 1 mm.
     let moved = 0.1 / (1.0 / 10.0 + 1.0 / 50.0);
     for pitch in [0.5, 1.0] {
         let pads = pads(pitch, PadLayout::Square, PadOffset::Centred);

@@ -67,8 +67,8 @@ fn draws_of_a_trial_its_neighbours_and_its_channels_are_not_correlated() {
             for (i, own) in own.iter().enumerate() {
                 for (j, other) in other.iter().enumerate() {
                     products[i][j] += own * other;
-                    // Also sum the products of the squares, because these reveal a dependence even if the draws
-                    // themselves are uncorrelated.
+                    // Also sum the products of the centred squares (squares minus their mean), because these reveal a
+                    // dependence even if the draws themselves are uncorrelated.
                     squares[i][j] += (own * own - 1.0 / 3.0) * (other * other - 1.0 / 3.0);
                 }
             }

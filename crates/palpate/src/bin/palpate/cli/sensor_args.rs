@@ -113,7 +113,7 @@ pub(crate) struct PatternArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
-    /// Tables of known displacements (one of them may be -, standard input), or camera frames, the first of which shows
+    /// Tables of known displacements (one of them may be -, standard input), or camera frames. The first frame shows
     /// the sensor at rest.
     #[arg(required_unless_present = "rest", value_name = "TABLE.csv|FRAME.png")]
     pub(crate) inputs: Vec<PathBuf>,
