@@ -142,7 +142,7 @@ pub enum PlanError<E> {
         quantity: &'static str,
         /// Required number of trials.
         needed: f64,
-        /// Relative standard error of the rms error that is reached with the largest allowed number of trials.
+        /// Relative standard error of the rms error, if the largest allowed number of trials is run.
         reached: f64,
         /// Whether a few trials with very large errors (heavy tails) determine the rms error of the quantity.
         has_heavy_tails: bool,

@@ -101,7 +101,8 @@ impl UniformLattice {
                 for across in -1..=2 {
                     let index =
                         (corner.x + f64::from(along)) * f0 + (corner.y + f64::from(across)) * f1;
-                    // An index beyond a pole belongs to a pad on the other side of the pole.
+                    // An index below 0 or above the last pad lies beyond a pole. It belongs to a pad on the other side
+                    // of this pole.
                     let index = if index < 0.0 { -1.0 - index } else { index };
                     let index = if index >= count {
                         2.0 * count - 1.0 - index

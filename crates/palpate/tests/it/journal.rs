@@ -198,7 +198,7 @@ fn another_run_is_refused_and_the_journal_is_kept() {
     desk.palpate("run c.toml --out o --trials 7 --restart")
         .printed();
     assert_eq!(desk.names("o"), RUN_FILES);
-    // A file with this name that is not a journal is not changed.
+    // A file `journal.palpate` that is not a journal is not changed.
     desk.write("o/journal.palpate", "mine");
     let said = desk.palpate("run c.toml --out o --trials 7").said(2);
     assert!(
