@@ -301,9 +301,8 @@ pub fn calibrate(
     })
 }
 
-/// Number of calibration points that repeat an earlier point: the larger of two numbers, one for the points of normal
-/// displacements and one for the points of tangential displacements. A number counts as 0 if less than half of the
-/// points of its kind are repeated.
+/// Number of calibration points that repeat an earlier point. Points of normal and points of tangential displacements
+/// are counted separately, and the larger count is returned. A count is 0 if less than half of its points are repeated.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);

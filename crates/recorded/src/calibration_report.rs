@@ -31,7 +31,7 @@ pub struct CalibrationReport {
 pub(super) struct Fitted {
     /// Line without an intercept, so that the signal is 0 at rest. Displacements are computed from this line.
     through_rest: Line,
-    /// Line with an intercept, as in the 2020 paper; `None` if it could not be fitted.
+    /// Line with an intercept, as in Fig. 6 of the 2020 paper by Lin et al.; `None` if it could not be fitted.
     with_intercept: Option<Line>,
 }
 

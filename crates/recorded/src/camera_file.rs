@@ -48,7 +48,8 @@ pub struct CameraEstimate {
     /// Image centre, px: the point where the camera's axis meets the image.
     pub centre_px: [f64; 2],
     /// Covariance of the camera's parameters. The order is: both coordinates of the image centre (px), pixels per
-    /// radian (relative), `place` (length), `turn_deg` (in rad), and those of k3 and k5 that the frame determines.
+    /// radian (relative), `place` (length), `turn_deg` (in rad), followed by the lens coefficients k3 and k5 if the
+    /// frame determines them.
     pub covariance: Vec<Vec<f64>>,
     /// Root mean square distance of the markers' centroids from their expected positions (px).
     pub residual_px: f64,

@@ -15,7 +15,7 @@ use super::press_options::PictureOptions;
 use palpate_estimators::departure_stds;
 
 /// Largest accepted difference between the prior and the estimate from the frame at rest, for a single camera
-/// parameter, in standard deviations. If the difference is larger, there is a warning.
+/// parameter, in standard deviations of this difference. If the difference is larger, there is a warning.
 const MAX_PULL: f64 = 6.0;
 /// Largest accepted joint χ² of the differences between the prior and the estimate from the frame at rest, for all
 /// camera parameters together. If it is larger, the camera contradicts the frame, which is an error.

@@ -151,7 +151,8 @@ fn linearised(
 }
 
 /// Largest accepted difference between the mean hues of the markers at rest and in the calibration, turns. If the
-/// pixels are encoded by sRGB, the hue of a marker with two discs differs by about 0.03 turns.
+/// pixels are encoded by sRGB, the hue of a marker with two discs differs from its hue in linear light by about 0.03
+/// turns.
 const MAX_HUE_DIFFERENCE: f64 = 0.01;
 
 /// Compares the hue of the markers at rest with the hue in the calibration. If the hues agree only after the pixels are

@@ -133,15 +133,17 @@ impl TrackCounts {
     }
 }
 
-/// Smallest common shift of the markers (median, px) for which a warning states that all markers moved in the same way.
+/// Smallest median shift of the markers (px) for which a warning states that all markers moved in the same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// Smallest ratio of the markers' common shift (median) to the scatter of their shifts (median deviation from the
-/// common shift) for which a warning states that all markers moved in the same way.
+/// A warning states that all markers moved in the same way only if the median of their shifts, divided by the scatter
+/// of the shifts, is above this value. The scatter is the median deviation of the shifts from their median. The same
+/// limit holds for a rotation of all markers.
 const MIN_COMMON_RATIO: f64 = 2.5;
 /// A motion that all markers have in common is only computed from at least this number of markers.
 const MIN_MARKERS: usize = 8;
 
-/// Difference between the green levels (0 to 255) of the two frames that has the full colour in a difference image.
+/// Difference between the green levels (0 to 255) of two frames at which a pixel of the difference image has the full
+/// colour.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {

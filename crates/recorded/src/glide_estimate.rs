@@ -319,7 +319,8 @@ impl<'r> GlideFitResult<'r> {
             Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
         };
         // A missing uncertainty means that the noise is unknown. The exception is the method `two-pass`, which never
-        // computes an uncertainty. Only its fit has a status.
+        // computes an uncertainty. Its fits are recognised by their status, which the fits of other methods do not
+        // have.
         let is_unknown = self.centre.curvature.uncertainty.is_none()
             && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {

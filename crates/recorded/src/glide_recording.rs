@@ -1,4 +1,5 @@
-//! Reads files of recorded glides, and adds the contact's row in the file to the errors of fits.
+//! Reads files of recorded glides. If a contact causes an error in a fit, the error message gets the contact's row in
+//! the file.
 
 use std::collections::HashMap;
 

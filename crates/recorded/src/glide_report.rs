@@ -33,8 +33,9 @@ impl Thresholds {
     }
 }
 
-/// The thresholds of the 1996 paper (0.005 and 0.03 for a patch of 3 × 3), scaled to a patch with the side lengths `u`
-/// and `v`. The scale is the mean of the side lengths. `None` if the thresholds exceed the range of doubles.
+/// Thresholds of the Gaussian and the mean curvature for a patch with the side lengths `u` and `v`. The 1996 paper by
+/// Charlebois et al. uses 0.005 and 0.03 for a patch of 3 × 3 (in the paper's unit of length). These thresholds are
+/// scaled by the mean of the side lengths. `None` if the scaled thresholds exceed the range of doubles.
 pub(super) fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
     let paper_units = 3.0 / (0.5 * u + 0.5 * v);
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()

@@ -17,8 +17,8 @@ use super::source::ReadingSource;
 /// distance. A larger ratio causes a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
-/// Largest accepted ratio of the largest to the second largest distance between a contact and its nearest neighbour. A
-/// larger ratio causes a warning that the contact with the largest distance may be an outlier.
+/// Each contact has a distance to its nearest neighbour. If the largest of these distances, divided by the second
+/// largest, exceeds this ratio, a warning states that the contact with the largest distance may be an outlier.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
 /// Largest number of contacts for which the search for a contact far from all others is made. The number is limited,
 /// because the search compares all pairs of contacts.
@@ -72,8 +72,8 @@ pub(super) fn distant(
 const MAX_NOISE_RATIO: f64 = 1.5;
 
 /// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. A contact of the
-/// patch may be the mean of several contacts and then has less noise. `ratios` contains the standard deviation of such
-/// a mean divided by that of a single contact, for positions and for normals.
+/// patch may be the mean of several recorded contacts and then has less noise. `ratios` contains the standard deviation
+/// of such a mean divided by that of a single contact, for positions and for normals.
 pub(super) fn stated_noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
@@ -96,7 +96,8 @@ pub(super) fn stated_noise(
         Some(found.position_std / ratios[0]),
         found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
-    // Ratio of the fit's degrees of freedom to the number of its equations.
+    // Degrees of freedom of the fit divided by the number of its equations. The degrees of freedom of positions and of
+    // normals are computed with this ratio.
     let left = 1.0 - unknowns / patch.equations() as f64;
     let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
     let all = stated.into_iter().zip(found).zip(kinds);
@@ -177,8 +178,8 @@ const MAX_CONTACTS: usize = 2000;
 /// normals by more than this factor.
 const MIN_RATIO: f64 = 2.0;
 
-/// Contacts and normals count as consistent if the error of a fitted quadric surface is below this value, see
-/// [`fit_error`].
+/// Contacts and normals count as consistent if the relative error of a quadric surface that is fitted to them (see
+/// [`fit_error`]) is below this value.
 const MAX_ERROR: f64 = 0.1;
 
 /// Text about a likely mistake in the normals: swapped columns or a wrong sign. The normals are compared with a quadric

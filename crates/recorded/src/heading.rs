@@ -84,7 +84,7 @@ const TIP_WORDS: [&str; 7] = [
     "meta",
 ];
 
-/// Whether a word is the unit of a quantity other than a plain number.
+/// Whether a word is a unit of length, angle, time, turns, pixels or force.
 pub(super) fn has_unit(word: &str) -> bool {
     [
         Measure::Length,
@@ -124,8 +124,8 @@ pub(super) fn two_units(name: &str, unit: &str) -> String {
     format!("column `{name}` states the unit `{unit}`, but its name ends with another unit")
 }
 
-/// Unit at the end of a column name that is not palpate's own, such as `mm` in `pos_x_mm`; `None` if the name ends with
-/// no unit.
+/// Unit at the end of a column's name in the file, such as `mm` in `pos_x_mm`. This function is for names that differ
+/// from palpate's names. `None` if the name does not end with a unit.
 pub(super) fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
     let Some((_, last)) = heading.base.rsplit_once('_') else {
         return Ok(None);

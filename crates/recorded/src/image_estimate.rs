@@ -161,8 +161,9 @@ impl Scene<'_> {
         }
     }
 
-    /// Converts an error of a fit to an error about the pressed frame. If `scatter` (the factor on the stated errors
-    /// that explains the residuals at rest) is above 1, the message names the frame at rest as a possible cause.
+    /// Converts an error of a fit to an error about the pressed frame. `scatter` is the factor by which the stated
+    /// errors must be multiplied to explain the residuals at rest. If it is above 1, the message names the frame at
+    /// rest as a possible cause.
     fn refused(&self, error: &PressError, scatter: f64) -> RecordedError {
         let [rest, pressed] = self.frames;
         let message = match error {
@@ -282,12 +283,14 @@ impl Scene<'_> {
 }
 
 /// A fit of a press to images of the markers. If the residuals are larger than the stated errors explain, the stated
-/// errors are multiplied by a factor, which is called the scatter.
+/// errors are multiplied by a factor, which is called the scatter. The frame at rest and the pressed frame each have
+/// their own scatter.
 struct ScaledFit {
     method: ImageEstimator,
     pictures: MarkerImages,
-    /// Estimate of the press. Its goodness of fit is computed with the stated errors multiplied by the scatter at rest,
-    /// not by the scatter in the press.
+    /// Estimate of the press. For its goodness of fit, the stated errors are multiplied only by the factor that
+    /// explains the residuals at rest (`scatter[0]`). With the factor of the pressed frame (`scatter[1]`), the reduced
+    /// χ² of every poor fit would be 1.
     estimate: PressEstimate,
     /// Contradictions between the images and the model. Their tests use the stated errors multiplied by the scatter at
     /// rest, not by the scatter in the press.

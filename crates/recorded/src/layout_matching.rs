@@ -279,7 +279,7 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera parameters, computed from the standard errors of the fit multiplied by `widened`.
+    /// Covariance of the camera parameters, after all standard errors of the fit are multiplied by `widened`.
     fn covariance(
         &self,
         nominal: &NominalSensor<'_>,

@@ -13,19 +13,19 @@ use super::glide_options::DEFAULT_OUTWARD;
 use super::glide_recording::GlideRecording;
 
 const LISTED_ROWS: usize = 10;
-/// Correlated noise reduces several consecutive contacts to one independent contact. A warning is shown if more than
-/// this number of contacts counts as one.
+/// If the noise is correlated, several consecutive contacts count as one independent contact. A warning is shown if
+/// their number exceeds this value.
 const MIN_CORRELATION: f64 = 1.5;
 const MIN_PROBABILITY: f64 = 0.9;
 /// If the p-value of the fit of a stated shape is below this value, there is a warning.
 const MIN_P_VALUE: f64 = 0.005;
 const GROUP_ITERATIONS: usize = 5;
 
-/// Smallest ratio of the gap between two groups of contacts to the width of the wider group for which there is a
-/// warning.
+/// Two groups of contacts cause a warning only if the gap between them, divided by the width of the wider group, is
+/// above this value.
 const MIN_GAP_RATIO: f64 = 0.5;
-/// Smallest ratio of the gap between two groups of contacts to the largest gap within a group (between two strokes) for
-/// which there is a warning.
+/// Two groups of contacts cause a warning only if the gap between them, divided by the largest gap within a group
+/// (between two strokes), is above this value.
 const MIN_GAPS_RATIO: f64 = 2.0;
 /// A group of contacts counts as a line if the ratio of its width to its length (both root mean squares) is below this
 /// value.

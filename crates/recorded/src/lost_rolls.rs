@@ -1,4 +1,5 @@
-//! Rolls whose shift was not measured. For a lost reading, the drivers of some sensors write zeros or a large number.
+//! Rolls in which the shift of the contact was not measured. For such a lost reading, the drivers of some sensors write
+//! zeros or a large number.
 
 use std::f64::consts::PI;
 
@@ -13,8 +14,8 @@ use super::roll_recording::RollRecording;
 use super::roll_series::LeftOutProbe;
 use super::roll_warnings::units;
 
-/// A contact shift of zero counts as a lost reading if the other rolls predict a shift that is larger than this
-/// multiple of their root mean square residual.
+/// A measured contact shift of zero counts as a lost reading if the other rolls contradict it: they predict a shift
+/// that is larger than this value times their root mean square residual.
 const MIN_RESIDUALS: f64 = 8.0;
 /// Relative tolerance in the test whether the shifts of the contacts are multiples of the pads' pitch. A tolerance is
 /// needed because files contain rounded numbers.
@@ -30,7 +31,7 @@ enum Loss {
 }
 
 impl RollRecording {
-    /// Leaves out rolls whose shifts were lost, and returns them.
+    /// Leaves out rolls in which the reading of the contact's shift was lost, and returns these rolls.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if more than a fifth of the rolls would be left out.
@@ -85,7 +86,7 @@ impl RollRecording {
     }
 
     /// Whether the rolls with a shift of zero are lost readings. This is the case if the other rolls predict, for each
-    /// of them, a shift that is too large to be hidden by the pads or by noise.
+    /// roll with a shift of zero, a shift larger than the pads' pitch and clearly larger than the noise.
     fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses);
         let sound: Vec<ProbeReading> = sound

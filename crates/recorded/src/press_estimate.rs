@@ -99,8 +99,8 @@ pub fn estimate_press(
 /// Compares the fit of a layer with the fit of a half-space, which has the same unknowns. Returns a misfit if the
 /// readings are much more probable with the half-space. The p-value is an upper bound: if the layer is right, the
 /// likelihood ratio exceeds 1/p with a probability of at most p. The comparison is made only if the noise is estimated.
-/// In this case, the fit of a wrong body may reject the markers at the contact and take its noise from the other
-/// markers, so its residuals do not show the wrong body.
+/// In this case, a fit with the wrong body may reject the markers at the contact as outliers and estimate the noise
+/// from the other markers. Its residuals then do not show that the body is wrong.
 fn half_space_instead(
     fit: &ForwardFit,
     reading: &Reading<'_>,

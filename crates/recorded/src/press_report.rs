@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// Radius of the object. The radius of a flat object is infinite. JSON cannot express infinity, so some values are then
-/// `null`.
+/// Radius of the object. The radius of a flat object is infinite. JSON cannot express infinity, so an infinite radius
+/// or end of an interval is `null`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Radius {
     value: Option<f64>,

@@ -162,11 +162,11 @@ const MIN_SIGNED: f64 = 0.2;
 /// A warning about the sign is shown if at least this share of the displacements whose sign is checked points outward.
 const MIN_OUTWARD: f64 = 0.9;
 
-/// Smallest accepted extent of the markers, relative to the sensor's radius. If the extent is smaller, there is a
-/// warning about units.
+/// Smallest accepted distance of the outermost marker from the apex, relative to the sensor's radius. If all markers
+/// are nearer to the apex, there is a warning about units.
 const MIN_EXTENT: f64 = 5e-3;
-/// Smallest accepted value of the largest displacement, relative to the sensor's radius. If the value is smaller, there
-/// is a warning about units.
+/// Smallest accepted normal displacement of the marker that is displaced most, relative to the sensor's radius. If its
+/// displacement is smaller, there is a warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
 /// Smallest accepted ratio of the largest displacement along the skin to the largest normal displacement. A smaller
@@ -223,8 +223,8 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
 /// A warning is shown if swapped columns or reversed signs decrease the mean square residual of the fit by more than
 /// this factor.
 const MIN_IMPROVEMENT: f64 = 4.0;
-/// Largest accepted noise of displacements along the skin, relative to the largest displacement along the skin. If the
-/// estimated noise is larger, or if there are misfits, the columns are checked for mistakes.
+/// Largest accepted standard deviation of the noise of displacements along the skin, relative to the largest of these
+/// displacements. If the estimated noise is larger, or if there are misfits, the columns are checked for mistakes.
 const MAX_NOISE: f64 = 0.2;
 
 /// Function that swaps the components of a displacement along the skin, or changes their signs.

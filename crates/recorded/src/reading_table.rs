@@ -190,8 +190,8 @@ impl ReadingTable {
 struct Labels(HashMap<String, usize>);
 
 impl Labels {
-    /// Index of the finger or probe with the name `text`. `None` if `text` is empty, or if the label in the first row
-    /// of the table is no name, such as a number.
+    /// Index of the finger or probe with the name `text`. `None` if `text` is empty, or if the first row of the table
+    /// is not labelled with a name but, for example, with a number.
     fn place(&mut self, text: &str, row: usize) -> Option<f64> {
         let is_word = !text.is_empty() && text.parse::<f64>().is_err();
         if self.0.is_empty() && !(row == 0 && is_word) {

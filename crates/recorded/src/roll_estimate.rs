@@ -29,7 +29,7 @@ use palpate_study::{Unit, Warning};
 const THRESHOLDS_FROM: &str = "the mean arc length: the mean threshold of the 1996 paper on its patch of 3 x 3, \
                                scaled to twice this length, and its square";
 
-/// A probe whose contact did not move although the probe rolled.
+/// A probe that rolled, but whose readings show no motion of the contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct UnresolvedProbe {
     probe: u64,
@@ -78,7 +78,7 @@ pub struct RollValues {
     pub gaussian_curvature: Value,
     /// Mean curvature of the object at the first contact.
     pub mean_curvature: Value,
-    /// Mean length of the shifts of the contacts.
+    /// Length of the contact's path in a roll, averaged over all rolls.
     pub arc_length: Value,
     /// Smallest normal curvature of the object at the first contact.
     pub principal_curvature_min: Value,
@@ -198,10 +198,10 @@ impl RollEstimate {
         QUANTITIES.into_iter().map(bounds).collect()
     }
 
-    /// Thresholds of the shape classes. The threshold of the mean curvature is the threshold of the 1996 paper, scaled
-    /// to a patch as wide as two rolls in opposite directions. The threshold of the Gaussian curvature is the square of
-    /// this value, so that a ball exceeds either both thresholds or neither. `None` if all rolls have the same
-    /// direction, or if no contact moved.
+    /// Thresholds of the shape classes. The threshold of the mean curvature is that of the 1996 paper by Charlebois et
+    /// al., scaled to a patch as wide as two rolls in opposite directions (twice the mean length of the contact's
+    /// path). The threshold of the Gaussian curvature is the square of this value, so that a ball exceeds either both
+    /// thresholds or neither. `None` if all rolls have the same direction, or if no contact moved.
     fn thresholds(&self) -> Option<ShapeThresholds> {
         let mean = of_size([2.0 * self.estimate.arc_length; 2])?.mean();
         let thresholds = ShapeThresholds::new(mean * mean, mean).ok();
@@ -288,8 +288,9 @@ impl RollEstimate {
         }
     }
 
-    /// Probes that rolled but whose contacts did not shift. Each of these probes sets an upper bound on the object's
-    /// radius.
+    /// Probes that rolled, but whose readings show no motion of the contact on the probe: the measured shift is exactly
+    /// 0 or, in time series, the contact stayed on one pad. If the sensor has pads, the true shift is then smaller than
+    /// their pitch. If the pitch is stated, each of these probes sets an upper bound on the object's radius.
     fn unresolved(&self) -> Vec<UnresolvedProbe> {
         let Self {
             recorded, options, ..
@@ -436,8 +437,9 @@ pub fn estimate_roll(
     let covariance = fitted.covariance(&estimate);
     let single_direction = single.map(|(angle, mut fitted)| {
         fitted.pop();
-        // From here on, use the fitted readings, in which the rotations have no component across the single direction.
-        // In the measured readings, this component is too small to determine the curvature across that direction.
+        // From here on, use the readings of the fit, in which all rotations have exactly the same direction. The
+        // measured rotations also have a component across this direction. It is too small to determine the curvature
+        // across the direction of the rolls.
         recorded.readings = fitted;
         let half_width = half_width(noise_freedom);
         DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)

@@ -24,8 +24,8 @@ pub struct RollSettings {
     /// a roll whose contact did not move sets an upper bound on the object's radius.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub pitch: Option<f64>,
-    /// For a sensor without pads: standard deviation of each component of a shift, or of a contact point in time
-    /// series, in the readings' length unit.
+    /// For a sensor without pads: standard deviation of each component of the contact's shift or, in time series, of
+    /// the contact point. It is in the readings' length unit.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub shift_std: Option<f64>,
     /// Standard deviation of each component of a rotation, rad. In time series, each sample has its own error.

@@ -157,8 +157,8 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     let mut notes = sheet.source.notes.clone();
     let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
-    // The file may not state the frame of reference of its orientations. For time series, try both frames: the probe's
-    // frame and the world's frame.
+    // A file does not state the frame of reference of its orientations. If the user does not state it either, try two
+    // frames for time series: the probe's frame and the world's frame.
     let frames = match file.form.rotation_frame {
         Some(stated) => vec![stated],
         None if kind == Kind::Rows => vec![RotationFrame::Probe],

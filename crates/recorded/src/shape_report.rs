@@ -86,8 +86,8 @@ pub(super) struct ShapeReport {
 }
 
 impl ShapeReport {
-    /// Report of the fitted shape. `is_open` states whether the contacts do not determine the size of the shape; the
-    /// sizes are then `null`.
+    /// Report of the fitted shape. If `is_open` is true, the contacts do not determine the size of the shape, and its
+    /// sizes are `null`.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
         let size = |size: &SizeEstimate, power: Unit| match is_open {
             true => Value::open(power, unit),

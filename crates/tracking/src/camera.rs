@@ -359,8 +359,8 @@ mod tests {
         let back = camera.shift(point, apex);
         for axis in 0..2 {
             assert_relative_eq!(there[axis], camera.place(point)[axis], epsilon = 1e-14);
-            // The displacement back is the reverse of the displacement there, because parallel transport along a
-            // meridian keeps the angle between the axes and the meridian.
+            // The displacement from the point to the apex is the negative of the displacement from the apex to the
+            // point, because parallel transport along a meridian keeps the angle between the axes and the meridian.
             assert_relative_eq!(back[axis], -there[axis], epsilon = 1e-14);
         }
         assert_eq!(camera.shift(point, point), [0.0, 0.0]);

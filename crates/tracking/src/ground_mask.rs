@@ -8,11 +8,11 @@ use crate::image_circle::Rim;
 use crate::opening::Opening;
 use crate::selection::Selection;
 
-/// Half the width of the band around the edge of the image circle that may contain the rim of the sensor, relative to
-/// the radius of the circle.
+/// The rim of the sensor may lie in a band around the edge of the image circle. This value is half the width of the
+/// band, relative to the radius of the circle.
 const RIM_BAND: f64 = 0.08;
-/// Smallest accepted contrast between the markers and the background of a frame, in standard deviations of the
-/// background in the top-hat transform.
+/// Smallest accepted contrast between the markers and the background in the top-hat transform of a frame, as a multiple
+/// of the background's standard deviation in this transform.
 const MIN_CONTRAST_STDS: f64 = 4.0;
 /// Smallest accepted contrast between the markers and the background of a frame in the top-hat transform, in levels (0
 /// to 255).

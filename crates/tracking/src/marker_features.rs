@@ -11,13 +11,13 @@ const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
 /// with a lower relative chroma may be grey dust. The relative chroma is 1 for pure magenta and pure yellow, and 1/2
 /// where magenta and yellow overlap.
 const MIN_CHROMA: f64 = 0.2;
-/// Error of a pixel on a marker's edge: the standard deviation of the pixel's light, relative to the marker's mean
-/// light and multiplied by the marker's radius (px). The error has two causes: the edge crosses the pixel grid
+/// Error of a pixel on a marker's edge. This number, divided by the marker's radius (px), is the standard deviation of
+/// the pixel's light relative to the marker's mean light. The error has two causes: the edge crosses the pixel grid
 /// differently at every place, and the light of a pixel is assigned to the middle of the pixel. The value was measured
 /// on discs with radii of 8 to 26 px, with pixels that integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// Share of a variance: the error of a pixel on a marker's edge has a part that is equal in all colours, and a part
-/// that is independent in each colour. This number is the variance of the equal part, divided by the total variance.
+/// The error of a pixel on a marker's edge has two parts: one is equal in all colours, and one is independent in each
+/// colour. This number is the variance of the equal part, divided by the total variance.
 const COMMON_SHARE: f64 = 0.5;
 
 /// Computes the features of a marker from `sums`, the sums over its pixels. `None` if the hue is not the hue of a
@@ -121,13 +121,14 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         yy - 2.0 * cy * y + count * cy * cy,
     ];
     let edge_px = std::f64::consts::TAU * radius_px;
-    // `edge_slopes` are the derivatives of centroid, hue and size with respect to an error of an edge pixel that is the
-    // same in all colours.
+    // `edge_slopes` are the changes of centroid, hue and size if the light of an edge pixel changes by its standard
+    // deviation in all colours. The change of the centroid is per px of the pixel's offset from the centroid.
     let mut edge_slopes = [0.0; 3];
     let mut covariance = [[0.0; 4]; 4];
     for colour in 0..3 {
         // `place`, `turn` and `size` are the derivatives of centroid, hue and size with respect to a pixel's share of
-        // light in this colour. `place` is per px of the pixel's offset from the centroid.
+        // light in this colour. For the centroid, the derivative is `place` times the pixel's offset from the centroid
+        // (px).
         let place = weights[colour] / light;
         let turn = hue_slope(sums.hue_light, ground, colour);
         let size = match ground {

@@ -1,16 +1,16 @@
 //! Matches the markers of a frame at rest with the markers of a pressed frame.
 //!
-//! The method is based on the fact that neighbouring markers move similarly. The first step matches a marker at rest
-//! with a marker of the pressed frame under two conditions. Each of the two must be the nearest marker of its frame to
-//! the other, and the distance between them must be less than half the distance between neighbouring markers. The
-//! second step removes matches whose displacement differs from the displacements of the neighbours. It then searches
-//! each marker again at the place that the displacements of its matched neighbours predict. The second step is repeated
-//! until nothing changes.
+//! The method is based on the fact that neighbouring markers move similarly. The first step matches a marker A at rest
+//! with a marker B of the pressed frame under three conditions: B is the nearest pressed marker to A, A is the nearest
+//! marker at rest to B, and the distance between A and B is less than half the distance between neighbouring markers.
+//! The second step removes matches whose displacement differs from the displacements of the neighbours. It then
+//! searches each marker again at the place that the displacements of its matched neighbours predict. The second step is
+//! repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
-/// Largest accepted distance between a marker at rest and its match in the pressed frame, in the first step of the
-/// method, relative to the distance between neighbouring markers.
+/// In the first step of the method, the distance between a marker at rest and its match in the pressed frame must be
+/// below this value times the distance between neighbouring markers.
 const FIRST_GATE: f64 = 0.5;
 /// Largest accepted distance of a pressed marker from the place that its neighbours predict, relative to the distance
 /// between neighbouring markers.
@@ -104,8 +104,8 @@ impl<'a> Matching<'a> {
     }
 
     /// Matches each marker at rest with the pressed marker that is nearest to the marker's expected place in `places`.
-    /// No other expected place may be nearer to the pressed marker. The distance between the two must be less than
-    /// `gate` times the distance from the marker at rest to its nearest neighbour.
+    /// No other expected place may be nearer to the pressed marker. The distance from the marker's expected place to
+    /// the pressed marker must be less than `gate` times the distance from the marker at rest to its nearest neighbour.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
@@ -224,8 +224,9 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker that may consist of the two merged markers `parts`; `None` if there is none nearby.
-    /// It is the nearest pressed marker without a match to the midpoint between the expected places of the two markers.
+    /// Index of the pressed marker that may consist of the two merged markers `parts`. Of all pressed markers without a
+    /// match, it is the nearest to the midpoint between the expected places of the two merged markers. `None` if no
+    /// such marker is nearby.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())

@@ -10,21 +10,21 @@ use crate::shapes::{Shape, Window};
 
 /// Width (px) of the ring around a marker's window. The background around the marker is measured in this ring.
 const RING_PX: i32 = 4;
-/// Limit that defines the edge of a marker, which lies outside of the connected shape that was recognised as the
-/// marker. At the edge, the mean light of the pixels, averaged over several markers, falls below this share of the
-/// light in the shape.
+/// Share of light that defines the edge of a marker. The edge lies outside of the connected shape that was recognised
+/// as the marker. At the edge, the mean light of the pixels, averaged over several markers, falls below this share of
+/// the light in the shape.
 const END_SIGNAL: f64 = 0.004;
 /// A pixel with a saturated colour counts for a marker's mean hue if its distance (px) from the marker's shape is at
 /// most this number.
 const HUE_REACH_PX: i32 = 2;
 /// Number of markers from which [`Scene::reach`] is measured.
 const SAMPLE_SIZE: usize = 12;
-/// If the brightness of the background is a divisor and smaller than this value, this value is used instead, in levels
-/// (0 to 255).
+/// Smallest divisor if a number is divided by the brightness of the background, in levels (0 to 255). If the background
+/// is darker, this value is the divisor.
 const MIN_BRIGHTNESS: f32 = 8.0;
-/// Largest accepted difference between a background pixel and the fitted light, as a share of the fitted light (bright
-/// background) or of full scale (dark background); 4 standard deviations of the noise are added. Pixels with a larger
-/// difference are not used.
+/// A background pixel is used only if its difference from the fitted light is at most this number plus 4 standard
+/// deviations of the noise. The number is a share of the fitted light (bright background) or of full scale (dark
+/// background).
 const MAX_DIFFERENCE: f64 = 0.15;
 
 /// Sums over the pixels of a window. The light of a pixel is the share of light that a marker absorbs from a bright

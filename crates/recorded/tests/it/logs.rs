@@ -156,7 +156,8 @@ fn a_finger_at_rest_with_noise_does_not_make_the_others_outliers() {
     }
 }
 
-/// A few strokes along a cylinder with a radius of 25 mm do not determine its curvature between the strokes.
+/// A few strokes along a cylinder with a radius of 25 mm do not determine the curvature across the strokes, because the
+/// surface between them is not measured.
 #[test]
 fn strokes_along_a_cylinder_are_open_across_it() {
     let strokes = |count: i32, std: f64| {
@@ -291,7 +292,8 @@ fn a_single_stroke_is_not_resolved_across() {
     }
 }
 
-/// A stroke over a ball with a radius of 25 mm, whose outer side is tilted by 50 degrees about the stroke.
+/// A stroke over a ball with a radius of 25 mm. At the stroke, the direction out of the ball is tilted from +z by 50
+/// degrees about the stroke.
 #[test]
 fn a_stroke_without_normals_holds_for_any_outer_side() {
     let (sin, cos) = (libm::sin(0.87), libm::cos(0.87));

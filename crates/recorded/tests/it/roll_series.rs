@@ -15,8 +15,9 @@ fn rows(samples: u32) -> Vec<[f64; 6]> {
     flattening(samples, 4, PITCH, 0.0)
 }
 
-/// Like [`rows`], but with `count` rolls on an object whose curvature decreases along the rolls. At the rotation φ
-/// (rad), the contact's travel per radian is larger than at the start by the share `growth` times φ².
+/// Like [`rows`], but with `count` rolls on an object whose curvature decreases along the rolls. After the rotation φ
+/// (rad), the contact's distance from its start is (1 + `growth` φ²) times the distance on an object with constant
+/// curvature.
 fn flattening(samples: u32, count: u32, pitch: f64, growth: f64) -> Vec<[f64; 6]> {
     let [probe, object] = RADII;
     let mut rows = Vec::new();

@@ -40,23 +40,24 @@ pub struct LateralCalibration {
     /// Coefficient p₀: the ratio of the centroid's shift to the tangential displacement, at a normal displacement of 0,
     /// px per length.
     pub px_per_length: f64,
-    /// Standard error of the coefficient p₀, px per length; `None` without degrees of freedom.
+    /// Standard error of `px_per_length`, px per length; `None` without degrees of freedom.
     pub px_per_length_std: Option<f64>,
-    /// Coefficient p₁: the change, per normal displacement, of the ratio of the centroid's shift to the tangential
-    /// displacement, px per length squared. `None` if the points have fewer than two different normal displacements.
+    /// Coefficient p₁: the derivative, with respect to the normal displacement, of the ratio of the centroid's shift to
+    /// the tangential displacement, px per length squared. `None` if the points have fewer than two different normal
+    /// displacements.
     pub per_indentation: Option<f64>,
-    /// Standard error of the coefficient p₁, px per length squared; `None` without degrees of freedom, or if p₁ is not
-    /// fitted.
+    /// Standard error of `per_indentation`, px per length squared; `None` without degrees of freedom, or if
+    /// `per_indentation` is not fitted.
     pub per_indentation_std: Option<f64>,
-    /// Root mean square of the residuals of the centroid's shift (px), each divided by the ratio p₀ + p₁ u (px per
-    /// length). The result is a length.
+    /// Root mean square of the residuals, converted to a length: each residual of the centroid's shift (px) is divided
+    /// by the fitted ratio of the shift to the tangential displacement (px per length).
     pub residual_rms: f64,
-    /// Standard deviation (corrected for the degrees of freedom) of the residuals of the centroid's shift (px), each
-    /// divided by the ratio p₀ + p₁ u (px per length). The result is a length; `None` if there are no degrees of
-    /// freedom.
+    /// Standard deviation (corrected for the degrees of freedom) of the residuals, converted to a length as in
+    /// `residual_rms`; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
-    /// Line through the origin that is fitted to the centroid's shift as a function of the tangential displacement. It
-    /// does not depend on the normal displacement, as p₀ + p₁ u does.
+    /// Line through the origin that is fitted to the centroid's shift as a function of the tangential displacement. The
+    /// line is fitted to the points of all normal displacements together, so its slope does not depend on the normal
+    /// displacement.
     pub line: Line,
     /// Line with an intercept that is fitted to the same points, for comparison with `line`; `None` if the points do
     /// not determine it.
@@ -64,7 +65,8 @@ pub struct LateralCalibration {
     /// Smallest and largest tangential displacement (length) of the calibration points.
     pub range: [f64; 2],
     /// Smallest and largest normal displacement (length) of the calibration points. For a normal displacement outside
-    /// of this range, the ratio p₀ + p₁ u is computed at the nearer end of the range.
+    /// of this range, the ratio of the centroid's shift to the tangential displacement is computed at the nearer end of
+    /// the range.
     pub normal_range: [f64; 2],
 }
 
@@ -198,7 +200,8 @@ struct WithIndentation {
 }
 
 impl WithIndentation {
-    /// Fits p₀ and p₁; `None` if the normal displacements do not determine both, for example if all are equal.
+    /// Fits the coefficients p₀ and p₁ of the ratio p₀ + p₁ u; `None` if the normal displacements do not determine
+    /// both, for example if all are equal.
     fn fit(along: &[[f64; 2]], normal: &[f64]) -> Option<Self> {
         let largest = |numbers: &mut dyn Iterator<Item = f64>| {
             numbers.fold(0.0, |largest: f64, one| largest.max(one.abs()))

@@ -80,28 +80,30 @@ pub struct NormalCalibration {
     pub with_intercept: Option<Line>,
     /// Smallest and largest normal displacement (length) of the calibration points.
     pub range: [f64; 2],
-    /// Slopes of single markers, sorted by the index of the marker.
+    /// Lines of single markers: signal as a function of displacement, fitted to the points of one marker. Sorted by the
+    /// index of the marker.
     pub gains: Vec<MarkerGain>,
-    /// Whether displacements are computed with the slopes of single markers.
+    /// Whether the displacement of a marker is computed with the slope of its own line in `gains`. Otherwise it is
+    /// computed with the slope of `line`, which is the same for all markers.
     pub uses_gains: bool,
 }
 
-/// The slope of the signal that is fitted to the calibration points of one marker.
+/// Slope of the line (signal as a function of displacement) that is fitted to the calibration points of one marker.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MarkerGain {
     /// Index of the marker in the sensor.
     pub marker: usize,
-    /// Common slope of all markers, divided by the slope of this marker.
+    /// Slope of the line that is fitted to the points of all markers, divided by the slope of this marker's line.
     pub gain: f64,
     /// Line through the origin that is fitted to the points of this marker alone.
     pub line: Line,
 }
 
 impl NormalCalibration {
-    /// Fits one slope to all points. In addition, fits a slope to the points of each marker that has at least three
-    /// different displacements. The marker's slope is stored if it is at least twice its standard error. It is used
-    /// only after a call of [`NormalCalibration::per_marker`].
+    /// Fits a line (signal as a function of displacement) to the points of all markers. In addition, fits a line to the
+    /// points of each marker that has at least three different displacements. The marker's slope is stored if it is at
+    /// least twice its standard error. It is used only after a call of [`NormalCalibration::per_marker`].
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
