@@ -34,7 +34,7 @@ pub struct GlideOptions {
     /// Unit of lengths, used if the header does not state it.
     #[serde(skip)]
     pub length_unit: Option<LengthUnit>,
-    /// Number of grid points along each side, for the regions and the map.
+    /// Number of points along each side of the grid on which the map and its regions are computed.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: usize,
     /// Whether the map has one point per fitted contact, in the order of the contacts, instead of the grid points.

@@ -27,8 +27,8 @@ const MIN_GAP_RATIO: f64 = 0.5;
 /// Two groups of contacts cause a warning only if the gap between them, divided by the largest gap within a group
 /// (between two strokes), is above this value.
 const MIN_GAPS_RATIO: f64 = 2.0;
-/// A group of contacts counts as a line if the ratio of its width to its length (both root mean squares) is below this
-/// value.
+/// A group of contacts counts as a line if the ratio of its width to its length is below this value. Width and length
+/// are root mean square distances of the contacts from the centre of the group.
 const MIN_WIDTH_RATIO: f64 = 0.2;
 
 /// Text that lists the rows `rows`; if there are many, only the first of them.

@@ -137,8 +137,8 @@ impl RollRecording {
     }
 }
 
-/// Pitch of square pads, found from the shifts: the smallest component of a shift, if all components are multiples of
-/// this smallest component; otherwise 0.
+/// Pitch of square pads, found from the components of the contact shifts. It is the smallest component that is not 0,
+/// if all components are multiples of this component; otherwise 0.
 fn common_pitch(readings: &[ProbeReading]) -> f64 {
     let components = readings
         .iter()

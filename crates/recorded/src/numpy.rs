@@ -155,8 +155,8 @@ impl<'a> NumpyTable<'a> {
                 radii.push((name.to_owned(), *scalar, array.data));
             }
         }
-        // An array whose rows have more than 9 elements is a map (a grid of values), because a vector has only a few
-        // components. If the file contains several maps of equal size, each map becomes a single column.
+        // Vectors, quaternions and rotation matrices have at most 9 elements. So an array with longer rows is a map (a
+        // grid of values). If the file contains several maps of equal size, each map becomes a single column.
         let (first, is_map) = match arrays.first() {
             Some((_, array)) => (
                 array.shape.clone(),

@@ -82,7 +82,7 @@ pub struct PressReport {
     /// is `object_curvature`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) principal: Option<Principal>,
-    /// Contact regime of a press on an object with the estimated curvature.
+    /// Kind of contact of a press on an object with the estimated curvature: convex, flat, concave, conforming or edge.
     pub(super) regime: &'static str,
     /// Conclusion about the sign of the object's curvature, from its interval: `convex`, `concave`, `flat-within-noise`
     /// or `not-resolved`.

@@ -96,7 +96,7 @@ pub struct RollValues {
     pub amplification_u: Option<f64>,
     /// Error amplification along v, as in `amplification_u`; `null` in the same cases.
     pub amplification_v: Option<f64>,
-    /// Root mean square of the residuals, over all components of the shifts.
+    /// Root mean square of the residuals, over all components of the measured contact shifts.
     pub residual_rms: Value,
     /// Curvature along the contact's path, if all rolls have the same direction; otherwise `None`.
     pub single_direction: Option<DirectedCurvature>,

@@ -131,8 +131,8 @@ pub(super) fn estimate_of_series(
     let radius = options.probe_radius;
     let fit = |method| estimate_series(method, radius, &places, &series.noise, &readings.rolls);
     let mut estimate = fit(method);
-    // If the readings do not determine how the curvature changes along the roll, they may still bound a constant
-    // curvature.
+    // If the readings do not determine how the curvature changes along the roll, they may still bound the curvature
+    // under the assumption that it is constant (method `pad-edge`).
     if estimate.is_err() && chosen_because.is_some() && has_pads {
         (name, estimate) = ("pad-edge", fit(SeriesMethod::PadEdge));
     }

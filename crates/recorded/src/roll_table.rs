@@ -309,8 +309,8 @@ fn layouts(count: usize) -> Vec<Vec<&'static str>> {
     layouts
 }
 
-/// Smallest relative difference between the rotations in the probe's frame and in the world's frame for which the
-/// choice of the frame matters. A note then names the frame that was used.
+/// The choice between the probe's frame and the world's frame matters if the rotations in both frames differ by more
+/// than this value (relative). In this case, a note names the frame that was used.
 const MAX_FRAME_DIFFERENCE: f64 = 0.02;
 
 /// First and last row of a roll, each with its line number.

@@ -45,8 +45,8 @@ pub(super) fn single_direction(
         let drive = drive(&(reading.rotation / largest));
         moment += drive * drive.transpose();
     }
-    // The rolls have a single direction if the ratio q of the eigenvalues is below `RATIO`. For a 2 × 2 matrix, the
-    // determinant divided by the squared trace is q/(1 + q)².
+    // The rolls have a single direction if the ratio q of the smaller to the larger eigenvalue of `moment` is below
+    // `RATIO`. For a 2 × 2 matrix, the determinant divided by the squared trace is q/(1 + q)².
     const RATIO: f64 = MAX_SPREAD * MAX_SPREAD;
     let (trace, determinant) = (moment.trace(), moment.determinant());
     let is_single = determinant * (1.0 + RATIO) * (1.0 + RATIO) < RATIO * trace * trace;

@@ -162,7 +162,7 @@ pub enum CalibrationError {
     OutOfRange {
         /// Name of the setting or reading that is out of its range.
         what: &'static str,
-        /// Value of the number.
+        /// The number that is out of its range.
         value: f64,
         /// Allowed values, as text.
         needed: &'static str,

@@ -167,7 +167,8 @@ fn stretching(angle: f64) -> f64 {
     }
 }
 
-/// Direction (unit vector) of a place on the skin, and the two axes of the apex after parallel transport to this place.
+/// Direction (unit vector) of a place on the skin, and the axes at this place: the x and y axes of the skin at the
+/// apex, parallel-transported along the meridian to the place.
 fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     let angle = libm::hypot(x, y);
     let [along_x, along_y] = if angle > 0.0 {

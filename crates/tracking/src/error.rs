@@ -26,7 +26,7 @@ pub enum TrackingError {
         /// Smallest allowed number of columns and of rows of a frame.
         least: u32,
     },
-    /// The frame is larger than the limit.
+    /// The frame has more columns or rows than the finder accepts.
     #[error("the frame has {width} by {height} px; at most {most} by {most} are accepted")]
     TooLarge {
         /// Number of columns of the frame.
@@ -59,7 +59,8 @@ pub enum TrackingError {
         /// Number of connected shapes that were examined.
         shapes: usize,
     },
-    /// The frame has more connected shapes than the limit. Either the frame is noisy, or it does not show a sensor.
+    /// The frame has more connected shapes than the finder accepts. Either the frame is noisy, or it does not show a
+    /// sensor.
     #[error("{shapes} shapes differ from the background; at most {most} are allowed")]
     TooMany {
         /// Number of connected shapes in the frame.

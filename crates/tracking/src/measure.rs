@@ -94,7 +94,7 @@ enum Contested {
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the error of `share` after [`shrink`] has reduced `share`.
+    /// Variance of the error that remains in `share` after [`shrink`] has reduced `share`.
     left: [f64; 3],
 }
 

@@ -183,8 +183,8 @@ fn one_frame_locates_the_camera() {
         let variance = estimate.covariance[3][3];
         assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // The limits of the rms ratio of error to standard error are wide, because only three frames are used, and the
-    // errors of a frame's seven parameters are correlated.
+    // The limits of the rms ratio of error to standard error are wide for two reasons: only three frames are used, and
+    // the errors of a frame's seven parameters are correlated.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }

@@ -174,8 +174,8 @@ fn grey_dust_and_blue_stains_are_no_markers() {
     errors(&find(&frame).markers, &truth, 8.0);
 }
 
-/// Name of the error with which the search for markers fails. If the search does not fail and all numbers of the
-/// markers are valid, the result is `found`.
+/// Name of the error of the search for markers; `found` if the search succeeds and all numbers of the markers are
+/// valid.
 fn name(frame: &RgbImage, mut finder: Finder) -> &'static str {
     match finder.find(frame) {
         Ok(found) => {
