@@ -233,9 +233,9 @@ pub(super) struct CameraReading {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedPress {
     frames: TrackCounts,
-    /// Mean tangential displacement of the markers within the contact, positive away from the marker with the largest
-    /// normal displacement. `null` if tangential displacements are not calibrated, or if only this marker was displaced
-    /// into the skin.
+    /// Mean tangential displacement of the markers that are displaced into the skin, weighted by their normal
+    /// displacements. It is positive away from the marker with the largest normal displacement. `null` if tangential
+    /// displacements are not calibrated, or if only this marker was displaced into the skin.
     outward_displacement: Option<Value>,
     #[serde(flatten)]
     object: PressReport,

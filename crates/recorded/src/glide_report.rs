@@ -99,8 +99,8 @@ pub struct GlideEstimate {
     pub(super) direction_of_max: [f64; 3],
     /// Shape index, from −1 (a cup) to 1 (a cap); `null` if the surface is flat.
     pub(super) shape_index: Option<f64>,
-    /// Class of the surface. If the contacts form a single stroke, or if no simple shape fits, it is `null`; so are
-    /// `sign_class` and the curvatures.
+    /// Class of the surface. `class`, `sign_class` and the curvatures are `null` if the contacts form a single stroke,
+    /// or if no simple shape fits.
     pub(super) class: Option<&'static str>,
     /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,

@@ -39,7 +39,9 @@ pub(super) struct NominalSensor<'a> {
     pub(super) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
     pixel_std: f64,
-    /// Change of each marker's image at rest that is due to uneven light and blur; empty if the sensor has neither.
+    /// Change of each marker's image at rest that is due to uneven light and blur: changes of both centroid coordinates
+    /// (px), of the hue (turns), and of the logarithm of the size. Empty if the sensor has neither uneven light nor
+    /// blur.
     blemished: Vec<[f64; 4]>,
 }
 

@@ -66,7 +66,8 @@ pub(super) struct PressNoise {
 pub struct PressReport {
     pub(super) format_version: u32,
     pub(super) method: &'static str,
-    /// Width parameter c of a Gaussian, given or calibrated; `null` for other methods.
+    /// Constant c of a Gaussian, given or calibrated: R = c σ²/δ, with the effective radius R, the width σ of the
+    /// Gaussian and the indentation δ. `null` for other methods.
     pub(super) c: Option<f64>,
     pub(super) markers: usize,
     pub(super) with_tangential: bool,

@@ -275,8 +275,8 @@ impl Field {
     }
 }
 
-/// A place on the skin as a point of the triangulation. Coordinates below 1e-30 are replaced by 0, because the
-/// triangulation rejects very small numbers.
+/// A place on the skin as a point of the triangulation. Coordinates with a magnitude below 1e-30 are replaced by 0,
+/// because the triangulation rejects very small numbers.
 fn site(place: [f64; 2]) -> Point2<f64> {
     let [x, y] = place.map(|one| if one.abs() < 1e-30 { 0.0 } else { one });
     Point2::new(x, y)

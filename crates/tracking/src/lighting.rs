@@ -237,8 +237,9 @@ impl Lighting {
 }
 
 /// Standard deviation of the noise of a pixel in one colour, in levels (0 to 255). It is computed from the median
-/// colour difference between neighbouring background bins. If the noise of the three colours is independent and
-/// normally distributed, this median is 1.5382 √2 times the standard deviation of one colour of a bin.
+/// colour difference between neighbouring background bins; a colour difference is the root of the summed squared
+/// differences of red, green and blue. If the noise of the three colours is independent and normally distributed, this
+/// median is 1.5382 √2 times the standard deviation of one colour of a bin.
 fn noise(binned: &BinnedFrame, ground: &[bool]) -> f64 {
     let mut differences: Vec<i32> = Vec::new();
     let rows = binned

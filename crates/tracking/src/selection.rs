@@ -181,8 +181,8 @@ fn push_pixel(runs: &mut Vec<Run>, row: usize, column: usize) {
     }
 }
 
-/// Assigns every pixel of the shape to the nearest piece. The compared distance is that from the middle of a piece,
-/// divided by the piece's radius.
+/// Assigns every pixel of the shape to the nearest piece. For this comparison, the distance from the middle of a piece
+/// is divided by the piece's radius.
 fn assign_pixels(shape: &Shape, pieces: &[Shape]) -> Vec<Shape> {
     let middles: Vec<([f64; 2], f64)> = pieces
         .iter()
