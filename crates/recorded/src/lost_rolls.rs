@@ -69,9 +69,9 @@ impl RollRecording {
             probe: self.probe(roll),
             row: self.rows.get(roll).map(|row| row + 1),
             reason: match loss {
-                Loss::Far => "lost reading, the shift is more than half way round the probe",
+                Loss::Far => "lost reading, the contact's shift is more than half way round the probe",
                 Loss::Zero => {
-                    "lost reading, the shift is 0 but other rolls show that the contact moved"
+                    "lost reading, the contact's shift is 0, but other rolls show that the contact moved"
                 }
             },
         });
