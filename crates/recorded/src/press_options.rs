@@ -27,8 +27,8 @@ pub struct PressOptions {
     #[serde(rename = "depth")]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub marker_depth: Option<f64>,
-    /// Model of the sensor's soft body. It is part of the estimator's settings. The setting `c` of a Gaussian (in R = c
-    /// σ²/δ, with the effective radius R, the width σ and the indentation δ) is calibrated with this model.
+    /// Model of the sensor's soft body. It is part of the estimator's settings. The setting `c` of a Gaussian is
+    /// calibrated with this model (R = c σ²/δ, with the effective radius R, the width σ and the indentation δ).
     #[serde(skip)]
     pub model: PressModelConfig,
     /// The estimator. Its own setting `indentation`, which is for the presses of a study, is replaced by

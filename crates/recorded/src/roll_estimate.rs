@@ -50,8 +50,8 @@ pub struct RollEstimate {
     pub(super) options: RollOptions,
     pub(super) unit: LengthUnit,
     pub(super) estimate: Estimate,
-    /// Covariance of three curvatures: the normal curvatures along u and v, and the twist. It is computed from the
-    /// stated noise or from the residuals; `None` if neither is possible.
+    /// Covariance of the normal curvatures along u and v and of the twist k_uv (all in 1/length). It is computed from
+    /// the stated noise or from the residuals; `None` if neither is possible.
     covariance: Option<[[f64; 3]; 3]>,
     residual: f64,
     /// Degrees of freedom of the residuals from which the noise was estimated; `None` if it was not estimated.

@@ -159,7 +159,7 @@ pub(super) fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
     pairs.join(",")
 }
 
-/// Rotation vector of a roll, and the shift of its contact.
+/// Rotation vector of a roll (rad), and the shift of the contact on the probe (length).
 pub(super) type Turned = (Vector3<f64>, [f64; 2]);
 
 /// Two limits for readings that count as rolls. `MAX_SPIN` is the largest ratio of the rotation about the normal to the
