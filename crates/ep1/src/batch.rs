@@ -33,7 +33,7 @@ pub struct Moments {
     /// rotation vector, turned by 90° into the direction of rolling. `d = Δp − R₁ g` is the deviation of its shift `Δp`
     /// from the shift on a plane.
     pub(crate) deviations: [f64; 3],
-    /// Sum of the magnitudes of the shifts (length).
+    /// Sum over the probes of the magnitude of the contact's shift (length).
     pub(crate) lengths: f64,
 }
 
@@ -82,7 +82,8 @@ impl Moments {
         self.add_shifts(&rotation, [reading.shift.x, reading.shift.y]);
     }
 
-    /// Adds the reading of a probe to the sums: its rotation, and its shifts along u and v (length).
+    /// Adds the reading of a probe to the sums. The reading consists of the probe's rotation and of the contact's
+    /// shifts along u and v (length).
     #[inline(always)]
     pub fn add_shifts(&mut self, rotation: &ProbeRotation, [p1, p2]: [f64; 2]) {
         let ([g1, g2], [flat1, flat2]) = (rotation.drive, rotation.flat);
@@ -130,8 +131,9 @@ impl BatchMoments {
 /// Estimates from up to [`BATCH_SIZE`] sets of readings.
 #[derive(Clone, Debug)]
 pub struct BatchEstimates {
-    /// For each set of readings: normal curvature along u and along v, Gaussian curvature and mean curvature, as in
-    /// [`Estimate`](crate::Estimate), and the mean length of the shifts.
+    /// Five values for each set of readings. The first four are the curvatures of an [`Estimate`](crate::Estimate):
+    /// normal curvature along u, normal curvature along v, Gaussian curvature and mean curvature. The fifth is the mean
+    /// length of the contacts' shifts.
     pub values: [[f64; BATCH_SIZE]; 5],
     /// Standard errors of the four curvatures; only valid if `have_stds` is true.
     pub stds: [[f64; BATCH_SIZE]; 4],
@@ -174,8 +176,8 @@ impl BatchEstimates {
         }
     }
 
-    /// Number of sets of readings before the first set that does not determine a curvature. Sets from the index `count`
-    /// on are ignored.
+    /// Index of the first set of readings that does not determine a curvature; `count` if the first `count` sets all
+    /// determine one.
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];

@@ -5,8 +5,9 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::rolled_path::drive_of;
 use crate::{PadCell, RollSample, SeriesNoise};
 
-/// A straight line is fitted to the measured rotations near a change of the active pad. This constant is the rotation
-/// over half of the line, divided by the standard deviation of a measured rotation.
+/// A straight line is fitted to the measured rotations near a change of the active pad, to average their noise. This
+/// constant determines the length of the line. It is the rotation over half of the line, divided by the standard
+/// deviation of a measured rotation.
 const REACH: f64 = 7.0;
 /// Largest number of samples in half of the straight line that is fitted to the measured rotations near a change of the
 /// active pad.
@@ -33,7 +34,7 @@ pub(crate) struct Run {
     pub(crate) centre: Vector2<f64>,
 }
 
-/// A crossing: the contact passes a pad edge, which lies on the line `normal · place = offset`.
+/// A crossing: the contact moves over a pad edge. The edge lies on the line `normal · place = offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     pub(crate) normal: Vector2<f64>,
@@ -46,8 +47,8 @@ pub(crate) struct Crossing {
     pub(crate) std: f64,
 }
 
-/// Removes the runs (successive samples on one pad) between a change of the active pad and the change back. While two
-/// pads are active alternately, the active pad does not locate the contact.
+/// A run consists of successive samples on one pad. If the active pad changes and changes back, the runs in between are
+/// removed. While two pads are active alternately, the active pad does not locate the contact.
 pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
     let mut kept = Vec::with_capacity(all.len());
     let mut at = 0;
@@ -112,8 +113,8 @@ pub(crate) fn crossings(
 }
 
 /// The rotation vector at the change from the pad of the run `before` to the pad of the run `after`. A run consists of
-/// successive samples on one pad. The second result is the standard deviation of this vector, turned by 90°, in the
-/// direction `across`.
+/// successive samples on one pad. The second result is a standard deviation (rad): turn the rotation vector by 90° into
+/// the direction of rolling, and take its component along `across`.
 ///
 /// The active pad changes between two samples, so the time of the change is uncertain by one sampling interval. A
 /// straight line is fitted to the measured rotations near the change, to average their noise. The result is the value
@@ -154,8 +155,8 @@ fn rotation_at_change(
         change = slope * (high.time_s - low.time_s);
         variance = std * std * (1.0 / count + time * time / square);
     }
-    // If the path is nearly parallel to the edge, the contact crosses the edge slowly. Then the uncertain direction of
-    // the path limits the accuracy of the crossing.
+    // If the path is nearly parallel to the edge, `change` has nearly no component across the edge. Then the uncertain
+    // direction of the path limits the accuracy of the crossing, so the width has a lower limit.
     let change = drive_of(&change);
     let width = libm::hypot(change.dot(across), MIN_WIDTH * change.norm());
     (rotation, (variance + width * width / 12.0).sqrt())

@@ -37,7 +37,8 @@ pub enum Ep1Error {
         Number::rounded(*share)
     )]
     NoisyRotations {
-        /// Variance of the errors of the measured rotations, divided by the mean squared rotation.
+        /// Variance of the errors of the measured rotations, divided by the mean squared rotation, in the direction in
+        /// which this ratio is largest.
         share: f64,
     },
     /// The contact did not move in some direction, because the object is too sharp for the resolution of the readings.
@@ -69,7 +70,7 @@ pub enum Ep1Error {
         /// Index of the probe, counted from 0.
         probe: usize,
     },
-    /// A number in the readings is too large or too small for double precision, or a computed result is.
+    /// A number in the readings, or a result computed from them, is too large or too small for double precision.
     #[error("the readings are too large or too small for double precision")]
     OutOfRange,
 }

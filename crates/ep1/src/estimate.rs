@@ -43,8 +43,8 @@ pub struct Estimate {
     /// Mean length of the shifts of the contact, in the length unit of the readings.
     pub arc_length: f64,
     pub(crate) probe_curvature: f64,
-    /// Mobility: the distance (length) that the contact moves on the probe per radian. It is `(K₁ + K₂)⁻¹`, where K₁
-    /// and K₂ are the curvature forms of probe and object.
+    /// Mobility: the distance (length) that the contact moves on the probe per radian of the probe's rotation. It is
+    /// `(K₁ + K₂)⁻¹`, where K₁ and K₂ are the curvature forms of probe and object.
     pub(crate) mobility: Matrix2<f64>,
 }
 

@@ -14,7 +14,7 @@ use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 use crate::PadCell;
 
 /// Numbers of nodes of successive numerical integrals over the set of possible mobilities (contact travels per radian).
-/// The mean and the covariance from each integral are the first guess for the next one.
+/// Each integral returns the mean and the covariance of the mobility. They are the first guess for the next integral.
 const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
 /// The result of a numerical integral is accepted only if the effective number of nodes exceeds this share of the
 /// number of all nodes. For the weights w of the nodes, the effective number is (Σ w)² / Σ w².
@@ -24,18 +24,19 @@ const BLOCK: usize = 32;
 /// Largest number of nodes of a numerical integral over the set of possible mobilities (contact travels per radian).
 /// The nodes are computed once and stored.
 const MOST_NODES: usize = 2048;
-/// Standard deviation of the integration nodes, relative to the standard deviation of the mobility (contact travel per
-/// radian).
+/// The nodes of a numerical integral are normally distributed values of the mobility (contact travel per radian). This
+/// constant is their standard deviation, divided by the standard deviation of the mobility.
 const NODE_WIDTH: f64 = 1.3;
-/// Largest distance of an integration node from the mean of all nodes, in standard deviations of the nodes.
+/// Largest distance of an integration node from the mean of all nodes, divided by the standard deviation of the nodes.
+/// The nodes are normally distributed points at which an integrand is computed.
 const NODE_RADIUS: f64 = 5.8;
 /// Largest considered change of a component of the mobility (contact travel per radian), in radii of the probe. If
 /// mobilities with this change are possible, the set of possible mobilities counts as open, that is, as unbounded.
 pub(crate) const OPEN: f64 = 16.0;
 /// A point violates a bound (row) only if it is beyond the bound by more than this distance, in radii of the probe.
 const TOLERANCE: f64 = 1e-12;
-/// The start of a roll may violate the bounds of the roll by this distance, in radii of the probe. The distance is
-/// larger than the rounding errors of the bounds.
+/// The start of a roll may violate the bounds of the roll by this distance, in radii of the probe. This tolerance is
+/// larger than the rounding errors of the bounds, so that rounding excludes no possible start.
 const START_TOLERANCE: f64 = 1e-9;
 /// Largest number of steps of the simplex method, and largest number of rounds in which bounds are added to a linear
 /// program.
@@ -68,7 +69,7 @@ pub(crate) struct RollRows {
     pub(crate) is_start_known: bool,
 }
 
-/// The corner of the polyhedron of all bounds that is furthest in a direction.
+/// The corner that is furthest in a direction, among the corners of the polyhedron that all bounds enclose.
 struct Corner {
     point: Vector3<f64>,
     /// For each of the three bounds (rows) through the corner: its index (`None` for a side of the bounding box), and
@@ -156,9 +157,9 @@ fn furthest(rows: &[Row], direction: &Vector3<f64>, numbers: &mut Basis) -> Opti
     None
 }
 
-/// The change of the mobility (contact travel per radian) that is furthest in `direction` and agrees with all rolls.
-/// The second result contains the changes of the rolls' starts for this change of the mobility. `None` if no change
-/// agrees with all rolls.
+/// Among the changes of the mobility (contact travel per radian) that agree with all rolls, returns the change that is
+/// furthest in `direction`. The second result contains the changes of the rolls' starts that belong to this change.
+/// `None` if no change agrees with all rolls.
 pub(crate) fn furthest_change(
     rolls: &[RollRows],
     direction: &Vector3<f64>,
@@ -205,16 +206,16 @@ pub(crate) fn furthest_change(
     None
 }
 
-/// A bound, divided by the length of its normal `form`.
+/// The bound `form · β ≤ slack`, with both sides divided by the length of the vector `form`.
 fn scaled(form: Vector3<f64>, slack: f64) -> Row {
     let scale = 1.0 / form.norm().max(1e-12);
     (form * scale, slack * scale)
 }
 
 impl RollRows {
-    /// Finds the start of the roll at which the largest violation of the roll's bounds is smallest. `point` is the
-    /// change of the mobility (contact travel per radian). The first two coordinates of the resulting corner are the
-    /// start; the third coordinate is the violation.
+    /// Finds the start of the roll that violates the bounds of the roll least: it minimises the largest violation.
+    /// `point` is the change of the mobility (contact travel per radian). The first two coordinates of the resulting
+    /// corner are the start; the third coordinate is the violation.
     fn start(
         &self,
         point: &Vector3<f64>,
@@ -245,7 +246,7 @@ impl RollRows {
     }
 
     /// Converts the bounds of the roll to bounds of the mobility alone, in the order of the pads' edges. `response` is
-    /// the derivative of the roll's start with respect to the mobility.
+    /// the derivative of the roll's start with respect to the mobility (contact travel per radian).
     ///
     /// The normals of a roll's bounds differ slightly from the normals of the pads' edges. In the term with this small
     /// difference, the likeliest start replaces the unknown start.
@@ -410,8 +411,8 @@ fn multiply_areas(
     }
 }
 
-/// Area of the hexagon of all places that fulfil six bounds `normal · place ≤ slack`. The normals are those of a
-/// regular hexagon, so each normal is the sum of its two neighbours.
+/// Area of a hexagon: the set of all places that fulfil six bounds `normal · place ≤ slack`. The normals are the unit
+/// normals of a regular hexagon, so each normal is the sum of its two neighbours.
 fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
     let beside = |slacks: &[f64; 6], edge: usize| slacks[(edge + 1) % 6] + slacks[(edge + 5) % 6];
     for edge in (0..12).map(|edge| edge % 6) {
@@ -428,8 +429,8 @@ fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
         .max(0.0)
 }
 
-/// An integration node: a normally distributed point from a low-discrepancy sequence. Its weight is proportional to the
-/// inverse of the normal density at the point.
+/// A node of a numerical integral: a normally distributed point from a low-discrepancy sequence. The density of the
+/// points is normal, so each weight is proportional to the inverse of the normal density at the point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) node: Vector3<f64>,

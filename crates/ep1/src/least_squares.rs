@@ -29,8 +29,9 @@ use crate::{
 };
 
 /// Largest allowed ratio of the error variance of the measured rotations to the mean squared rotation, in any
-/// direction. For a simulated scene, the true rotations are tested. The test is then stricter, because errors would
-/// increase the mean square of measured rotations.
+/// direction. For a simulated scene, the ratio is computed with the true rotations. It is then larger than with
+/// measured rotations, because errors would increase the mean square of measured rotations. Therefore the limit is
+/// stricter for simulated scenes.
 const MAX_NOISE_SHARE: f64 = 0.5;
 
 /// A least-squares fit for given rotations of the probes. The fit is prepared once, because only the rotations
@@ -160,7 +161,7 @@ impl LeastSquares {
         Self::fitted(radius, noise, readings).map(|(_, estimate)| estimate)
     }
 
-    /// The fit for recorded readings of probes of `radius`, and the estimate from these readings.
+    /// Two results for recorded readings of probes of `radius`: the prepared fit, and the estimate from these readings.
     ///
     /// # Errors
     /// Errors of [`LeastSquares::of`].
@@ -273,8 +274,8 @@ impl LeastSquares {
         estimates.determined(count)
     }
 
-    /// The error for a contact that did not move, or that moved backwards, in some direction. `travel` is the movement
-    /// of the contact, divided by its movement on a plane.
+    /// The error for a contact that did not move, or that moved backwards, in some direction. `travel` is a matrix: the
+    /// contact's travel per radian, divided by its travel per radian on a plane.
     #[cold]
     fn not_moving(&self, travel: &Symmetric) -> Ep1Error {
         let matrix = travel.matrix();

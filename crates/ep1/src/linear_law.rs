@@ -5,8 +5,8 @@ use crate::batch::BATCH_SIZE;
 use crate::symmetric::{Symmetric, Symmetric3};
 use crate::{BatchEstimates, BatchMoments, Moments};
 
-/// Smallest distance that a contact must move, relative to the distance that it would move on a plane. A shorter
-/// movement may be only a rounding error.
+/// A contact counts as moving only if it moves at least this share of the distance that it would move on a plane. A
+/// shorter movement may be only a rounding error.
 pub(crate) const MIN_TRAVEL: f64 = 1e-12;
 
 /// Standard deviation of the rounding errors in the entries of `K₁ B`, which come from the last digits of the readings
@@ -33,7 +33,8 @@ pub(crate) struct Law {
     pub(crate) from_shifts: Symmetric3,
     /// Contributions of the rotation noise to the covariance of the entries of `K₁ B`, where K₁ is the probe's
     /// curvature and B the mobility (contact travel per radian). There is one matrix for each of the entries `uu`, `vv`
-    /// and `uv` of `(K₁ B)²`. The contribution is the sum of these matrices, each multiplied by its entry.
+    /// and `uv` of `(K₁ B)²`. The contribution is the sum of the three matrices, each multiplied by the entry to which
+    /// it belongs.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
@@ -204,7 +205,7 @@ fn root(variance: f64) -> f64 {
     variance.sqrt()
 }
 
-/// The result of a fit. It is valid only if `moved` and `in_range` are true.
+/// The result of a fit. The curvatures and standard errors are valid only if `moved` and `in_range` are true.
 pub(crate) struct Solution {
     /// Travel of the contact per radian (mobility B), divided by its travel on a plane: `K₁ B` with the probe's
     /// curvature K₁.

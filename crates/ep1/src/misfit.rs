@@ -18,14 +18,14 @@ const MOBILITY_ENTRIES: usize = 3;
 /// Number of fitted parameters: the entries of the mobility `B` (contact travel per radian), and the two components of
 /// the error of the first contact, which all probes on pads share.
 const UNKNOWNS: usize = 5;
-/// Smallest noise that is estimated from residuals, relative to the longest shift. Smaller residuals may be rounding
-/// errors.
+/// Smallest standard deviation of the noise that is estimated from residuals, divided by the length of the longest
+/// shift. Smaller residuals may be rounding errors.
 const MIN_NOISE: f64 = 1e-3;
 /// A diagonal entry of a Cholesky factor counts as zero below this value, because it may be only a rounding error. The
 /// readings then do not determine a parameter, or a residual has no noise in some direction.
 const SINGULAR: f64 = 1e-10;
-/// Significance level of a poor fit. Four probes have only five degrees of freedom. Therefore, at a level of 0.005, the
-/// test would often miss a noise that is three times the stated noise.
+/// Significance level of a poor fit. The level must not be much smaller: four probes have only five degrees of freedom,
+/// so at a level of 0.005 the test would often miss noise of three times the stated standard deviation.
 const POOR_FIT_LEVEL: f64 = 0.02;
 /// Significance level for residuals that are too small for the stated noise.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
@@ -86,8 +86,8 @@ impl Estimate {
         }
         let tested = match is_stated {
             true => noise,
-            // Without a stated noise, the test compares residuals only with each other. Then any value of the noise
-            // gives the same result.
+            // If no noise is stated, the test compares residuals only with each other. The size of the noise does not
+            // affect this comparison, so use any value.
             false => ReadingNoise {
                 shift_std: residual,
                 ..noise
@@ -159,8 +159,8 @@ impl<'r> Refit<'r> {
             chi_squared: 0.0,
             freedom: 0,
         };
-        // At the first contact, the rounding error of the pads is uniformly distributed over one pad. Without pads, it
-        // is zero.
+        // Pads report the centre of the active pad instead of the contact. At the first contact, this rounding error is
+        // uniformly distributed over one pad. Without pads, it is zero.
         let start = noise.shift_resolution * estimate.probe_curvature / (12.0_f64.sqrt() * least);
         let per_start = start.max(SINGULAR).powi(-2);
         let mut information = Unknowns::zeros();

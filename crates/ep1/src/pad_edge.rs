@@ -20,8 +20,8 @@ const PASSES: usize = 8;
 const CONVERGED: f64 = 0.03;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
-/// Limit on the relative standard deviation of the mobility (contact travel per radian). If the standard deviation,
-/// divided by the mobility, is at most this value, the set of possible mobilities is assumed to be bounded.
+/// The set of possible mobilities (contact travels per radian) is assumed to be bounded if the standard deviation of
+/// the mobility, divided by the mobility, is at most this value.
 const MAX_SPREAD: f64 = 0.03;
 /// The distribution of the mobility (contact travel per radian) counts as normal if all possible mobilities are close
 /// to the mean. This constant is the largest accepted deviation from the mean, relative to the mean.
@@ -32,13 +32,14 @@ const STD_OF_HALF_WIDTH: f64 = 0.4;
 /// The bounds are linearised repeatedly at the middle of the set of possible mobilities (contact travels per radian).
 /// This constant is the largest number of these linearisations.
 const CENTRES: usize = 5;
-/// If the contact could not roll after a change of the mobility (contact travel per radian), the change is halved, at
-/// most this number of times.
+/// If a contact with a changed mobility (contact travel per radian) could not roll, the change is halved, at most this
+/// number of times.
 const MAX_HALVINGS: usize = 60;
-/// Distances, in radii of the probe, by which the linear bounds are widened if no mobility fulfils them.
+/// If no mobility (contact travel per radian) fulfils the linear bounds of the contact's positions, the bounds are
+/// widened by these distances one after the other. The distances are in radii of the probe.
 const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
-/// Largest error of a computed path of the contact, divided by the mean rotation between two samples. The error arises
-/// because the path bends between two computed points.
+/// Largest error of a computed path of the contact (in radii of the probe), divided by the mean rotation between two
+/// samples (rad). The error arises because the path bends between two computed points.
 const PATH_ERROR: f64 = 2e-3;
 
 /// A roll whose active pads bound the position of the contact.
@@ -125,7 +126,8 @@ pub(crate) struct PadEdgeSet {
     centre: Matrix2<f64>,
     /// The bounds of the mobility, linearised at the centre of the set.
     rows: Vec<RollRows>,
-    /// Mean of the mobility over the set, minus the mobility at the centre: entries uu, uv, vv.
+    /// Mean of the mobility (contact travel per radian) over the set, minus the mobility at the centre: the entries uu,
+    /// uv, vv of this difference.
     mean: Vector3<f64>,
     pub(crate) covariance: Matrix3<f64>,
     deviations: OnceLock<Option<[f64; 2]>>,
@@ -134,7 +136,7 @@ pub(crate) struct PadEdgeSet {
 
 impl PadEdgeSet {
     /// Computes the set from bounds that are linearised first at `shape` and at the starts of the rolls. `covariance`
-    /// is a first guess of the covariance of the mobility. `None` if the set is empty.
+    /// is a first guess of the covariance of the mobility (contact travel per radian). `None` if the set is empty.
     pub(crate) fn new(
         cell: &PadCell,
         rolls: Vec<BoundedRoll>,
@@ -162,8 +164,8 @@ impl PadEdgeSet {
             let found = middle(&set.rows);
             let is_found = found.is_some();
             // The linear bounds are approximations at the current mobility (contact travel per radian). If this
-            // mobility is far from all possible mobilities, perhaps no mobility fulfils the bounds. Then a step with
-            // wider bounds leads towards the possible mobilities.
+            // mobility is far from all possible mobilities, perhaps no mobility fulfils the bounds. In this case, widen
+            // the bounds: a step with the wider bounds leads towards the possible mobilities.
             let wider = |widening: &f64| {
                 let mut wider = set.rows.clone();
                 let rows = wider.iter_mut().flat_map(|roll| &mut roll.rows);
@@ -211,7 +213,8 @@ impl PadEdgeSet {
         }
     }
 
-    /// The change of the mobility, halved as often as necessary until the contact rolls with the changed mobility.
+    /// The change of the mobility (contact travel per radian), halved until the contact can roll with the changed
+    /// mobility.
     fn rolling(&self, change: Vector3<f64>) -> Vector3<f64> {
         let changes = std::iter::successors(Some(change), |change| Some(change * 0.5));
         let mut rolling = changes
@@ -237,8 +240,8 @@ impl PadEdgeSet {
         Some(())
     }
 
-    /// Whether the set of possible mobilities is open, that is, the readings do not limit the mobility in some
-    /// direction.
+    /// Whether the set of possible mobilities (contact travels per radian) is open, that is, whether the readings do
+    /// not limit the mobility in some direction.
     pub(crate) fn is_open(&self) -> bool {
         let direction = Vector3::new(1.0, 0.0, 1.0);
         let end = furthest_change(&self.rows, &direction, &mut Programs::default());
@@ -276,8 +279,8 @@ impl PadEdgeSet {
         self.centre + matrix(&self.mean)
     }
 
-    /// The bounds of all rolls, linearised at the shape `shape` and at the starts `starts`. `None` if the measured
-    /// rotations cannot roll the contact over this shape.
+    /// The bounds of all rolls, linearised at the shape `shape` and at the starts `starts`. `None` if a contact on this
+    /// shape cannot follow the measured rotations.
     fn linearised(&self, shape: &LocalShape, starts: &[Vector2<f64>]) -> Option<Vec<RollRows>> {
         let normals: Vec<_> = self.cell.normals().collect();
         let mut path = Vec::new();
@@ -305,10 +308,10 @@ impl PadEdgeSet {
         Some(all)
     }
 
-    /// Largest value of `direction · β` over the set of possible mobilities (contact travels per radian). β is the
-    /// difference of a mobility from the centre of the set. Each step linearises the bounds at the last maximum and
-    /// maximises again, until the value changes by less than [`CONVERGED`]. Then the expected next change is added.
-    /// `None` if the set is unbounded in this direction.
+    /// Largest value of `direction · β` over the set of possible mobilities (contact travels per radian), where β is a
+    /// mobility of the set minus the mobility at the centre of the set. Each step linearises the bounds at the last
+    /// maximum and maximises again, until the value changes by less than [`CONVERGED`]. Then the expected next change
+    /// is added. `None` if the set is unbounded in this direction.
     fn furthest(&self, direction: &Vector3<f64>, programs: &mut Programs) -> Option<f64> {
         let mean = direction.dot(&self.mean);
         let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;
@@ -345,9 +348,9 @@ impl PadEdgeSet {
         Some(largest)
     }
 
-    /// Bounds of the smallest and the largest eigenvalue of A δ over the set of possible mobilities. δ is the
-    /// difference of a mobility from the mean mobility, and A is the inverse of the mean mobility. `None` if the set is
-    /// unbounded.
+    /// Bounds of the smallest and the largest eigenvalue of A δ over the set of possible mobilities. Mobility is the
+    /// contact's travel per radian. δ is a mobility of the set minus the mean mobility, and A is the inverse of the
+    /// mean mobility. `None` if the set is unbounded.
     pub(crate) fn deviations(&self) -> Option<[f64; 2]> {
         *self.deviations.get_or_init(|| {
             let root = self.mobility().try_inverse()?.cholesky()?.unpack();
@@ -375,8 +378,8 @@ impl PadEdgeSet {
     /// The smallest and the largest value of a curvature over the set of possible mobilities, in units of the probe's
     /// curvature. An end is `None` if the curvature has no bound there. `quantity` must not be a principal curvature.
     ///
-    /// The curvature is a linear function of the mobility plus a remainder. The [deviations](Self::deviations) of the
-    /// mobility bound this remainder.
+    /// The curvature is a linear function of the mobility (contact travel per radian) plus a remainder. The
+    /// [deviations](Self::deviations) of the mobility from its mean limit this remainder.
     pub(crate) fn ends(&self, quantity: Quantity) -> [Option<f64>; 2] {
         self.ends_by(quantity, &mut Programs::default())
     }
@@ -388,9 +391,10 @@ impl PadEdgeSet {
         let square = relative * relative;
         let (trace, determinant) = (relative.trace(), relative.determinant());
         let deviations = self.deviations().filter(|ends| ends[0] > -1.0);
-        // Upper bounds of the nonlinear remainders of the mobility's inverse and of its determinant. Both remainders
-        // are convex functions of the mobility's deviations from the mean, so they are largest at an end of the range
-        // of deviations.
+        // The inverse of the mobility (contact travel per radian), and the determinant of this inverse, are linear
+        // functions of the mobility plus a remainder. Compute upper bounds of both remainders. They are convex
+        // functions of the deviation of the mobility from its mean, so each is largest at an end of the range of
+        // deviations.
         let inverse = deviations.map(|ends| ends.map(|e| e * e / (1.0 + e)));
         let inverse = inverse.map_or(f64::INFINITY, |[low, high]| low.max(high));
         let product =
@@ -448,8 +452,8 @@ impl PadEdgeSet {
             let step = std::f64::consts::PI / DIRECTIONS as f64;
             let mut programs = Programs::default();
             // For each direction: the normal curvature at the mean mobility (contact travel per radian), and the
-            // smallest and the largest difference from it over all possible mobilities. The principal directions of the
-            // mean are among these directions.
+            // smallest and the largest difference of the normal curvature from this value over all possible mobilities.
+            // The directions include the principal directions of the curvature at the mean mobility.
             let all: Vec<[f64; 3]> = (0..DIRECTIONS)
                 .map(|at| {
                     let angle_rad = first + step * at as f64;

@@ -13,7 +13,8 @@ pub struct ProbeReading {
     pub shift: Vector2<f64>,
 }
 
-/// Position on a pad at which the rolls start. It determines which errors the rolls share.
+/// Position on a pad at which the rolls start. Pads round the contact to the centre of a pad. The start determines
+/// which of these rounding errors are equal in several rolls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PadStart {
     /// Each roll starts at its own random place, so the errors of different rolls are independent.
@@ -48,8 +49,9 @@ pub struct ReadingNoise {
 }
 
 impl ReadingNoise {
-    /// Noise of pads with this pitch (length). The position error at the last contact is uniform over a pad. The error
-    /// at the first contact is uniform too, unless rolls start at the centre of a pad.
+    /// Noise of pads with the pitch `pitch` (length). Pads report the centre of the active pad, so the position error
+    /// at the last contact is uniform over a pad. The error at the first contact is uniform too, unless rolls start at
+    /// the centre of a pad.
     ///
     /// ```
     /// use palpate_ep1::{PadStart, ReadingNoise};
@@ -83,10 +85,10 @@ impl ReadingNoise {
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// Covariance of the right-hand side of the normal equations, if the shift errors have variance 1 and different
-    /// rolls share errors of the pads. It is the sum `Σ A₁ᵀ C A₂` over all pairs of rolls. A₁ and A₂ are the matrices
-    /// of the two rolls' equations for the curvature, and C contains the correlations between their shift errors.
-    /// `None` if each roll starts at its own place, because the errors are then independent.
+    /// Covariance of the right-hand side of the normal equations, for shift errors with variance 1 that are correlated
+    /// between rolls because of the pads. It is the sum `Σ A₁ᵀ C A₂` over all pairs of rolls. A₁ and A₂ are the
+    /// matrices of the two rolls' equations for the curvature, and C contains the correlations between their shift
+    /// errors. `None` if each roll starts at its own place, because the errors are then independent.
     ///
     /// The contact is rounded to the centre of a pad, so its error is uniform over the pad. If the ends of two rolls
     /// differ by a fraction f of a pad, their errors have the correlation 1 − 6 f (1 − f). This formula is used only

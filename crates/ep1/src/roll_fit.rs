@@ -21,10 +21,10 @@ const MAX_STEPS: usize = 25;
 /// A fit ends if Newton's decrement is below this value. The decrement is the squared distance of the estimate from the
 /// minimum, in units of the standard errors.
 const DECREMENT: f64 = 1e-6;
-/// A fit with this tolerance or a larger one only provides a first guess. Its result is accepted even if the fit did
-/// not converge.
+/// If the tolerance of a fit is at least this value, the fit only provides a first guess. Its result is then accepted
+/// even if the fit did not converge.
 const ROUGH: f64 = 1e-4;
-/// Change of an unknown with which derivatives are computed as finite differences.
+/// Derivatives are computed as finite differences. For this, an unknown is changed by this value.
 const STEP: f64 = 1e-6;
 /// A fit also ends if the largest change of an unknown is below this value, but above half of the largest change in the
 /// step before. Further steps would then hardly improve the fit.
@@ -32,10 +32,11 @@ const SETTLED: f64 = 1e-5;
 /// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard
 /// deviation of the start. This distance is a little more than half a pad.
 const MAX_START: f64 = 2.2;
-/// If a step of a fit is longer than this fraction of the previous step, the next steps are halved.
+/// A step of a fit is its largest change of an unknown. If the ratio of a step to the previous step exceeds this value,
+/// the steps seem to alternate between two points, and the next steps are halved.
 const ALTERNATING: f64 = 0.8;
-/// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value,
-/// rounding errors would hide the effect of the errors that all samples of a roll share.
+/// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. All samples of a roll share
+/// a rotation error. With a smaller standard deviation, rounding errors would hide the effect of this shared error.
 const MIN_STD: f64 = 1e-5;
 
 /// One reading of a roll.
@@ -55,7 +56,7 @@ pub(crate) struct RollData {
     pub(crate) is_start_known: bool,
     /// Contact point at the start of the roll, or a first guess of it.
     pub(crate) start: Vector2<f64>,
-    /// Standard deviation of the first guess `start`; infinite if the guess has no weight.
+    /// Standard deviation of the first guess `start`, in radii of the probe; infinite if the fit must ignore the guess.
     pub(crate) start_std: f64,
     /// Rotations of the probe at the observations.
     pub(crate) rotations: RollRotations,
@@ -77,12 +78,13 @@ pub(crate) struct FitNoise {
     /// Whether the fit estimates the noise from its residuals: the noise of contact points, and the relative error that
     /// all rotations of a roll have in common.
     pub(crate) is_estimated: bool,
-    /// Smallest variance of a contact point that is estimated from residuals.
+    /// If the variance of a contact point is estimated from residuals, it is at least this value (in squared radii of
+    /// the probe).
     pub(crate) min_variance: f64,
 }
 
-/// The state and the normal equations of one roll after elimination of its own unknowns: its start and the error of its
-/// rotation.
+/// The state and the normal equations of one roll. Two unknowns of the roll itself, its start and the error of its
+/// rotation, are eliminated from the equations.
 #[derive(Clone, Debug)]
 pub(crate) struct RollFit<const N: usize> {
     pub(crate) start: Vector2<f64>,
@@ -96,7 +98,8 @@ pub(crate) struct RollFit<const N: usize> {
     pub(crate) freedom: usize,
     shared: SharedError<N>,
     step: Vector4<f64>,
-    /// Derivatives of the roll's own unknowns with respect to the coefficients of the shape.
+    /// Derivatives of the roll's own unknowns (two components of its start, two of its rotation error) with respect to
+    /// the coefficients of the shape.
     response: SMatrix<f64, 4, N>,
     /// Position of the last contact on the object, in the frame that is carried along the path.
     pub(crate) end: Vector2<f64>,
@@ -138,13 +141,14 @@ impl<const N: usize> RollFit<N> {
         }
     }
 
-    /// Derivatives of the roll's start with respect to the mobility.
+    /// Derivatives of the roll's start with respect to the entries uu, uv, vv of the mobility (contact travel per
+    /// radian).
     pub(crate) fn start_response(&self) -> Matrix2x3<f64> {
         self.response.fixed_view::<2, 3>(0, 0).into_owned()
     }
 
-    /// Paths of the contact, each after a small change of one unknown. The unknowns are the entries of the curvature
-    /// form or mobility, and the components of the roll's rotation error.
+    /// Paths of the contact. For each path, one unknown is changed a little. The unknowns are three entries of the
+    /// curvature form or of the mobility (contact travel per radian), and two components of the roll's rotation error.
     ///
     /// The rotation error and the mobility change the path in nearly the same way. Therefore the small difference
     /// between the two changes must be exact. Other derivatives are correct only to first order in the curvature of the
@@ -208,8 +212,8 @@ impl<const N: usize> RollFit<N> {
                             + crossing.gap * crossing.gap / 12.0;
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
-                    // Errors of measured rotations bias the estimate, but the error of a single crossing is so small
-                    // that its bias is negligible. So it is not corrected.
+                    // Errors of measured rotations bias the estimate. At a crossing, the rotation error is so small
+                    // that the bias is negligible, so it is not corrected.
                     (normal * residual, weight, Vector2::zeros(), 1)
                 }
                 Observation::Contact(contact, samples) => {
@@ -221,9 +225,9 @@ impl<const N: usize> RollFit<N> {
                     let own = noise.contact_std * noise.contact_std / samples + rounded * rounded;
                     let square = by_drive * by_drive.transpose();
                     let (mut weight, mut error) = (Matrix2::zeros(), Vector2::zeros());
-                    // The noise is relative to the true rotation, so the weight is computed from the corrected
-                    // rotation. A weight computed from the measured rotation would depend on its error and bias the
-                    // estimate.
+                    // The standard deviation of the noise is proportional to the true rotation, so the weight is
+                    // computed from the corrected rotation. A weight computed from the measured rotation would depend
+                    // on its error and bias the estimate.
                     for _ in 0..2 {
                         let size = (relative * (at.x + at.mobility * error)).norm();
                         let relative_std = noise.relative_sample_std * size;
@@ -267,8 +271,8 @@ impl<const N: usize> RollFit<N> {
             count += rows;
         }
         // If the start or the rotation error is fixed, the derivatives of the readings with respect to it are 0, so the
-        // fit does not change it. Its weight of 1 only keeps the matrix invertible. Unknown values have the inverse of
-        // their prior variance as weight.
+        // fit does not change it. In this case, its weight is 1, which only keeps the matrix invertible. Otherwise its
+        // weight is the inverse of its prior variance.
         let prior = 1.0 / (roll.start_std * roll.start_std);
         let error_prior = match knows_error {
             true => 1.0,
@@ -355,8 +359,9 @@ impl<const N: usize> SeriesFit<N> {
             let mut change = step.amax();
             for (roll, state) in rolls.iter().zip(&mut fit.rolls) {
                 let own = state.step * (share * damping) + state.response * step;
-                // Limit the start of the roll to its first pad. Otherwise, a start that the crossings hardly determine
-                // would move far, to reduce the residuals of a model with too few terms.
+                // Keep the estimated start of the roll on the roll's first pad. The crossings of pad edges may hardly
+                // determine the start. In a model with too few terms, the fit would then move the start far away to
+                // reduce the residuals.
                 let before = state.start;
                 let limit = MAX_START * roll.start_std;
                 for part in 0..2 {
@@ -422,8 +427,8 @@ impl<const N: usize> SeriesFit<N> {
             Some(noise) => (roll.shared.chi_squared(noise.ratio()), roll.freedom.min(2)),
             None => (roll.chi_squared, roll.freedom),
         };
-        // With more than three unknowns, the gradient depends mainly on the noise of samples, not on shared errors.
-        // Therefore leave out its contribution.
+        // The result must include only the effect of the shared rotation errors. With more than three unknowns, the
+        // gradient depends mainly on the noise of samples. Therefore leave out the gradient's contribution.
         if self.estimated.is_some() && N > 3 {
             return Some((own, freedom));
         }
@@ -449,7 +454,8 @@ pub(crate) fn slopes_at<const N: usize>(
     SMatrix::from_fn(|row, column| slopes[(row, column.min(2))])
 }
 
-/// Inverse of a matrix of normal equations, scaled by its diagonal. `None` if it is singular within rounding errors.
+/// Inverse of a matrix of normal equations, scaled by its diagonal. `None` if the matrix is singular within rounding
+/// errors.
 fn inverse_of<const N: usize>(information: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
     let scale = information.diagonal().map(|entry| 1.0 / entry.sqrt());
     let scaled = SMatrix::<f64, N, N>::from_fn(|row, column| {

@@ -11,11 +11,13 @@ pub struct RollSample {
     /// Time (s) since the start of the roll.
     pub time_s: f64,
     /// Rotation vector of the probe since the start of the roll (rad). Its direction is the axis of the finite
-    /// rotation, and its length is the angle. Its components are along the axes at the pads' origin, which are
-    /// parallel-transported along the great circle to the contact point at the start of the roll.
+    /// rotation, and its length is the angle. Its components are along the axes at the contact point where the roll
+    /// starts. These axes are the axes at the origin of the pads' coordinates, parallel-transported along the great
+    /// circle to the start.
     pub rotation: Vector3<f64>,
-    /// Centre (length) of the active pad, or the contact point. The coordinates are those of the exponential map of the
-    /// probe at the pads' origin.
+    /// Centre (length) of the active pad, or the contact point. The coordinates are those of the probe's exponential
+    /// map at the origin of the pads: the distance from the origin along a great circle, in the direction in which the
+    /// circle leaves the origin.
     pub place: Vector2<f64>,
 }
 

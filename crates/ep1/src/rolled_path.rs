@@ -33,8 +33,8 @@ pub(crate) const fn coefficients(terms: usize) -> usize {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalShape {
     pub(crate) terms: usize,
-    /// Entries of the symmetric tensors T₂, T₃, … one tensor after the other. In the entry j (from 0) of a tensor, j
-    /// indices are v and the others are u.
+    /// Entries of the symmetric tensors T₂, T₃, … one tensor after the other. The entry j (from 0) of a tensor has j
+    /// indices v; its other indices are u.
     pub(crate) tensors: [f64; MAX_COEFFICIENTS],
 }
 
@@ -56,7 +56,7 @@ impl LocalShape {
     }
 
     /// Effect of the last term of the polynomial: the change of the curvature form at `x` that this term causes,
-    /// divided by the sum of the curvature forms of both bodies at the start. If the term before the last one causes a
+    /// divided by the sum of the curvature forms of both bodies at the start. If the second-to-last term causes a
     /// larger change, the result is computed from that change.
     pub(crate) fn last_share(&self, x: &Vector2<f64>) -> f64 {
         let without = |terms| Self { terms, ..*self }.drive(x).1;
@@ -170,7 +170,7 @@ impl RollRotations {
 
     /// Computes the contacts at all samples and writes them to `path`. `error` is the error of the measured drive
     /// (rotation vector, turned by 90°), divided by the magnitude of the measured rotation. `None` if the contact
-    /// cannot follow the rotations.
+    /// cannot follow the rotations, because it would not roll on this shape.
     pub(crate) fn path(
         &self,
         shape: &LocalShape,
@@ -307,7 +307,8 @@ fn sine_ratios(square: f64) -> (f64, f64) {
     (sin / angle, (1.0 - cos) / square)
 }
 
-/// The contact frame after the contact has moved by `along` on the unit sphere, relative to the frame before.
+/// The contact frame after the contact has moved by `along` on the unit sphere, relative to the contact frame before
+/// this movement.
 fn rolled(along: &Vector2<f64>) -> Matrix3<f64> {
     let square = along.norm_squared();
     let (per_sin, per_cos) = sine_ratios(square);
@@ -326,17 +327,18 @@ fn rolled(along: &Vector2<f64>) -> Matrix3<f64> {
     )
 }
 
-/// The start of a roll on the unit sphere, and the axes of the pads at the start. The axes were carried there from the
-/// pads' origin.
+/// The start of a roll on the unit sphere, and the axes of the pads at the start. The axes are parallel-transported to
+/// the start from the origin of the pads' coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StartFrame {
     frame: Matrix3<f64>,
-    /// Rotation vectors of the frame per unit of distance that the start moves along u and along v.
+    /// Rotation vectors of `frame` if the start moves by one unit of length along u, and along v.
     turns: [Vector3<f64>; 2],
 }
 
-/// Position of a contact on the probe, and the derivatives of this position. The coordinates are those of the
-/// exponential map at the pads' origin.
+/// Position of a contact on the probe, and the derivatives of this position with respect to the start of the roll and
+/// to the path on the object. The coordinates are those of the exponential map of the sphere at the point of the probe
+/// where the coordinates of the pads are zero.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) place: Vector2<f64>,

@@ -36,7 +36,8 @@ pub enum SeriesError {
         /// Time (s) of the previous sample.
         last_s: f64,
     },
-    /// The contact point or pad of a sample is more than half a turn from the pads' origin.
+    /// The contact point or pad of a sample is more than half a turn of the probe away from the origin of the pads'
+    /// coordinates.
     #[error("roll {roll}, sample {sample} (counting from 0): the place is not on the probe")]
     OffProbe {
         /// Index of the roll, counted from 0.

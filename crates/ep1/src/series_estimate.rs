@@ -62,7 +62,7 @@ pub(crate) enum Uncertainty {
     /// The noise was estimated from residuals with this number of degrees of freedom. The errors have Student's t
     /// distribution.
     Student(usize),
-    /// The readings are exact, so the true mobility lies in this set.
+    /// The readings are exact, so the true mobility (contact travel per radian) lies in this set.
     Set(Box<PadEdgeSet>),
 }
 
@@ -134,8 +134,8 @@ impl SeriesEstimate {
         }
     }
 
-    /// The weighted mean of estimates. Its covariance includes the differences between them. All other parts are those
-    /// of the first estimate.
+    /// The weighted mean of estimates. Its covariance includes the differences between the estimates. All other parts
+    /// are those of the first estimate.
     pub(crate) fn mean(weighted: &[(f64, &Self)]) -> Self {
         let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
         let mut mean = Vector3::zeros();
@@ -331,8 +331,8 @@ impl SeriesEstimate {
     }
 
     /// The interval of a curvature. If the errors of the mobility (contact travel per radian) are normally distributed,
-    /// the ends of the mobility's interval are converted to curvatures. The interval has no upper end if the mobility's
-    /// interval includes 0.
+    /// the interval of the mobility is computed first, and its ends are converted to curvatures. If the mobility's
+    /// interval includes 0, the curvature has no upper end.
     fn around(&self, curvature: f64, std: f64) -> [Option<f64>; 2] {
         let half = self.half_width() * std;
         let flat = 1.0 / self.radius;
@@ -393,9 +393,9 @@ impl SeriesEstimate {
         let mean = self.curvature.mean_curvature();
         let [low, high] = self.around(mean, self.std([0.5, 0.5, 0.0]));
         let is_flat = low.is_none_or(|low| low <= 0.0) && high.is_none_or(|high| high >= 0.0);
-        // If the object may be flat, the interval of the Gaussian curvature must include 0. Both principal curvatures
-        // of a posterior draw may then be only errors, and the product of two errors is seldom exactly 0. Therefore
-        // extend the interval to 0.
+        // If the object may be flat, the interval of the Gaussian curvature must include 0. The quantiles of the
+        // posterior draws may exclude 0, because the product of two small principal curvatures is seldom exactly 0.
+        // Therefore extend the interval to 0.
         let least = if is_flat {
             at(0.025).min(0.0)
         } else {

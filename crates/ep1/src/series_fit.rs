@@ -38,12 +38,13 @@ const FLAT: LocalShape = LocalShape {
     tensors: [0.0; MAX_COEFFICIENTS],
 };
 /// If the mobility (contact travel per radian) depends on the direction, the crossings of pad edges are located again.
-/// This constant is the limit for the difference between the largest and the smallest mobility, divided by their sum.
+/// The mobility counts as dependent on the direction if the difference between its largest and its smallest value,
+/// divided by their sum, exceeds this limit.
 const ISOTROPY: f64 = 0.02;
 
-/// Smallest accepted ratio of two sums: the contacts' travels along the directions of the rolls, and the magnitudes of
-/// all travels. Below this limit, the rolls count as reversed. The ratio is near 1 for sound rolls, −1 for reversed
-/// rolls, and 0 for noise.
+/// The rolls count as reversed if a ratio is below this value. The numerator is the sum of the contacts' travels along
+/// the directions of the rolls, and the denominator is the sum of the magnitudes of these travels. The ratio is near 1
+/// for sound rolls, −1 for reversed rolls, and 0 for noise.
 const REVERSED: f64 = -0.8;
 
 /// The curvature from time series of rolls of a probe of `radius`.
@@ -130,8 +131,8 @@ impl Problem<'_> {
                     SeriesFit::new(&data, &noise, first.shape, tolerance).ok_or(undetermined)?;
             }
             let scale = first.estimated.map_or(1.0, |noise| noise.variance);
-            // Use the same smallest variance in all fits, because only then the criteria of fits with different numbers
-            // of terms are comparable.
+            // Use the same smallest variance in all fits. Only then are the information criteria of fits with different
+            // numbers of terms comparable.
             if let Some(estimated) = first.estimated {
                 noise.min_variance = MIN_SHARE * MIN_SHARE * estimated.shared;
             }
@@ -344,8 +345,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Whether the fit uses the measured rotation about the contact normal. It is not used if the errors of rotations
-    /// grow with the rotation, because such an error would turn the rest of the path too far.
+    /// Whether the fit uses the measured rotation about the contact normal. The fit does not use it if the errors of
+    /// rotations grow with the rotation. Such an error would turn the rest of the path by a wrong angle.
     fn has_spin(&self) -> bool {
         self.noise.relative_rotation_std == 0.0 && self.noise.relative_sample_std == 0.0
     }
@@ -428,8 +429,8 @@ impl Problem<'_> {
         }
         // A fit with few terms may have a low criterion (AIC) although its curvature is biased. Therefore its criterion
         // is raised to at least the squared distance of its curvature from the curvature of the fit with the most
-        // terms. The criterion of the fit with the most terms is limited to 6, the penalty for three curvature
-        // components. All criteria are relative to the smallest one.
+        // terms. The criterion of the fit with the most terms is limited to 6, which is AIC's penalty for three
+        // parameters. All these criteria are differences from the smallest criterion.
         if let Some(last) = all.pop() {
             let best = all
                 .iter()
@@ -502,10 +503,10 @@ impl Problem<'_> {
         Some(fit)
     }
 
-    /// Factor by which the inverse of the fit's information matrix is multiplied to compute the covariance.
+    /// The covariance of a fit is the inverse of its information matrix, multiplied by this factor.
     fn variance<const N: usize>(&self, fit: &SeriesFit<N>) -> f64 {
-        // If the polynomial has too few terms for the curvature along the rolls, exact readings of pads have larger
-        // residuals than the steps between samples explain.
+        // Residuals of exact readings of pads come from the rotation between two samples. They are larger if the
+        // polynomial has too few terms for the curvature along the rolls. Then the factor increases the covariance.
         let stated = match self.places {
             Places::Pads(_) if self.noise.is_exact() => fit.chi_squared / fit.freedom.max(1) as f64,
             _ => 1.0,
@@ -577,7 +578,7 @@ impl Problem<'_> {
         )
     }
 
-    /// The error for readings that do not determine the curvature. It names the direction in which the rolls are
+    /// The error for readings that do not determine the curvature. It contains the direction in which the rolls are
     /// shortest.
     fn undetermined(&self) -> SeriesError {
         let mut gram = Matrix2::zeros();

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3};
 
-/// Smallest accepted spread of the rotations across their main axis, divided by their spread along this axis. If the
-/// ratio is smaller, the rotations count as parallel.
+/// The rotation vectors of the probes count as parallel if the ratio of their spread across their main axis to their
+/// spread along this axis is below this value.
 pub(crate) const SMALLEST_SPREAD: f64 = 1e-6;
 
 /// A symmetric 2×2 matrix.

@@ -5,13 +5,13 @@ use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector4};
 use super::{FitNoise, RollData, SeriesFit, inverse_of, moved};
 use crate::rolled_path::LocalShape;
 
-/// Smallest ratio of two standard deviations: of contact points, and of the rotation error that all samples of a roll
-/// share. A smaller ratio would give the same result, because at this limit contact points already determine the path
-/// far better than rotations do.
+/// Smallest ratio of the standard deviation of contact points to the standard deviation of the rotation error that all
+/// samples of a roll share. At this ratio, contact points determine the path far better than rotations do, so a smaller
+/// ratio would give the same result.
 pub(crate) const MIN_SHARE: f64 = 0.01;
 
-/// Assumed variance of the shared rotation errors in a fit that does not restrict them. It is divided by the variance
-/// with which the readings determine these errors.
+/// One fit does not restrict the rotation errors that all samples of a roll share. This constant is the variance that
+/// this fit assumes for them, divided by the variance with which the readings determine them.
 const UNLIMITED: f64 = 1e8;
 
 /// Normal equations of the relative rotation error that the samples of a roll share. The position at the start of the
@@ -34,7 +34,8 @@ pub(crate) struct EstimatedNoise {
     pub(crate) shared: f64,
     /// Degrees of freedom of `shared`.
     pub(crate) shared_freedom: f64,
-    /// Degrees of freedom of the covariance of the fit, for Student's t distribution of the errors.
+    /// Degrees of freedom of the estimated noise in the covariance of the fit. The errors of the fit have Student's t
+    /// distribution with these degrees of freedom.
     pub(crate) freedom: f64,
 }
 
@@ -72,8 +73,9 @@ impl<const N: usize> SeriesFit<N> {
         Some(fit)
     }
 
-    /// Converts the normal equations of a fit with equal weights to those for shared rotation errors. `ratio` is the
-    /// variance of a shared error, divided by the variance of a contact point. Returns the change of the unknowns.
+    /// Converts the normal equations of a fit with equal weights to the equations of a fit in which all samples of a
+    /// roll share a rotation error. `ratio` is the variance of a shared error, divided by the variance of a contact
+    /// point. Returns the change of the unknowns.
     fn weigh(&mut self, ratio: f64) -> Option<SVector<f64, N>> {
         let mut gradient = SVector::<f64, N>::zeros();
         self.information = SMatrix::zeros();
@@ -145,7 +147,7 @@ impl<const N: usize> SeriesFit<N> {
         count * libm::log(noise.variance) + shared.sum::<f64>() + self.chi_squared / noise.variance
     }
 
-    /// The part of chi-squared that is due to the shared rotation errors.
+    /// The part of chi-squared that is due to the rotation errors that all samples of a roll share.
     pub(crate) fn shared_chi_squared(&self) -> f64 {
         let ratio = self.estimated.map_or(0.0, |noise| noise.ratio());
         let of_rolls = self.rolls.iter().map(|roll| roll.shared.chi_squared(ratio));

@@ -128,8 +128,8 @@ proptest! {
         let rolls: Vec<_> = (0..8).map(|probe| (start + f64::from(probe) * 0.7, theta)).collect();
         let estimate = LeastSquares::of(radius, ReadingNoise::default(), &readings(radius, &form, &rolls));
         let found = estimate.unwrap().curvature;
-        // The allowed error grows with the curvature along u. It is also larger if the object is concave (`across` <
-        // 0), because a concave object amplifies errors.
+        // The allowed error grows with the object's curvature along u. It is also larger if the object is concave
+        // across u (`across` < 0), because errors are then amplified.
         let bound = 1e-14 * (2.0 + along) * (1.0 + along) / (1.0 + across).min(1.0).powi(2) / radius;
         prop_assert!((found.matrix() - form.matrix()).amax() <= bound, "{found:?}, not {form:?}");
     }

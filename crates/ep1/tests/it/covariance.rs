@@ -149,8 +149,8 @@ fn rolls_that_share_errors_count_once() {
         1.0,
         max_relative = 1e-9
     );
-    // A star is a set of rolls that contains pairs in opposite directions from the same start. So the error of the
-    // start cancels, and only the errors of the ends remain.
+    // A star is a set of rolls in pairs: both rolls of a pair begin at the same start and have opposite directions. The
+    // error of the start cancels in each pair, so only the errors of the ends remain.
     assert_relative_eq!(
         std_over_pads(PadStart::PerTrial, &star),
         std_over_pads(PadStart::PerRoll, &star) / 2.0_f64.sqrt(),

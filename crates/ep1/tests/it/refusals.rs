@@ -149,8 +149,8 @@ fn rotations_must_span_the_plane_and_have_squares_in_range() {
         for across in [1.0, 1e-4] {
             let form = lopsided(theta, across).unwrap().curvature;
             assert!((form.k_uu - 0.5).abs() < 1e-14);
-            // `across` is the ratio of the rotations across to those along u. The normal equations contain its square,
-            // so the tolerance is divided by this square.
+            // `across` is the rotation across u, divided by the rotation along u. The normal equations contain its
+            // square, so the tolerance is divided by this square.
             assert!((form.k_vv - 0.5).abs() < 1e-14 / across / across);
         }
         assert_eq!(

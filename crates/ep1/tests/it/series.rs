@@ -47,7 +47,8 @@ fn chart(start: &Vector2<f64>, path: &Vector2<f64>) -> Vector2<f64> {
     across * (RADIUS * libm::atan2(across.norm(), direction.z) / across.norm().max(1e-300))
 }
 
-/// Eight rolls by half a radian on a ball, at 1 kHz. The directions are turned by `turn` from the axes of the pads.
+/// Eight rolls by half a radian on a ball, at 1 kHz. The directions are an eighth of a turn apart, and the first is at
+/// the angle `turn` (rad) from the u axis of the pads.
 fn rolls(object: f64, cell: &PadCell, turn: f64, draws: &mut Draws) -> Vec<RollSeries> {
     let one = |number: usize| {
         let (sin, cos) = libm::sincos(turn + number as f64 * std::f64::consts::FRAC_PI_4);
