@@ -1,4 +1,5 @@
-//! Shape classes of a place from its curvature, and the probabilities of the classes.
+//! Determines the shape class of a place from its curvature, and the probabilities of the classes from the standard
+//! errors.
 
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::normal_tail;
@@ -111,7 +112,8 @@ impl Curvature {
 /// The distribution of the Gaussian curvature K for a given mean curvature H.
 struct GivenMean<'a> {
     curvature: &'a Curvature,
-    /// Derivative of the mean of the Gaussian curvature with respect to the mean curvature.
+    /// Derivative, with respect to the mean curvature H, of the expected value of the Gaussian curvature K for a given
+    /// H.
     slope: f64,
     std: f64,
     thresholds: &'a ShapeThresholds,
@@ -141,8 +143,8 @@ impl<'a> GivenMean<'a> {
         }
     }
 
-    /// The classes for a Gaussian curvature below, near and above zero, with their probabilities for the mean curvature
-    /// `mean`.
+    /// Three classes and their probabilities, if the mean curvature is `mean`. The classes belong to a Gaussian
+    /// curvature below zero, near zero (within its threshold) and above zero.
     fn classes(&self, mean: f64) -> [(ShapeClass, f64); 3] {
         let edge = self.thresholds.gaussian();
         let below = self.below(-edge, mean);

@@ -48,7 +48,7 @@ pub(crate) struct Curvatures {
 
 impl Curvatures {
     /// Curvatures of a graph at several places. `jet` contains the slopes and second derivatives of the graph's height.
-    /// `scale` is the unit of length of the graph, expressed in the unit of the result.
+    /// `scale` is the graph's unit of length, expressed in the unit of length of the result.
     ///
     /// With the slopes p, q, the second derivatives r, s, t, D = 1 + p² + q² and the normal upwards: K = (rt − s²)/D²,
     /// H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
@@ -103,7 +103,7 @@ impl Curvatures {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
     /// Standard error of the Gaussian curvature, 1/length². It also contains terms of second order in the errors of the
-    /// second derivatives, so it is not 0 on a plane.
+    /// second derivatives. Without these terms, it would be 0 on a plane.
     pub gaussian_std: f64,
     /// Standard error of the mean curvature, 1/length.
     pub mean_std: f64,

@@ -10,8 +10,8 @@ use crate::Contact;
 use crate::patch::FingerMap;
 use crate::surface_outliers::median;
 
-/// Consecutive contacts of a finger count as one reading if their distance is at most this share of a long step. A step
-/// is the distance between consecutive contacts of a finger.
+/// A step is the distance between consecutive contacts of a finger. Consecutive contacts count as one reading if their
+/// distance is at most this share of the length of a long step (the 90 % quantile of all steps).
 const REST_SHARE: f64 = 0.1;
 /// A step is the distance between consecutive contacts of a finger. The length of a long step is this quantile of all
 /// steps.
@@ -23,24 +23,24 @@ const MIN_STEP_GAP: f64 = 8.0;
 /// This share of the steps (distances between consecutive contacts), namely the shortest ones, always counts as steps
 /// of a resting finger. A gap is searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// Limit on the extent of a rest: the largest distance of a contact from the mean of the contacts during the rest. It
-/// is relative to the typical step (distance between consecutive contacts) of a resting finger.
+/// During a rest of a finger, all contacts must be near their mean. This constant is the largest accepted distance from
+/// the mean, divided by the typical step of a resting finger. A step is the distance between consecutive contacts.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Successive contacts at nearly the same place are merged into a run. This constant is the largest share of short
-/// steps among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and
-/// the contacts are not merged.
+/// Consecutive contacts of a finger at nearly the same place form a run. The finger moves from one run to the next by a
+/// step. This constant is the largest accepted share of short steps among these steps. At a larger share, the fingers
+/// were moving by short steps, and the contacts of a run are not merged.
 const MAX_SHORT_BREAKS: f64 = 0.2;
-/// If contacts are in a random order, consecutive contacts are near each other only by chance. The expected number of
-/// these pairs is estimated from contacts of a finger that are 2 or more rows apart. This constant is the largest
-/// number of rows between them.
+/// If contacts are in a random order, consecutive contacts are near each other only by chance. The probability of this
+/// is estimated from pairs of contacts of a finger that are 2 or more rows apart. This constant is the largest distance
+/// between the two contacts of a pair, in rows.
 const MAX_CHANCE_LAG: usize = 17;
-/// A run consists of consecutive contacts that are near each other. The expected number of runs in a random order is
-/// computed. If the number of runs exceeds it by this number of standard deviations, all runs count as rests of a
-/// finger.
+/// A run consists of consecutive contacts that are near each other. Contacts in a random order also form runs, by
+/// chance. If the number of runs exceeds the number expected by chance by this number of standard deviations, all runs
+/// count as rests of a finger.
 const MIN_CHANCE_DEVIATIONS: f64 = 5.0;
 /// A run consists of consecutive contacts that are near each other. If the total number of runs may be due to chance,
-/// each run is tested. It counts as a rest of a finger only if the expected number of chance runs of its length is
-/// below this value.
+/// each run is tested on its own. Let n be the expected number of runs of its length in contacts in a random order. The
+/// run counts as a rest of a finger only if n is below this value.
 const MAX_CHANCE_RUNS: f64 = 0.01;
 /// Several gaps in the sorted step lengths are tried as the limit between short and long steps, beginning with the gap
 /// between the shortest steps. This constant is the largest number of gaps that are tried.
@@ -48,24 +48,26 @@ const MAX_GAPS: usize = 4;
 /// A rest whose noise is as large as the steps of the moving finger is detected only if it has at least this number of
 /// contacts.
 const MIN_NOISY_REST: usize = 20;
-/// A finger may rest with noise that is as large as the steps of the moving finger. This constant is the largest
-/// distance of a contact of such a rest from the finger's median position, relative to the finger's median step.
+/// The noise of a resting finger may be as large as the steps of the moving finger. A contact belongs to such a rest
+/// only if it is near the finger's median position. This constant is the largest distance from this position, divided
+/// by the finger's median step.
 const MAX_NOISY_EXTENT: f64 = 2.5;
-/// Contacts near one position may be a rest of a finger with large noise, or contacts in no order. They count as a rest
-/// if the other contacts are far enough away. This constant is the smallest median distance of the other contacts from
-/// the position, relative to the largest allowed distance within the rest.
+/// Contacts near one position count as a rest of a finger only if the finger's other contacts are far away. Otherwise
+/// the contacts may only be in no order. This constant is the smallest accepted median distance of the other contacts
+/// from the position, divided by the largest distance that is allowed within the rest.
 const MIN_REST_DISTANCE: f64 = 4.0;
 /// The correlation between residuals is estimated from strokes until these contain this number of residuals. Further
 /// strokes are not used.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag, as a number of residuals, at which the correlation of residuals is computed.
 const MAX_LAG: usize = 1000;
-/// Correlations at long lags are mostly noise, so the sum of correlations ends at this lag or earlier. The lag is
-/// relative to the number of consecutive residuals that count as one independent residual. This number follows from the
-/// sum so far.
+/// Correlations at long lags are mostly noise, so the sum of correlations ends at a largest lag. The correlation time
+/// is the number of consecutive residuals that count as one independent residual, computed from the sum so far. This
+/// constant is the largest lag, divided by the correlation time.
 const MAX_LAG_RATIO: f64 = 2.0;
-/// A fit removes a part of the variance from its residuals, and the correlations are corrected for this part. The
-/// correction is not used if the ratio of fitted parameters to independent readings exceeds this value.
+/// A fit makes the variance of the residuals smaller than the variance of the errors, and the correlations of the
+/// residuals are corrected for this. The correction is not used if the number of fitted parameters, divided by the
+/// number of independent readings, exceeds this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
 /// Contacts after merging: each group of equal contacts, and all contacts during one rest of a finger, were merged into
@@ -115,9 +117,10 @@ impl DistinctContacts {
         }
     }
 
-    /// Merges further contacts: consecutive contacts whose distance is at most a tenth of a long step. Contacts in a
-    /// random order are not merged, because they may be neighbours by chance. Remove lost readings before the call,
-    /// because they make the steps seem too long.
+    /// Merges further contacts: consecutive contacts of a finger whose distance is at most a tenth of a long step (the
+    /// 90 % quantile of the distances between consecutive contacts). Contacts in a random order are not merged, because
+    /// they may be neighbours by chance. Remove lost readings before the call, because they make the steps seem too
+    /// long.
     pub(crate) fn without_short_steps(self) -> Self {
         let mut steps = steps(&self.contacts);
         if steps.len() < 3 {
@@ -453,8 +456,8 @@ pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     }
     let mut covariances = Vec::new();
     let mut time: f64 = 1.0;
-    // The first pass tests whether the residuals are correlated. Each later pass corrects all covariances for the
-    // variance that the fit has removed. For this correction, it uses the correlation from the pass before.
+    // The first pass tests whether the residuals are correlated. Each later pass corrects all covariances, because the
+    // fit has reduced the variance of the residuals. The correction uses the correlation from the pass before.
     for pass in 0..4 {
         let share = match pass {
             0 => 0.0,

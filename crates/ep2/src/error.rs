@@ -97,8 +97,8 @@ pub enum Ep2Error {
          spread along it; split the patch, or state normals"
     )]
     NoPlane {
-        /// Root-mean-square spread of the contacts across the plane, divided by their smaller spread within the plane.
-        /// If the contacts have normals, it is 1 minus the length of the mean normal.
+        /// Without normals: root-mean-square spread of the contacts across the plane, divided by their smaller spread
+        /// within the plane. With normals: 1 minus the length of the mean of the unit normals.
         spread: f64,
     },
     /// The outward direction is nearly parallel to the patch's plane, so it does not determine which side of the plane
@@ -134,7 +134,8 @@ pub enum Ep2Error {
     Undetermined {
         /// Number of contacts.
         contacts: usize,
-        /// Number of independent combinations of the unknowns that the contacts determine.
+        /// Rank of the method's equations: the number of linearly independent combinations of the unknowns that the
+        /// contacts determine.
         rank: usize,
         /// Number of unknowns of the method.
         unknowns: usize,

@@ -49,15 +49,15 @@ pub struct Fit {
     pub(crate) mean: Option<(SquareQuadric, Square)>,
     /// Posterior mean and covariance of the surface, if the method computes them.
     pub(crate) posterior: Option<Posterior>,
-    /// The surface around which a penalised spline was fitted; `None` for other methods.
+    /// For a penalised spline, the surface from which the spline describes the deviation; `None` for other methods.
     pub(crate) basis: Option<Box<Basis>>,
     /// Noise of the contacts: stated, or estimated by the method.
     pub noise: Option<NoiseEstimate>,
     /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.
     pub effective_unknowns: f64,
-    /// Status of the smoothing splines; `None` if the method uses no smoothing splines. It is the status of the first
-    /// spline that did not reach its required sum of squared residuals; the curvature is then useless. If all splines
-    /// reached their sums, it is the status of the last spline.
+    /// Status of the smoothing splines; `None` if the method uses no smoothing splines. If a spline did not reach its
+    /// required sum of squared residuals, it is the status of the first such spline, and the curvature is useless.
+    /// Otherwise it is the status of the last spline.
     pub status: Option<Status>,
 }
 
@@ -110,8 +110,8 @@ impl Fit {
     }
 
     /// Gaussian and mean curvature at the point where the line through `world` along the patch's normal meets the
-    /// surface. For exact contacts on a paraboloid, the error at its apex is at most 1e-11 of the larger principal
-    /// curvature. This bound is valid for a quadric and for a penalised spline.
+    /// surface. For exact contacts on a paraboloid, a fitted quadric or penalised spline has an error at the apex of at
+    /// most 1e-11 of the larger principal curvature.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if the curvature is beyond the range of doubles.
@@ -348,7 +348,7 @@ impl Columns {
 /// Values of the surface that are the same for all places on a line of constant v.
 struct Line {
     v: f64,
-    /// Index of the first B-spline in u for which `heights` contains coefficients.
+    /// Index of the B-spline in u to which the first element of `heights` belongs.
     first: usize,
     /// For each B-spline in u, three coefficients on the line: for the height and for its first and second derivatives
     /// along v. Each is a sum over the B-splines in v.

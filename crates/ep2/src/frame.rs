@@ -7,22 +7,23 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// The spread of the contacts across a line or plane counts as 0 if its ratio to the spread along the line or plane is
-/// at most this value. Such a spread may be only a rounding error.
+/// The contacts count as lying on a line or a plane if the ratio of their spread across it to their spread along it is
+/// at most this value. A spread that is this small may be only a rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Smallest length of the mean of the unit normals. If the mean is shorter, the normals have no mean direction.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
 /// Largest accepted ratio of the contacts' spread across their principal plane to the smaller spread within the plane.
 /// At a larger ratio, the contacts have no mean plane.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
-/// An outward direction determines a side of the patch's plane only if its angle to the plane is at least this value
-/// (rad). At smaller angles, the noise of the contacts could change the side.
+/// The outward direction determines which side of the patch's plane is outside only if its angle to the plane is at
+/// least this value (rad). At smaller angles, the noise of the contacts could exchange the sides.
 const LEAST_SIDE_RAD: f64 = 0.02;
-/// A patch counts as elongated if the ratio of its longer to its shorter spread exceeds this value. Its sides are then
-/// parallel to the principal directions of the spread.
+/// A patch counts as elongated if its contacts spread more along one principal direction than along the other, by more
+/// than this factor. The sides of the patch are then assumed to be parallel to the principal directions.
 const LONG: f64 = 1.15;
 /// The fingers have a common direction of travel only if their contacts scatter more along this direction than across
-/// it. This constant is the smallest ratio of the sum of squared distances along the direction to the sum across it.
+/// it. This constant is the smallest ratio of two sums of squared distances of the contacts from the mean of their
+/// finger: the sum along the direction, divided by the sum across it.
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis
@@ -220,9 +221,9 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
 }
 
 /// The direction along the surface in which the contacts of each finger scatter most, computed for all fingers
-/// together. It is perpendicular to `normal` and points in the direction in which the first finger travels. Otherwise,
-/// the order of the contacts has no influence, so fingers may slide to and fro. `None` if the contacts scatter nearly
-/// as much across this direction.
+/// together. It is perpendicular to `normal` and points in the direction in which the first finger travels. The order
+/// of the contacts determines only this sign, so fingers may slide to and fro. `None` if the contacts scatter nearly as
+/// much across this direction.
 fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     #[derive(Default)]
     struct Finger {

@@ -11,17 +11,18 @@ use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
-/// A contact is a gross outlier if its distance from the spatial median of all contacts exceeds this number of median
-/// distances. The median distance is the median of the distances of all contacts from the spatial median. In clean logs
+/// A contact is a gross outlier if its distance from the spatial median of all contacts exceeds this multiple of the
+/// median distance. The median distance is the median of all contacts' distances from the spatial median. In clean logs
 /// of strokes and caps, less than 0.01 % of the contacts exceed the limit.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
 /// The sorted distances of the contacts from their spatial median may have a gap. The contacts beyond a gap are gross
-/// outliers only if the first distance beyond it is larger than this number of median distances.
+/// outliers only if the first distance beyond it exceeds this multiple of the median of all distances.
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
 /// The distances of the contacts from their spatial median are sorted. Two consecutive distances are separated by a gap
 /// if the ratio of the larger to the smaller one is at least this value.
 const MIN_GAP_RATIO: f64 = 1.5;
-/// Smallest number of positions for which a gap between their distances from the spatial median is searched.
+/// The distances of the contacts' positions from their spatial median are searched for a gap only if there are at least
+/// this number of positions.
 const MIN_PLACES_WITH_GAP: usize = 20;
 /// Contacts beyond a gap (in the distances from the spatial median) are outliers only if they form short blocks of
 /// consecutive rows. This constant is the largest mean number of rows in a block. Longer blocks are strokes of a
@@ -29,8 +30,8 @@ const MIN_PLACES_WITH_GAP: usize = 20;
 const MAX_BLOCK: usize = 3;
 /// Largest share of outliers among the contacts of a log. A larger share is an error.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
-/// A contact that is not a gross outlier counts as an outlier of the fitted surface if its p-value is below this limit.
-/// For many contacts, the limit corresponds to 4.5 standard deviations.
+/// A contact that is not a gross outlier counts as an outlier of the fitted surface if the p-value of its residuals is
+/// below this limit. For many contacts, the limit corresponds to a residual of 4.5 standard deviations.
 pub(crate) const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 const MAX_PLACES: usize = 5000;
 const MEDIAN_ITERATIONS: usize = 40;

@@ -21,13 +21,14 @@ const FIRST_MEANS: usize = 30;
 /// Consecutive contacts may be replaced by their means. The longest stroke must then have at least this number of
 /// means.
 const MIN_MEANS: usize = 8;
-/// Two surfaces are compared: one is fitted to means of contacts, the other to all contacts. This constant is the
-/// largest accepted ratio of the contacts' root-mean-square distance from the first surface to that from the second. At
-/// a larger ratio, the surface through the means is too smooth.
+/// Two surfaces are compared: one is fitted to means of contacts, the other to all contacts. Let r be the contacts'
+/// root-mean-square distance from the first surface, divided by their distance from the second. This constant is the
+/// largest accepted r. At a larger r, the surface through the means is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
 /// Limit that replaces [`MAX_RESIDUAL_RATIO`] if consecutive contacts have correlated distances from the surface that
-/// is fitted to all contacts. At a smaller ratio, the noise causes the correlation, and the surface follows a part of
-/// the noise. At a larger ratio, no spline follows the object.
+/// is fitted to all contacts. At a smaller ratio, the correlation comes from the noise, and the surface through all
+/// contacts follows a part of this noise. At a larger ratio, the correlation comes from the object, whose shape no
+/// spline follows.
 const MAX_CORRELATED_RATIO: f64 = 3.0;
 /// The distances of the contacts from a surface count as correlated if at least this number of consecutive distances
 /// counts as one independent distance.
@@ -37,14 +38,15 @@ const MIN_CORRELATION: f64 = 1.5;
 const MAX_GROWTH: f64 = 1.3;
 
 /// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means. A surface
-/// that is fitted to more single contacts would follow their errors across a stroke.
+/// that is fitted to more contacts without averaging would follow their errors across a stroke.
 const MAX_FITTED: usize = 10_000;
-/// Tests whether the contacts of a finger are in the order of its path. This constant is the largest ratio of two
-/// root-mean-square distances of contacts: from the means of consecutive contacts, and from the mean of all contacts.
-/// At a larger ratio, the contacts have no order, and means of consecutive contacts are not used.
+/// Limit of a test whether the contacts of a finger are in the order of its path. The test divides the root-mean-square
+/// distance of the contacts from the means of consecutive contacts by that from the mean of all contacts. Above this
+/// limit, the contacts have no order, and means of consecutive contacts are not used.
 const MAX_BLOCK_RATIO: f64 = 0.05;
-/// A path is smooth if the second differences of its means are small. This constant is the largest second difference on
-/// a smooth path, divided by the distance between the two neighbouring means.
+/// The path of a stroke is smooth if the second differences between successive means of its contacts are small. This
+/// constant is the largest second difference on a smooth path. It is relative to the distance between the mean before
+/// and the mean after.
 const MAX_BEND: f64 = 0.25;
 /// A plane, a sphere and a cylinder are fitted for comparison with the surface. This constant is the largest number of
 /// contacts that these fits use.
@@ -140,12 +142,12 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// Increases the standard errors if the contacts lie on a plane, a sphere or a cylinder, so that the curvature of
-    /// this shape is within one standard error of the estimate. The reason is the bias of the fitted surface on these
-    /// shapes. The bias can exceed the effect of the noise if there are many contacts, or if the surface between few
-    /// strokes is uncertain. Fits that are based on an implicit quadric do not change. Fits with large standard errors
-    /// do not change either: those whose standard error exceeds the largest difference between a shape and a paraboloid
-    /// through the same contacts.
+    /// If the contacts lie on a plane, a sphere or a cylinder, increases the standard errors until the curvature of
+    /// this shape is within one standard error of the estimate. On these shapes, the fitted surface is biased. The bias
+    /// can exceed the effect of the noise if there are many contacts, or if the surface between few strokes is
+    /// uncertain. Fits that are based on an implicit quadric do not change. A fit with a large standard error does not
+    /// change either: the standard error is large if it exceeds the largest difference between the curvatures of a
+    /// shape and of a paraboloid through the same contacts.
     ///
     /// A quadric (`is_quadric`) is biased on most other shapes. Therefore its estimate is compared with a penalised
     /// spline instead of a shape. The mean square error of the quadric is at least the squared difference between both
@@ -240,9 +242,9 @@ impl IndependentFit {
         !self.patch.has_normals() && self.patch.fingers == 2 && fingers.iter().all(is_stroke)
     }
 
-    /// Assumed bias of the mean curvature at `centre`, 1/length: the difference between a circle and a parabola across
-    /// the strokes. Few strokes do not show which of the two curves is right. The bias is 0 if there are more than four
-    /// strokes, or more than two strokes with normals.
+    /// Assumed bias of the mean curvature at `centre`, 1/length: the difference between the mean curvatures of two
+    /// surfaces, which bend like a circle and like a parabola across the strokes. Few strokes do not show which of the
+    /// two curves is right. The bias is 0 if there are more than four strokes, or more than two strokes with normals.
     fn bias_across_strokes(&self, centre: &MapPoint) -> f64 {
         let place = self.fit.frame.point(&centre.position);
         let jet = self.fit.jet(place.x, place.y);
@@ -311,8 +313,8 @@ impl IndependentFit {
             distances.push(of_stroke);
             tilts.extend([along, across]);
         }
-        // Positions and normals together determine the fitted parameters. Therefore half of the effective degrees of
-        // freedom are subtracted for each kind of reading.
+        // Positions and normals together determine the fitted parameters. Therefore attribute half of the effective
+        // degrees of freedom to the positions and half to the normals.
         let kinds = if self.patch.has_normals() { 2.0 } else { 1.0 };
         let absorbed = (self.fit.effective_unknowns / kinds) as usize;
         let of_tilts = match self.patch.has_normals() {
@@ -480,8 +482,8 @@ impl<M: Method> Log<'_, M> {
 }
 
 /// Moves the means of groups of `size` consecutive contacts onto the path of the stroke. On a bent path, a mean lies on
-/// the inner side. If the path is smooth, the distance of a mean from the path is (1 − 1/size²)/24 of the second
-/// difference of the means.
+/// the inner side of the path. If the path is smooth, the mean's distance from the path is (1 − 1/size²)/24 times the
+/// second difference of successive means.
 fn move_onto_path(means: &mut [Contact], size: f64) {
     let places: Vec<_> = means.iter().map(|mean| mean.position).collect();
     if places.len() < 3 {

@@ -7,7 +7,7 @@ pub(crate) type Basis = [f64; MAX_DEGREE + 1];
 
 /// The knots of a spline on an interval. Each end of the interval is repeated `degree + 1` times.
 ///
-/// Outside of the interval, the first and the last polynomial are extrapolated.
+/// Outside of the interval, the spline continues with its first or its last polynomial.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Knots {
     degree: usize,
@@ -166,8 +166,8 @@ mod tests {
 
     #[test]
     fn powers_are_reproduced_with_their_derivatives() {
-        // In the spline that equals x², the coefficient of a B-spline is the mean of the products of two of its three
-        // inner knots.
+        // In the spline that equals x², the coefficient of a cubic B-spline is a mean of three products. Each product
+        // has two of the three inner knots of the B-spline as factors.
         let knots = Knots::new(3, 0.0, 4.0, &[1.0, 2.5]);
         let coefficient = |function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];

@@ -52,11 +52,11 @@ impl SparseMap {
     }
 }
 
-/// Number of columns of a matrix that one loop adds to a sum. Several columns per loop reduce the number of memory
-/// accesses.
+/// Number of columns of a matrix that one pass over a sum adds to it. Several columns per pass reduce the number of
+/// memory accesses.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// The product A B. A consists of the last columns of `a`; their number is the number of rows of `b`. B is `b`.
+/// The product A B. B is the matrix `b`. A consists of the last columns of `a`: as many columns as `b` has rows.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];

@@ -22,14 +22,15 @@ const MIN_CONTACTS: usize = 10;
 /// Largest number of contacts that are tested. If there are more contacts, an evenly spaced selection of them is fitted
 /// and tested.
 pub(crate) const MAX_CONTACTS: usize = 2000;
-/// Smallest estimated position noise for which the contacts are tested, in the patch's unit. Smaller estimates may be
-/// due to rounding errors or to the approximation error of the series that describes the surface.
+/// The contacts are tested only if the estimated standard deviation of their positions is at least this value, in the
+/// patch's unit. A smaller estimate may be due to rounding errors, or to the approximation error of the series that
+/// describes the surface.
 const MIN_POSITION_STD: f64 = 5e-4;
-/// Assumed variance of the surface at a contact that was not used in the fit, divided by its variance in the most
-/// probable Gaussian process. The real variance is assumed to be smaller.
+/// A Gaussian process predicts the surface at a contact that was not used in the fit. The prediction has a variance,
+/// which is multiplied by this value as a safety factor.
 const MAX_VARIANCE_RATIO: f64 = 4.0;
-/// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
-/// position errors.
+/// The estimated variance of normals includes the effect of position errors, which is subtracted. At least this share
+/// of the estimated variance remains, as the variance of the normals' own errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
 
 /// Goodness of fit and misfits of the contacts of a patch. If there are more than 2,000 contacts, an evenly spaced
@@ -46,9 +47,9 @@ pub struct MisfitTest {
     pub misfits: Vec<Misfit>,
 }
 
-/// A Gaussian process that is added to a quadric. The process is stored as a matrix that maps independent random
-/// factors of variance 1 (columns) to coefficients of the series (rows). The coefficients that form quadrics are left
-/// out.
+/// A Gaussian process that is added to a quadric. The process is a series of Chebyshev polynomials with random
+/// coefficients. It is stored as a matrix that maps independent random factors of variance 1 (columns) to the
+/// coefficients (rows). Polynomials that form quadrics are left out.
 pub(crate) type Process = DMatrix<f64>;
 
 pub(crate) struct Model<'a> {
@@ -57,8 +58,8 @@ pub(crate) struct Model<'a> {
     pub(crate) step: usize,
     pub(crate) square: Square,
     pub(crate) fit: &'a Fit,
-    /// A quadric near the fitted surface. The tests use deviations from this quadric instead of heights, because the
-    /// rounding errors of the deviations are smaller.
+    /// A quadric near the fitted surface. The tests use the contacts' deviations from this quadric instead of their
+    /// heights, because the deviations have smaller rounding errors.
     pub(crate) quadric: &'a SquareQuadric,
     /// Noise of the contacts that the caller of the fit stated.
     pub(crate) noise: &'a Noise,
@@ -152,8 +153,8 @@ impl Model<'_> {
         Ok((contacts, refit))
     }
 
-    /// Variances of the contacts' errors. Estimated standard deviations of positions are increased to at least `least`.
-    /// `None` if the estimated noise is as small as rounding errors, or was estimated from too few contacts.
+    /// Variances of the contacts' errors. If the standard deviation of the positions is estimated, it is at least
+    /// `least`. `None` if the estimated noise is as small as rounding errors, or was estimated from too few contacts.
     fn variances(&self, least: f64) -> Option<Variances> {
         let noise = self.found;
         let square = |std: f64| std * std;
@@ -287,8 +288,8 @@ impl Refit {
             let along = mode.dot(&rest_right);
             let explained = along * along / (1.0 + weight.max(0.0));
             chi_squared -= explained;
-            // The surface's roughness has a larger variance in this mode than the noise has. The mode mainly describes
-            // the surface, so do not test it.
+            // In this mode, the variance of the surface's roughness is larger than the variance of the noise. The mode
+            // mainly describes the surface, so do not test it.
             if weight >= 1.0 {
                 noisy -= along * along / weight;
                 outweighing += 1;

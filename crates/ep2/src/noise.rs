@@ -25,8 +25,8 @@ pub struct NoiseEstimate {
 /// Smallest standard deviation that is assumed for the errors of heights (in the patch's unit of length) and of slopes.
 /// A smaller estimate may be only a rounding error.
 const MIN_STD: f64 = 1e-12;
-/// Largest allowed ratio between the estimated variances of heights and of slopes, in either direction. A larger ratio
-/// means that heights or slopes are fitted almost exactly by chance.
+/// Largest allowed ratio between the estimated variances of heights and of slopes, in either direction. If an estimated
+/// ratio is larger, the fit follows the heights or the slopes almost exactly by chance.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 
 impl Noise {
@@ -63,8 +63,8 @@ pub(crate) struct Kinds<T> {
     pub(crate) slopes: T,
 }
 
-/// Variances of the errors of a height and of a slope, in the patch's unit of length. These variances are valid where
-/// the surface is level.
+/// Variances of the errors of a height and of a slope, in the patch's unit of length, at places where the surface is
+/// parallel to the plane of the patch.
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {
@@ -74,9 +74,9 @@ impl Variances {
         slopes: 1.0,
     };
 
-    /// Sets the variances to values that explain the weighted sums of squared residuals. Stated variances do not
-    /// change. `unknowns` are the effective degrees of freedom of the fit. `bending` is the mean square of the second
-    /// derivatives. It determines the error of a slope that a position error causes on a curved surface.
+    /// Estimates the variances that are not stated, from the weighted sums of squared residuals. Stated variances do
+    /// not change. `unknowns` are the effective degrees of freedom of the fit. `bending` is the mean square of the
+    /// second derivatives. It determines the error of a slope that a position error causes on a curved surface.
     ///
     /// Returns whether the variances are determined, that is, whether the residuals have at least one degree of
     /// freedom.
@@ -121,8 +121,8 @@ impl Variances {
         is_determined
     }
 
-    /// The smallest allowed factor on the variances. With a smaller factor, the variances would be below rounding
-    /// errors.
+    /// The smallest allowed factor by which both variances may be multiplied. With a smaller factor, they would be
+    /// below the variances of rounding errors.
     pub(crate) fn min_scale(&self) -> f64 {
         MIN_STD * MIN_STD / self.heights
     }

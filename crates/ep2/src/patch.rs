@@ -9,7 +9,7 @@ use crate::error::LARGEST;
 use crate::{Ep2Error, PatchFrame};
 
 /// Smallest allowed ratio of a patch's width to its length. In a narrower patch, rounding errors of the heights would
-/// cause a curvature.
+/// cause a large false curvature across the patch.
 const MIN_WIDTH_RATIO: f64 = 1e-6;
 /// Largest allowed angle between a contact's normal and the mean normal (degrees). At a larger angle, the patch is not
 /// a graph.

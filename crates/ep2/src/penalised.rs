@@ -27,19 +27,19 @@ use series::SeriesEquations;
 use spectrum::Spectrum;
 use weight::{Choice, Search};
 
-/// Largest number of knot intervals per side. With more intervals, the dense matrices of the coefficients would take
-/// seconds.
+/// Largest number of knot intervals per side. With more intervals, computations with the dense matrices of the
+/// coefficients would take seconds.
 const MAX_INTERVALS: usize = 24;
 /// If the number of knot intervals is chosen automatically, it is at most this number per side.
 const MAX_DEFAULT_INTERVALS: usize = 12;
 /// Largest number of spline coefficients per equation, if the number of knot intervals is chosen automatically.
 const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
 /// Largest accepted ratio of the effective degrees of freedom to the number of coefficients. At a larger ratio, the
-/// contacts are so exact that the approximation error of the spline matters. Then the automatic number of intervals is
-/// doubled.
+/// contacts are so exact that the approximation error of the spline is not negligible. Then the number of knot
+/// intervals is doubled, if it was chosen automatically.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// The posterior is computed with a Chebyshev series, which has at least this number of coefficients more than the
-/// spline. With these coefficients, the series can represent shapes that the spline cannot.
+/// The posterior is computed with a Chebyshev series instead of the spline. The series has more coefficients than the
+/// spline, by at least this number. Therefore it can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
 /// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
@@ -72,8 +72,8 @@ pub struct Penalised {
     pub noise: Noise,
 }
 
-/// The surface around which a spline was fitted, and the data from which the posterior distribution of the surface is
-/// computed.
+/// The surface from which a fitted spline describes the deviation, and the data from which the posterior distribution
+/// of the fitted surface is computed.
 #[derive(Clone, Debug)]
 pub(crate) struct Basis {
     square: Square,
@@ -85,9 +85,9 @@ pub(crate) struct Basis {
     variances: Variances,
     is_known: bool,
     noise: Option<NoiseEstimate>,
-    /// Curvature in the middle of the patch, from a fit around an implicit quadric that was rejected although the
-    /// contacts do not exclude it. It was rejected because an ordinary quadric is about as probable, or because the
-    /// contacts deviate from both quadrics.
+    /// A rejected fit may be as good as the chosen one: a spline that is added to an implicit quadric, such as an
+    /// ellipsoid. This is the curvature of the rejected fit in the middle of the patch. The fit was rejected because an
+    /// ordinary quadric is about as probable, or because the contacts deviate from both quadrics.
     pub(crate) rejected: Option<Curvature>,
 }
 
@@ -197,8 +197,8 @@ impl Penalised {
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         let mut has_noise = quadric.noise.is_some();
         if patch.has_normals() && !is_known {
-            // The ratio of the variances of heights and slopes is estimated from a preliminary fit that follows the
-            // surface.
+            // Estimate the ratio of the variances of heights and slopes from a preliminary fit, because the quadric may
+            // not follow the surface.
             let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
             let filters = spectrum.filters(rough.log_weight);
             let residuals = equations.residuals(&spectrum.coefficients(&filters));
@@ -338,7 +338,7 @@ impl Basis {
 
 /// Automatic numbers of knot intervals along u and along v. They are as large as the limit on the coefficients per
 /// equation allows, and usually equal. Across the fingers' travel, there are at most as many intervals as gaps between
-/// fingers. More intervals would not be determined, because the contacts of one finger are nearly on a line.
+/// fingers. The contacts would not determine more intervals, because the contacts of one finger are nearly on a line.
 fn default_intervals(patch: &Patch) -> [usize; 2] {
     let gaps = match patch.fingers {
         1 => MAX_DEFAULT_INTERVALS,

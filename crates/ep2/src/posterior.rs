@@ -8,14 +8,15 @@ use crate::matrix::SparseMap;
 use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
-/// Number of pairs of derivatives p, q, r, s, t of the surface, including the pair of each derivative with itself.
+/// Number of pairs of the derivatives p, q, r, s, t (slopes and second derivatives of the surface), including the pair
+/// of each derivative with itself.
 const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 
 /// The posterior distribution of the surface: mean and covariance of the slopes and second derivatives, as polynomials
 /// over the rectangle of the patch.
 ///
-/// The error of an estimate has two parts: the random error with this covariance, and the difference between the
-/// estimate and the posterior mean.
+/// The fitted spline may differ from the posterior mean. Therefore the error of an estimate has two parts: a random
+/// error with the posterior covariance, and the difference between the estimate and the posterior mean.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Posterior {
     square: Square,

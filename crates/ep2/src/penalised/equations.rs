@@ -137,8 +137,9 @@ impl Equations {
         }
     }
 
-    /// Effective degrees of freedom that are fitted to heights and to slopes. `inverse` is (A + λP)⁻¹ with the matrix A
-    /// of the normal equations, the penalty matrix P and the smoothing weight λ.
+    /// Two parts of the fit's effective degrees of freedom: the part that the heights determine, and the part that the
+    /// slopes determine. `inverse` is (A + λP)⁻¹ with the matrix A of the normal equations, the penalty matrix P and
+    /// the smoothing weight λ.
     pub(super) fn effective_unknowns(
         &self,
         inverse: &DMatrix<f64>,
@@ -227,8 +228,8 @@ mod tests {
     #[test]
     fn third_derivatives_are_penalised_and_quadrics_are_not() {
         let knots = [3, 5].map(|intervals| Knots::uniform(3, -1.0, 1.0, intervals));
-        // The spline coefficients of 1, x, x² and x³ are means of products of none, one, two and three different inner
-        // knots (blossoms).
+        // If a spline equals 1, x, x² or x³, its coefficients are means of products (blossoms). Each product has none,
+        // one, two or three different inner knots as factors.
         let powers = |knots: &Knots, function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];
             [

@@ -10,13 +10,12 @@ use crate::matrix::SparseMap;
 use crate::matrix::product;
 use crate::square_quadric::UNKNOWNS;
 
-/// The random surface is a sum of functions with random factors. A function is omitted if the variance of its second
-/// derivatives is below this value at all places. For comparison, the second derivatives of the whole surface have
-/// variance 1.
+/// The random surface is a sum of functions with random factors. A function is omitted if, at all places, it
+/// contributes less than this value to the variance of the surface's second derivatives. The whole variance is 1.
 const MIN_VARIANCE: f64 = 1e-3;
 
 /// A random surface, as a linear map from independent random factors of variance 1 to the coefficients of a Chebyshev
-/// series. The map is returned in transposed form. The coefficients that form quadrics are left out.
+/// series. The map is returned in transposed form. The coefficients of polynomials that form quadrics are left out.
 ///
 /// The covariance of heights is proportional to exp(−d²/2ℓ²). Here d is the distance between two places and ℓ is
 /// `length`, both in units of half a side of the square. The second derivatives along an axis have unit variance.
@@ -68,7 +67,8 @@ pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     SparseMap::new(products(degree).count() - UNKNOWNS, count, entries)
 }
 
-/// Square of the largest second derivative of the product T_i T_j in the square. It is reached at a corner.
+/// Square of the largest second derivative of the product T_i(a) T_j(b) for a and b in [−1, 1]. The derivative is
+/// largest at a corner of this range.
 fn max_square_second_derivative([i, j]: [usize; 2]) -> f64 {
     let [i, j] = [i, j].map(|order| (order * order) as f64);
     let bends = [i * (i - 1.0) / 3.0, i * j, j * (j - 1.0) / 3.0];

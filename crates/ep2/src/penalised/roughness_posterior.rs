@@ -16,7 +16,8 @@ use crate::square_quadric::{Square, UNKNOWNS, rms_second_derivative};
 /// Largest correlation length of the roughness, in units of half a side of the square. A process with a larger length
 /// is nearly a cubic polynomial.
 const MAX_LENGTH: f64 = 3.0;
-/// The smallest correlation length that a series can represent, multiplied by the degree of the series.
+/// Smallest correlation length (in units of half a side of the square) that a series can represent, multiplied by the
+/// degree of the series.
 const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
 /// The posterior is averaged over several correlation lengths. This constant is the largest ratio of two neighbouring
 /// lengths.
@@ -35,16 +36,17 @@ const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 /// Exponent of the prior probability of an amplitude. On both sides of the most probable amplitude, the prior
 /// probability decreases with this power of the amplitude.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// The posterior is averaged over several amplitudes of the roughness. This constant is the number of smaller
-/// amplitudes than the expected one, and also the number of larger ones.
+/// The posterior is averaged over several amplitudes of the roughness. This constant is the number of amplitudes that
+/// are smaller than the expected amplitude, and also the number of amplitudes that are larger.
 const AMPLITUDE_STEPS: i32 = 6;
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
-/// Exponent of the likelihood of an amplitude and a correlation length. An exponent below 1 reduces the effect of the
-/// likelihood. The model assumes the same roughness at all places and in all directions. The roughness of a real
-/// surface varies, so the contacts determine it less accurately.
+/// The likelihood of an amplitude and a correlation length is raised to this power. A power below 1 reduces the effect
+/// of the likelihood. The reason is that the model assumes the same roughness at all places and in all directions. The
+/// roughness of a real surface varies, so the contacts determine it less accurately than the model assumes.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// The average over the posteriors omits combinations of length and amplitude that are too improbable. This constant is
-/// the smallest accepted logarithm of the ratio of a combination's probability to the largest probability.
+/// The average over the posteriors omits combinations of length and amplitude that are too improbable. Let p be the
+/// probability of a combination, divided by the probability of the most probable combination. This constant is the
+/// smallest accepted natural logarithm of p.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest allowed ratio of the information from the contacts (the normal equations) to the information in the prior at
 /// the expected amplitude. At a larger ratio, rounding errors would dominate.
@@ -56,8 +58,8 @@ pub(super) struct SeriesProblem<'a> {
     pub(super) equations: &'a SeriesEquations,
     pub(super) degree: usize,
     pub(super) observations: usize,
-    /// Whether the variances of the contacts' errors are stated. If not, only the ratio between heights and slopes is
-    /// used.
+    /// Whether the variances of the contacts' errors are stated. If not, only the ratio of the variance of heights to
+    /// the variance of slopes is used.
     pub(super) is_known: bool,
     pub(super) square: Square,
     pub(super) quadric: [f64; UNKNOWNS],
@@ -288,8 +290,8 @@ fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }
 
-/// Averages over all correlation lengths and amplitudes of the roughness. They are the mean and the covariance of the
-/// coefficients of the roughness, and the mean of the factor by which the assumed variances are multiplied.
+/// Averages over all correlation lengths and amplitudes of the roughness. Three values are averaged: the mean and the
+/// covariance of the coefficients of the roughness, and the factor by which the assumed variances are multiplied.
 struct Mixture {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -297,8 +299,8 @@ struct Mixture {
 }
 
 impl Rest {
-    /// Returns these equations. If their information exceeds [`MAX_INFORMATION`], the variances are increased until the
-    /// information equals this limit.
+    /// Returns these equations. If the ratio of their information to the prior's information exceeds
+    /// [`MAX_INFORMATION`], the variances of the contacts are increased until the ratio equals this limit.
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let information = self.gram.trace() * amplitude * amplitude;

@@ -16,7 +16,8 @@ pub(super) struct SeriesEquations {
 }
 
 /// Weighted sums over the observations of one kind (heights or slopes). A product of two Chebyshev polynomials is a sum
-/// of Chebyshev polynomials, so all products of pairs follow from one series of twice the degree.
+/// of Chebyshev polynomials. Therefore the matrix of the normal equations follows from sums of single polynomials
+/// (`moments`) up to twice the degree.
 struct Sums {
     degree: usize,
     /// Sums of weight · T_p(a) T_q(b) over the contacts, for all p and q with p + q up to twice the degree. The sums

@@ -9,8 +9,9 @@ use crate::matrix::add_symmetric;
 use crate::noise::Kinds;
 use crate::square_quadric::UNKNOWNS;
 
-/// Weight of the penalty matrix that is added to the matrix of the normal equations, so that all coefficients are
-/// determined. Both matrices are scaled by their traces.
+/// A multiple of the penalty matrix is added to the matrix of the normal equations, so that all coefficients are
+/// determined. This constant is the trace of the added matrix, divided by the trace of the matrix of the normal
+/// equations.
 const PENALTY_SHARE: f64 = 1e-7;
 
 /// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A is the matrix of the weighted normal

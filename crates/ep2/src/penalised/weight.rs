@@ -17,26 +17,26 @@ const MIN_WEIGHT_RATIO: f64 = 1e-2;
 /// modes are independent combinations of the spline's coefficients. With larger weights, the fit would be nearly a
 /// quadric.
 const MAX_WEIGHT_RATIO: f64 = 1e3;
-/// If a product of many factors falls below this value, it is divided by this value to avoid underflow. The logarithm
-/// of the product is corrected afterwards.
+/// The logarithm of a product of many factors is computed. If the product falls below this value, it is divided by this
+/// value to avoid underflow, and the logarithm is corrected afterwards.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
 const SMALL_HALVINGS: f64 = 60.0;
 /// The half-damping weight of a mode is the smoothing weight that damps the mode by half. The range of the search
 /// covers the half-damping weights of the modes. A mode is ignored for this range if the ratio of its half-damping
 /// weight to the largest one is below this value.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// The upper end of the search for the smoothing weight is above the expected weight by at least this difference of
-/// natural logarithms.
+/// The search for the smoothing weight extends beyond the expected weight. The natural logarithm of the upper end
+/// exceeds that of the expected weight by at least this value.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// Upper limit of the expected smoothing weight, as a difference of natural logarithms from the largest weight that
-/// damps a mode by half.
+/// Upper limit of the expected smoothing weight: its natural logarithm minus the natural logarithm of the largest
+/// weight that damps a mode by half. The modes are independent combinations of the spline's coefficients.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight of a penalised spline is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. The factor
-    /// makes it rare that the criterion smooths too little. Kim and Gu (2004) recommend 1.4.
+    /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. With this
+    /// factor, the criterion seldom smooths too little. Kim and Gu (2004) recommend 1.4.
     RobustGcv {
         /// Factor on the effective degrees of freedom, at least 1.
         gamma: f64,
