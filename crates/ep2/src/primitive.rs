@@ -101,9 +101,9 @@ pub struct ShapeSettings {
     /// Radius of a round fingertip whose centres are the positions of the contacts; 0 if the positions are on the
     /// object.
     pub tip_radius: f64,
-    /// Direction out of the object, for contacts without normals. It is not used in two cases, in which the object is
-    /// assumed to be convex: if the object was touched all around, or if the direction is nearly perpendicular to the
-    /// mean normal of the fitted shape.
+    /// Direction out of the object, for contacts without normals. In two cases, the direction is not used, and the
+    /// object is assumed to be convex: if the object was touched all around, or if the direction is nearly
+    /// perpendicular to the mean normal of the fitted shape.
     pub outward: Vector3<f64>,
     /// Stated noise of the contacts.
     pub noise: Noise,
@@ -129,7 +129,8 @@ pub struct ShapeFit {
     /// stated.
     pub probabilities: Option<[f64; 4]>,
     /// Curvature (1/length) of the object, > 0 if it is convex. For a sphere, it is the curvature in all directions;
-    /// for a cylinder, it is the curvature across the axis. It has no interval if none of the shapes fits.
+    /// for a cylinder, it is the curvature across the axis. It has no interval if neither a plane nor a sphere nor a
+    /// cylinder fits the contacts.
     pub curvature: SizeEstimate,
     /// Radius (length) of the object. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
@@ -195,7 +196,7 @@ impl ShapeFit {
     }
 }
 
-/// Contacts in units of their spread. The other fields convert results back to the original unit.
+/// Contacts, with their spread as the unit of length. The other fields convert results back to the original unit.
 struct Scaled {
     cloud: Cloud,
     fingers: Vec<usize>,

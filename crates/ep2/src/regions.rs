@@ -175,7 +175,8 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
     }
 }
 
-/// The two sides of the parallelogram around a point of the map. The parallelogram extends half-way to the neighbours.
+/// Each point of the map represents a parallelogram that extends half-way to the neighbouring points. Returns the two
+/// side vectors of the parallelogram.
 fn spans_of(point: usize, side: usize, points: &[MapPoint]) -> [Vector3<f64>; 2] {
     let half_span = |place: usize, step: usize| {
         let start = point - step * usize::from(place > 0);

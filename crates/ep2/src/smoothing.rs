@@ -30,10 +30,10 @@ use mesh::{Mesh, Roughness, next_knot};
 use observations::Observations;
 use triangle::Triangle;
 
-/// A diagonal entry of the triangular matrix counts as zero if it is very small. This constant is the limit for its
-/// square, divided by the square of the largest diagonal entry.
+/// The least-squares equations are solved with a triangular matrix. A diagonal entry of this matrix counts as zero if
+/// its square, divided by the square of the largest diagonal entry, is below this value.
 const RANK_TOLERANCE: f64 = 1e-16;
-/// Residuals count as rounding errors if their ratio to the heights is below this value.
+/// Residuals count as rounding errors if the ratio of the residuals to the heights of the points is below this value.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,8 +145,8 @@ impl SmoothingSpline {
     }
 
     /// Adds knots until the sum of squared residuals of the least-squares spline is at most the required sum. If the
-    /// sum of this spline is smaller than required, returns a smoother spline with the same knots, whose sum equals the
-    /// required sum.
+    /// sum is then smaller than required, returns a smoother spline with the same knots, whose sum equals the required
+    /// sum.
     fn approach(
         &self,
         mesh: &mut Mesh,
@@ -191,8 +191,9 @@ impl SmoothingSpline {
     }
 
     /// The spline whose residual sum is `smoothing`. It is smoother than the least-squares spline but follows the
-    /// points more closely than the polynomial without interior knots. `bounds` contains the residual sums of the
-    /// polynomial and of the least-squares spline, minus `smoothing`. `None` if no smoothing parameter could be tried.
+    /// points more closely than the polynomial without interior knots. `bounds` contains two differences: the residual
+    /// sum of the polynomial minus `smoothing`, and the residual sum of the least-squares spline minus `smoothing`.
+    /// `None` if no smoothing parameter could be tried.
     fn balance(
         &self,
         triangle: &Triangle,

@@ -106,7 +106,7 @@ impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
 
 /// The spline `w(u, v) = Σ c_ij B_i(u) B_j(v)`, where `B_i` and `B_j` are B-splines.
 ///
-/// Outside of the rectangle of the knots, the polynomials at its edge are extrapolated.
+/// Outside of the rectangle of the knots, the spline continues with the polynomials at the edge of the rectangle.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TensorSpline {
     pub(crate) u: Knots,

@@ -12,8 +12,8 @@ pub(crate) const UNKNOWNS: usize = 6;
 /// Eigenvalues of the normal equations count as rounding errors if their ratio to the largest eigenvalue is below this
 /// value.
 const RANK_TOLERANCE: f64 = 1e-13;
-/// On the implicit quadric z = Q(a, b) + m z²/2, the root √(1 − 2mQ) must be at least this value. Where the root is 0,
-/// the graph is vertical.
+/// The height of the implicit quadric z = Q(a, b) + m z²/2 contains the root √(1 − 2mQ). This root must be at least
+/// this value, because the surface is vertical where the root is 0.
 const MIN_ROOT: f64 = 0.2;
 /// Number of iterations of the fit. Each iteration computes the weights again from the noise and the slopes.
 const ITERATIONS: usize = 4;
@@ -71,8 +71,8 @@ pub(crate) const SERIES: Gram = Gram::new(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
 );
 
-/// Root mean square of a quadric's second derivative over all directions in the square. `series` contains the quadric
-/// as a series of Chebyshev polynomials.
+/// Root mean square, over all directions in the (a, b) plane, of a quadric's second derivative in a direction. `series`
+/// contains the quadric as a series of Chebyshev polynomials.
 pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     let [aa, ab, bb] = [4.0 * series[3], series[4], 4.0 * series[5]];
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
@@ -84,7 +84,8 @@ pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
-    /// The coefficient m, in the patch's unit of length; 0 if the height z is the quadric Q.
+    /// The coefficient m of the implicit quadric z = Q + m z²/2, in the patch's unit of length. It is 0 if the surface
+    /// is the ordinary quadric z = Q.
     square_term: f64,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,
@@ -325,7 +326,8 @@ impl SquareQuadric {
         (SERIES * self.unknowns).into()
     }
 
-    /// Mean square of the quadric's second derivative over all directions, in the patch's frame.
+    /// Mean square, over all directions in the (u, v) plane of the patch, of the quadric's second derivative in a
+    /// direction.
     pub(crate) fn mean_square_curvature(&self, square: &Square) -> f64 {
         let [half_u, half_v] = square.half();
         let uu = 2.0 * self.unknowns[3] / (half_u * half_u);
@@ -415,9 +417,9 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
 }
 
-/// Coefficient number `index` of the spline that equals a quadric. It is the sum of the spline coefficients of the
-/// quadric's monomials. The spline coefficient of a monomial is the mean of products of different inner knots of the
-/// B-spline (the blossom of the monomial). Each product has as many factors as the degree of the monomial.
+/// Coefficient number `index` of the spline that equals a quadric. It is the sum over the quadric's monomials of the
+/// spline coefficient of each monomial. The spline coefficient of a monomial is the mean of products of different inner
+/// knots of the B-spline (the blossom of the monomial). Each product has as many factors as the degree of the monomial.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());

@@ -12,8 +12,8 @@ const UNKNOWNS: usize = 7;
 const CURVATURE: usize = 2;
 const MIN_CONTACTS: usize = 8;
 const PROBABILITY: f64 = 0.95;
-/// Largest ratio of the scatter of contacts across a stroke to their noise. At a larger ratio, the contacts are not a
-/// single stroke.
+/// The contacts form a single stroke only if the ratio of their scatter across the stroke to their noise is at most
+/// this value.
 const MAX_SPREAD_RATIO: f64 = 2.5;
 /// Assumed standard deviation of the error of the stated outward direction (rad). The error is a rotation about the
 /// direction of the stroke.
@@ -46,9 +46,9 @@ pub struct StrokeCurvature {
 }
 
 impl StrokeCurvature {
-    /// The curvature, for contacts whose outer side is uncertain. Its interval is valid for any outer side within a
-    /// right angle of the assumed side. The normal curvature is the component of the stroke's curvature in space along
-    /// the normal, which is unknown here.
+    /// The curvature, for contacts whose outer side is uncertain. The normal curvature is the component, along the
+    /// surface normal, of the stroke's curvature in space. The normal is unknown here. The interval contains the normal
+    /// curvature for any normal within a right angle of the assumed normal.
     #[must_use]
     pub fn for_any_side(self) -> Self {
         let [low, high] = self.interval95;
@@ -170,8 +170,8 @@ impl Stroke {
                 .get(index)
                 .map(|slope| slope[0] + slope[1] * turn)
         };
-        // If the path is bent, a slope of the surface across the path changes the higher derivatives of the heights
-        // along the path. `of_path` is an upper bound of this change.
+        // If the path is bent along the surface, and the surface slopes across the path, the slope changes the higher
+        // derivatives of the heights along the path. `of_path` is an upper bound of this change.
         let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
         let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
         let of_path = (steepest * bend.abs()).max(1e-3);

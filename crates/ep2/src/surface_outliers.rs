@@ -32,8 +32,8 @@ const MAX_REPEATS: usize = 5;
 const ITERATIONS: usize = 16;
 const MAX_CHANGE: f64 = 0.03;
 /// At the start of a fit, distant contacts have no weight, because an outlier among them would determine the
-/// polynomial. A contact is distant if its distance from the median place exceeds the median distance by more than this
-/// factor, along u or along v.
+/// polynomial. A contact is distant if, along u or along v, its distance from the median place exceeds this multiple of
+/// the median of these distances.
 const MAX_START_RATIO: f64 = 3.0;
 /// Tukey's biweight is 0 if the residual exceeds this number of standard deviations.
 const BIWEIGHT: f64 = 4.685;
@@ -44,7 +44,7 @@ const STD_PER_MEDIAN: f64 = 1.4826;
 /// Smallest standard deviation that is assumed for heights, relative to half the patch's side, and for slopes.
 const MIN_STD: f64 = 1e-6;
 /// Smallest residual of a suspect, relative to the median deviation of the heights or to the median slope. Without this
-/// limit, the small errors of a polynomial would count as outliers among exact readings.
+/// limit, exact readings would be suspects because of the small errors of the fitted polynomial.
 const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
 /// Largest number of fits that test whether suspects agree with the other contacts.
 const ROUNDS: usize = 6;
@@ -56,9 +56,9 @@ const MAX_EXAMINED: usize = 100;
 /// distance, relative to the distance of the nearest contact that is not an outlier. The limit excludes other outliers
 /// at the same point beside the surface.
 const MIN_DISTANCE_RATIO: f64 = 0.3;
-/// Outliers lie together if the mean share of outliers among their nearest contacts exceeds this value. They are then
-/// kept as a part of the surface. The limit is at least `MAX_RELATIVE_NEIGHBOUR_SHARE` times the share of outliers
-/// among all contacts.
+/// Outliers lie together if many of their nearest contacts are outliers too. They are then kept as a part of the
+/// surface. This constant is the limit for the mean share of outliers among the nearest contacts. The limit is at least
+/// `MAX_RELATIVE_NEIGHBOUR_SHARE` times the share of outliers among all contacts.
 const MAX_NEIGHBOUR_SHARE: f64 = 0.3;
 const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
 /// Longest step along the path of a finger, relative to the median step. If the step skips contacts as outliers, the
@@ -111,9 +111,9 @@ impl SoundContacts {
 }
 
 /// Whether each contact is beside the path of its finger. The path is the longest chain of contacts with steps of the
-/// usual length; contacts that it skips are beside it. A finger moves without jumps, so such a contact is suspect even
-/// if other contacts lie close to it. In contacts without an order, all steps are long, and no contact is beside the
-/// path.
+/// usual length. Contacts that the chain skips are beside the path. A finger moves without jumps, so such a contact is
+/// suspect even if other contacts lie close to it. In contacts without an order, all steps are long, and no contact is
+/// beside the path.
 fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (index, contact) in contacts.iter().enumerate() {
@@ -186,8 +186,9 @@ fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
 
 /// Whether each contact is an outlier. `counts` contains the number of rows of the log that each contact represents; it
 /// is the weight of the contact. The weight is needed if a slow finger has outliers between its contacts. The outliers
-/// make the steps long, so that many contacts are merged as a rest. Contacts beside the path of their finger
-/// (`is_beside_path`) are suspects, and have no weight.
+/// make the typical step seem long. Then many contacts of the slow finger are merged as a rest, and the merged contact
+/// must have their weight. Contacts beside the path of their finger (`is_beside_path`) are suspects, and have no
+/// weight.
 fn outliers(
     contacts: &[Contact],
     counts: &[usize],
@@ -391,7 +392,8 @@ fn robust(
     found.filter(|(std, solved)| std.is_finite() && solved.iter().all(|one| one.is_finite()))
 }
 
-/// Standard deviation that corresponds to the median of absolute residuals, after a fit of `coefficients` parameters.
+/// Standard deviation of the noise, estimated from the median of the absolute residuals of a fit with `coefficients`
+/// parameters.
 fn std(residuals: Vec<f64>, coefficients: usize) -> f64 {
     let freedom = residuals.len().saturating_sub(coefficients).max(1);
     let correction = 1.0 + 5.0 / freedom as f64;

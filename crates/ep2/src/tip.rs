@@ -119,8 +119,8 @@ impl RoundTip {
     ///
     /// A displacement of the contact is the matrix I − r K times the displacement of the centre. Here I is the
     /// identity, r is the tip's radius, and K is the curvature of the surface on which the centre moves. On a real
-    /// object, K is below 1/r. Therefore a linear regression of the contacts on the centres has a negative eigenvalue
-    /// only because of noise.
+    /// object, K is below 1/r, so the eigenvalues of the matrix are positive. A linear regression of the contacts on
+    /// the centres estimates this matrix. It can then have a negative eigenvalue only because of noise.
     fn reversal_radius(
         &self,
         centres: &[Contact],

@@ -109,8 +109,8 @@ impl Method for TwoPass {
     }
 
     /// The misfit test of [`Penalised`] with estimated noise. The result of this test is also valid for `TwoPass`,
-    /// because a contact that contradicts the other contacts does so in any fit. The result is empty if the contacts do
-    /// not determine a penalised spline.
+    /// because the test compares each contact with the other contacts and not with a spline of `TwoPass`. The result is
+    /// empty if the contacts do not determine a penalised spline.
     fn misfit(&self, patch: &Patch, _fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
         let found = Penalised::default().misfit(patch, None);
         Ok(found.unwrap_or_default())

@@ -16,11 +16,12 @@ const LEVEL_CONTACTS: usize = 2000;
 /// Rounded coordinates of a scan have only a few values, called levels. Two coordinates belong to the same level if
 /// they differ by less than this share of the contacts' spread.
 const LEVEL_TOLERANCE: f64 = 1e-6;
-/// Rounded coordinates of a scan have only a few values, called levels. This constant is the largest accepted
-/// difference between a coordinate and the nearest level, as a share of the step between levels.
+/// Rounded coordinates of a scan have only a few values, called levels. A coordinate counts as rounded only if all its
+/// values are close to levels. This constant is the largest accepted difference between a value and the nearest level,
+/// divided by the step between levels.
 const MAX_LEVEL_ERROR: f64 = 0.05;
 /// A coordinate counts as rounded only if the contacts' distances from the shape are about as large as the rounding
-/// errors. This constant is the largest accepted ratio of the two, in either direction.
+/// errors. This constant is the largest accepted ratio of the larger to the smaller of these two standard deviations.
 const MAX_ROUNDING_RATIO: f64 = 2.0;
 
 /// A division of contacts into cells. `cell_of` contains the cell index of each contact.
@@ -53,9 +54,9 @@ impl Cells {
         Some(Self { cell_of, count })
     }
 
-    /// P-value of the mean values of the cells: the probability that noise alone causes mean values of at least this
-    /// size. `values` contains one value per contact. `correlation` is the number of consecutive values that count as
-    /// one because their errors are correlated.
+    /// `values` contains one value per contact, such as the distance from the shape. Returns the p-value of the cells'
+    /// mean values: the probability that noise alone causes mean values of at least this size. `correlation` is the
+    /// number of consecutive values that count as one because their errors are correlated.
     pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         for (value, &cell) in values.iter().zip(&self.cell_of) {

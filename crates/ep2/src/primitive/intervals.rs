@@ -8,10 +8,11 @@ use super::pose::{CURVATURE, Cloud, Gram};
 use super::robust_fit::Solution;
 
 const PROBABILITY: f64 = 0.95;
-/// The curvature counts as determined only if the half-width of its 95 % interval, relative to the curvature, is below
-/// this value. At larger half-widths, the computed interval is too narrow.
+/// The curvature counts as determined only if the half-width of its 95 % interval, divided by the curvature, is below
+/// this value. At larger half-widths, the computed interval is narrower than a true 95 % interval.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
-/// If the p-value of the test for lack of fit is below this value, the interval of the curvature is widened.
+/// If the p-value of the test for lack of fit is below this value, the interval of the curvature is widened to include
+/// the lack of fit.
 const MISFIT_P_VALUE: f64 = 0.01;
 /// The curvature counts as determined only if the ratio of the noise to the spread of the contacts is at most this
 /// value. If the noise is larger, errors of positions along the surface make the fitted radius too small.
@@ -53,8 +54,9 @@ pub(super) fn curvature_interval(
         widen(cells.covariance(solution, cloud) * scale, wide);
     }
     // A scan may round a coordinate to a few values, called levels. The rounding errors on a level have all values
-    // between plus and minus half a step. Therefore they nearly cancel in sums, except at the edge of the patch. They
-    // are not a random sample, so the number of levels does not limit the degrees of freedom.
+    // between plus and minus half a step. Therefore they nearly cancel in sums, except at the edge of the patch. These
+    // errors are not a random sample. Therefore use the number of contacts, and not the number of levels, as degrees of
+    // freedom.
     if let Some(levels) = Cells::of_levels(solution, cloud) {
         let wide = student_half_width(PROBABILITY, cloud.places.len());
         widen(levels.covariance(solution, cloud), wide);

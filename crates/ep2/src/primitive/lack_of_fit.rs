@@ -17,8 +17,9 @@ const MAX_DEGREE: usize = 4;
 /// A patch counts as a graph over its plane only if all normals are close to the mean normal. This constant is the
 /// smallest cosine of the angle between a normal and the mean normal (72 degrees).
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. This constant is
-/// the largest share of the column's squared length that may be independent of them.
+/// A column of the equations is skipped if it is almost a linear combination of the earlier columns. The part of the
+/// column that is independent of the earlier columns has a squared length. This constant is the largest squared length
+/// of this part in a skipped column, divided by the squared length of the column.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// A column of the equations is skipped if it is almost a linear combination of the earlier columns. For noisy
 /// positions, the tolerance of this test is this factor times the variance of the positions' noise, but at least
@@ -27,7 +28,8 @@ const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
 const MAX_CONTACTS: usize = 20_000;
-/// Largest number of contacts from which the range of the coordinates is computed.
+/// Largest number of contacts from which the range of the coordinates is computed. The coordinates are the variables of
+/// the polynomial that describes the smooth deviation.
 const BASIS_CONTACTS: usize = 2000;
 /// Number of consecutive contacts in a block. For many contacts, the correlation of residuals is estimated from some of
 /// the blocks.
@@ -164,8 +166,9 @@ impl Rows<'_> {
 pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> LackOfFit {
     let mut first = tested(solution, cloud, fingers, [1.0; 2]);
     let found = first.correlations;
-    // Correlated errors of the positions along a curved surface cause correlated errors of the normals. The noise of
-    // the normals hides these errors in the estimated correlation, but their sum over many contacts is not small.
+    // Correlated errors of the positions along a curved surface cause correlated errors of the normals. In the
+    // estimated correlation of the normals, the noise of the normals hides these errors. Their sum over many contacts
+    // is not small, so compute their correlation from the positions.
     let of_bending = match cloud.normals.is_empty() {
         true => 1.0,
         false => 1.0 + solution.bending_share() * (found[0] - 1.0),
@@ -243,8 +246,9 @@ fn tested(
             }
         }
     }
-    // Without noise, some columns of the equations would be linearly dependent. Noise moves the closest points on the
-    // shape and makes these columns slightly independent, so the tolerance of the rank grows with the noise.
+    // Without noise, some columns of the equations would be linearly dependent. Noise moves the contacts' closest
+    // points on the shape, which makes these columns slightly independent. Therefore the tolerance of the test for
+    // dependent columns grows with the noise.
     let tolerance = MIN_NOISE_RATIO * solution.variances[0];
     let tolerance = tolerance.clamp(RANK_TOLERANCE, MAX_RANK_TOLERANCE);
     let solved = Sequential::new(&gram, &right, tolerance);

@@ -192,8 +192,8 @@ impl Pose {
         deviation
     }
 
-    /// The pose with its parameters changed by `step`. Its new reference point is the point of the surface nearest to
-    /// `middle`.
+    /// The pose after a change of its parameters by `step`. The reference point of the new pose is the point of the
+    /// surface that is nearest to `middle`.
     pub(super) fn moved(&self, step: &Row, middle: &Vector3<f64>) -> Self {
         let turn = self.axes.transpose() * Vector3::new(step[0], step[1], step[2]);
         let turn = Rotation3::new(turn);
@@ -276,7 +276,8 @@ impl Equations {
         all
     }
 
-    /// Gradient of the weighted sum of squares of one contact, with respect to the fitted parameters.
+    /// The weighted sum of a contact's squared deviations (distance and normal) depends on the fitted parameters.
+    /// Returns the gradient of this sum with respect to the parameters.
     pub(super) fn gradient(pose: &Pose, cloud: &Cloud, index: usize, weights: [f64; 2]) -> Row {
         let normal = cloud.normals.get(index);
         let one = pose.deviation(&cloud.places[index], normal.is_some());

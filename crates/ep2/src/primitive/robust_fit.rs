@@ -21,8 +21,8 @@ pub(super) const MIN_STD: f64 = 1e-9;
 /// Largest allowed ratio between the estimated variances of normals and positions, in either direction. Positions are
 /// in the unit of the contacts' spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
-/// Smallest share of the variance of normals that is attributed to errors of the normals. The rest is attributed to
-/// errors of positions.
+/// The estimated variance of normals includes the effect of errors of positions, which is subtracted. At least this
+/// share of the estimated variance remains, as the variance of the normals' own errors.
 const MIN_SENSOR_SHARE: f64 = 0.05;
 /// Eigenvalues of scaled normal equations count as rounding errors if they are below this share of the largest
 /// eigenvalue.
@@ -34,15 +34,18 @@ const SUBSETS: u64 = 60;
 /// Number of contacts in a subset from which a robust fit starts.
 const SUBSET_SIZE: usize = 8;
 const SUBSET_ITERATIONS: usize = 15;
-/// A robust fit starts from all contacts and from a subset. The result from the subset replaces the other result only
-/// if its median distance and its variance are both smaller by at least this factor.
+/// Two robust fits are compared: one starts from the shape through all contacts, the other from the shape through a
+/// subset. The second replaces the first only if two ratios are below this value: the ratio of the contacts' median
+/// distances from both start shapes, and the ratio of the variances of both fits.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;
-/// Largest number of contacts from which the limits of outliers are computed.
+/// Outliers are contacts beyond a limit. This constant is the largest number of contacts from which the limits are
+/// computed.
 const MAX_CONTACTS: usize = 20_000;
-/// There are too many outliers if a fit without more than a fifth of the contacts has a far smaller variance than the
-/// fit to all contacts. This constant is the limit for the ratio of these two variances.
+/// A fit that leaves out more than a fifth of the contacts may have a far smaller variance than the robust fit from all
+/// contacts. Then the contacts have too many outliers, which is an error. This constant is the limit for the ratio of
+/// the first variance to the second.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
@@ -92,8 +95,8 @@ impl Weights {
         (sensor + slope * pose.curvature * pose.curvature).recip()
     }
 
-    /// Correction of the derivative of the cost with respect to the curvature k. It is needed because the variance of
-    /// the normals depends on k. The result is the correction divided by −2k.
+    /// The cost is the weighted sum of squares. The variance of the normals depends on the curvature k, so the
+    /// derivative of the cost with respect to k needs a correction. The result is this correction, divided by −2k.
     fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
         self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
     }
@@ -335,8 +338,8 @@ pub(super) struct RobustFit {
     pub(super) solution: Solution,
     pub(super) is_used: Vec<bool>,
     limits: Limits,
-    /// The contacts that were used by another fit, which leaves out more than a fifth of all contacts but has a much
-    /// smaller variance. `None` if there is no such fit.
+    /// Another fit may leave out more than a fifth of all contacts but have a much smaller variance. For each contact,
+    /// whether this other fit uses it. `None` if there is no such fit.
     pub(super) inliers_of_few: Option<Vec<bool>>,
 }
 
@@ -382,8 +385,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     let Some(pose) = through_most(&plain.solution.pose, thinned) else {
         return plain;
     };
-    // Compare two fits to all contacts. The fit `other` starts at the pose through the subset of contacts, and
-    // `plain_all` starts at `start`. `other` may reach a smaller deviance.
+    // Both `plain_all` and `other` are fits to all contacts. `plain_all` starts at `start`, and `other` at the pose
+    // through a subset of the contacts. Use `other` if it has the smaller deviance.
     let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
     if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
         plain = grown(other, cloud, stated);
@@ -449,8 +452,9 @@ fn median_distance(pose: &Pose, cloud: &Cloud) -> f64 {
 struct Limits([f64; 2]);
 
 impl Limits {
-    /// Limits that follow from the median residuals at a pose: the estimated standard deviation times `deviations`.
-    /// They are wider for few residuals, because the median is then uncertain.
+    /// Limits at the pose `pose`: the standard deviations of distances and of normals, each multiplied by `deviations`.
+    /// The standard deviations are estimated from the medians of the residuals. With few residuals, a median is
+    /// uncertain, so the limits are wider.
     fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
         let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
         let correction = 1.0 + 5.0 / freedom as f64;

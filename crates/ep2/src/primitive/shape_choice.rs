@@ -6,10 +6,11 @@ use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
 use super::{Candidate, Shape, start, wave_tests};
 
-/// If the p-value of the most probable shape has this value, "none of these shapes" is as probable as the shape.
+/// If the p-value of the best-fitting shape equals this value, "none of these shapes" is as probable as this shape. A
+/// smaller p-value makes "none of these shapes" more probable.
 const NONE_P_VALUE: f64 = 0.01;
-/// The contacts count as lying on a line if their positions hardly vary across it. This constant is the limit for the
-/// variance across the line, divided by the variance of the noise.
+/// The contacts count as lying on a line if the variance of their positions across the line, divided by the variance of
+/// the noise, is below this value.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'
@@ -27,8 +28,8 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
 /// The index of the most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
 /// The shapes are compared by the Bayesian information criterion. The probability of "none of these" is 0.01 / p times
-/// the probability of the best shape. Here p is the smaller of two p-values of the best shape: of the
-/// test for lack of fit, and of the test for a wave.
+/// the probability of the best shape. Here p is the smaller of two p-values of the best shape. One comes from the test
+/// for lack of fit, the other from the test for a wave in the distances of the contacts.
 pub(super) fn choose(
     candidates: &[Candidate],
     stated: StatedNoise,

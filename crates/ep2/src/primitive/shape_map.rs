@@ -6,8 +6,9 @@ use palpate_geometry::UNKNOWN_DIRECTION_STD;
 use super::pose::Pose;
 use crate::{Contact, Curvature, MapPoint, Shape, ShapeFit, Uncertainty};
 
-/// Limits the extent of a map. It is the smallest cosine of the angle between the normal at a contact and the normal in
-/// the middle of the contacts. Larger angles are reduced to this limit.
+/// Limits the extent of a map on a curved shape. Let θ be the angle between the shape's normal at a contact and its
+/// normal in the middle of the contacts. This constant is the smallest cosine of θ; a larger θ is reduced to this
+/// limit.
 const MIN_COSINE: f64 = 0.2;
 
 impl ShapeFit {

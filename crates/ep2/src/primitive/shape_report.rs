@@ -135,7 +135,8 @@ impl ShapeSettings {
 fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
     let value = curvature.value.filter(|_| is_resolved);
     let size = |curvature: f64| curvature.abs().recip();
-    // The lower bound of the radius comes from the end of the interval with the larger magnitude of curvature.
+    // The radius is the inverse of the curvature's magnitude. Therefore the lower bound of the radius comes from the
+    // end of the curvature's interval with the larger magnitude.
     let largest = match ends {
         [Some(low), Some(high)] => Some(low.abs().max(high.abs())),
         _ => None,

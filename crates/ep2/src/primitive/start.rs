@@ -9,7 +9,8 @@ use crate::Shape;
 
 /// Number of directions that are compared as the axis of a cylinder, evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of directions from which fits of a cylinder start. They are the directions that fit the contacts best.
+/// Number of axis directions from which fits of a cylinder start. They are the directions whose cylinders fit the
+/// contacts best.
 const BEST_DIRECTIONS: usize = 4;
 
 pub(super) fn middle(cloud: &Cloud) -> Vector3<f64> {
@@ -124,8 +125,8 @@ fn sphere(cloud: &Cloud, middle: &Vector3<f64>) -> Option<Pose> {
     is_good.then_some(pose)
 }
 
-/// Fits a cylinder with the axis direction `axis` to the contacts, by an algebraic fit. Returns the sum of the squared
-/// distances of the contacts from the cylinder, and the cylinder.
+/// Fits a cylinder with the axis direction `axis` to the contacts, by an algebraic fit. Returns two results: the sum of
+/// the contacts' squared distances from the cylinder, and the cylinder.
 fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(f64, Pose)> {
     let frame = Pose::new(Shape::Cylinder, *middle, *axis, Vector3::x(), 0.0);
     let (one, other) = (frame.axis(0), frame.axis(1));

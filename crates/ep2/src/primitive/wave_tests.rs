@@ -1,6 +1,6 @@
-//! Two tests whether the contacts are on a wavy surface instead of the fitted shape. They complete the test for lack of
-//! fit, whose polynomials cannot describe several periods of a wave. In few contacts, a wave looks like noise that is
-//! correlated along strokes.
+//! Two tests whether the contacts are on a wavy surface instead of the fitted shape. They are needed in addition to the
+//! test for lack of fit, whose polynomials cannot describe several periods of a wave. In addition, if there are few
+//! contacts, a wave looks like noise that is correlated along strokes.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use palpate_statistics::ratio_tail;
@@ -16,8 +16,8 @@ const MAX_CONTACTS: usize = 300;
 /// along a side of the rectangle that contains the contacts. The first grid extends to 6 periods. The later grids are
 /// around the best wave so far.
 const STEPS: [(f64, i32); 3] = [(0.5, 12), (0.25, 1), (0.125, 1)];
-/// A wave counts only if it explains at least this share of the sum of squared distances. If the contacts are on a
-/// regular grid, the errors of rounded coordinates look like weaker waves.
+/// A wave is significant only if it explains at least this share of the contacts' sum of squared distances from the
+/// shape. On a regular grid, rounding errors of the coordinates also look like waves, but these waves are weaker.
 const MIN_SHARE: f64 = 0.5;
 /// Number of fitted parameters of a wave: two amplitudes and two numbers of periods.
 const PARAMETERS: usize = 4;
@@ -25,8 +25,8 @@ const PARAMETERS: usize = 4;
 /// at least this number of pairs.
 const MIN_PAIRS: usize = 6;
 
-/// P-value of the best wave: the probability that noise fits one of the waves at least as well. `correlation` is the
-/// number of consecutive contacts that count as one because their errors are correlated.
+/// P-value of the best wave: the probability that for noise alone, one of the tried waves fits the distances at least
+/// as well. `correlation` is the number of consecutive contacts that count as one because their errors are correlated.
 pub(super) fn of_distances(pose: &Pose, cloud: &Cloud, correlation: f64) -> f64 {
     let thinned = cloud.thinned(MAX_CONTACTS);
     let independent = (cloud.places.len() as f64 / correlation).min(thinned.places.len() as f64);
@@ -92,10 +92,10 @@ pub(super) fn of_distances(pose: &Pose, cloud: &Cloud, correlation: f64) -> f64 
     (f64::from(waves) * tail).min(1.0)
 }
 
-/// Compares the distances and the normals of contacts along strokes. The noise of positions and the noise of normals are
-/// independent of each other. If the distances change along a stroke as the normals tilt, both come from a surface of
-/// another shape. The result is a p-value: the probability that the distances and the normals of independent noise agree
-/// at least as well. `fingers` contains the number of the finger of each contact.
+/// Compares the distances and the normals of contacts along strokes. The noise of positions and the noise of normals
+/// are independent of each other. On a surface of another shape, however, the distances change along a stroke as the
+/// tilt of the normals predicts. The result is a p-value: the probability that distances and normals with independent
+/// noise agree at least as well. `fingers` contains the number of the finger of each contact.
 pub(super) fn of_slopes(pose: &Pose, cloud: &Cloud, fingers: &[usize]) -> f64 {
     // For each contact of a stroke: its distance from the shape, and its height above the shape according to the
     // normals. This height is the integral of the normals' tilt along the stroke.

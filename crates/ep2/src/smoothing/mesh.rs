@@ -15,8 +15,9 @@ type Jumps = [f64; MAX_DEGREE + 2];
 
 /// Knots along u and along v.
 ///
-/// The coefficients are ordered first by the B-spline along one axis, the slow axis. The slow axis is chosen such that
-/// the band of the equations is narrow.
+/// A coefficient belongs to a B-spline along u and a B-spline along v. The coefficients are sorted by the B-spline
+/// along one axis, the slow axis, and then by the B-spline along the other axis. The slow axis is chosen such that the
+/// band of the equations is narrow.
 pub(super) struct Mesh {
     pub(super) knots: [Knots; 2],
     /// The slow axis: 0 for u, 1 for v.
@@ -104,7 +105,8 @@ impl Mesh {
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// Number of B-splines whose support contains the same knot, along the slow and along the fast axis of the mesh.
+    /// Number of B-splines whose support contains the same knot: first along the slow axis of the mesh, then along the
+    /// fast axis.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,
@@ -127,7 +129,8 @@ impl Roughness {
         }
     }
 
-    /// Triangular form of `equations` together with the smoothness equations divided by `parameter`.
+    /// Adds the smoothness equations, each divided by `parameter`, to `equations`. Returns the triangular form of all
+    /// equations.
     pub(super) fn join(&self, equations: &Triangle, parameter: f64) -> Triangle {
         let order = equations.order();
         let mut joined = Triangle::new(order, self.band);

@@ -10,9 +10,9 @@ pub(crate) struct WeightedPoint {
     pub(crate) u: f64,
     pub(crate) v: f64,
     pub(crate) w: f64,
-    /// Weight that multiplies the residual: an inverse standard deviation. If the weights of two points differ by a
-    /// factor of 10^n, the spline contains n fewer digits of the point with the smaller weight. From n = 15 on, this
-    /// point has no influence.
+    /// Weight that multiplies the residual: an inverse standard deviation. If the weight of one point is smaller than
+    /// that of another by a factor of 10^n, the spline fits the first point with n fewer correct digits. From n = 15
+    /// on, the first point has no influence.
     pub(crate) weight: f64,
 }
 

@@ -4,8 +4,9 @@ const MOST_TRIALS: usize = 20;
 /// Factor for steps of the search while the smoothing parameter is far from the root. A parameter that is too large is
 /// multiplied by this factor, and a parameter that is too small is divided by it.
 const FAR: f64 = 0.04;
-/// A step by the factor [`FAR`] may pass a bound of the search. Then the next parameter lies between the last trial and
-/// the bound. Its distance from the bound is this share of the distance between the last trial and the bound.
+/// A step by the factor [`FAR`] may pass a bound of the search. Then the next parameter lies between the last tried
+/// parameter and the bound. Its distance from the bound, divided by the distance between the last parameter and the
+/// bound, is this value.
 const NEAR: f64 = 0.1;
 
 /// A parameter that was tried. `excess` is its residual sum minus the required sum.

@@ -157,8 +157,8 @@ impl Triangle {
         block.is_stale = true;
     }
 
-    /// Effective degrees of freedom of these equations after further equations were added: the trace of `J⁻ᵀ RᵀR J⁻¹`.
-    /// `R` is this triangle, and `J` is the triangle `joined` of all equations.
+    /// The effective degrees of freedom that these equations determine after further equations were added. They are the
+    /// trace of `J⁻ᵀ RᵀR J⁻¹`, where `R` is this triangle and `J` is the triangle `joined` of all equations.
     pub(super) fn share_of(&self, joined: &Self) -> f64 {
         let mut trace = 0.0;
         let mut row = vec![0.0; self.order];

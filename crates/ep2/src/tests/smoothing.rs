@@ -50,8 +50,8 @@ fn polynomials_are_interpolated() {
             );
         }
     }
-    // The weight 1e150 of one point is so large that rounding removes the weights of the other points. Therefore only
-    // check that the result is finite.
+    // The weight 1e150 of one point is so large that the other points are lost in rounding errors. Therefore only check
+    // that the result is finite.
     let mut points = points;
     points[7].weight = 1e150;
     let spline = fit(2, 1e-3, &points).unwrap().spline;

@@ -75,8 +75,8 @@ fn assert_curvature(method: &TwoPass, normals: bool, bound: f64) {
     }
 }
 
-/// The first pass is exact. The second pass is not exact, because its points lie on the tangents. The distance of these
-/// points from the surface is half the squared step times the curvature, here 6e-4.
+/// The first pass is exact. The second pass is not exact, because its points lie on the tangents. The distance of a
+/// point from the surface is s² k / 2, where s is the step along the tangent and k the curvature; here it is 6e-4.
 #[test]
 fn a_saddle_is_fitted_by_a_biquadratic() {
     let first = TwoPass {

@@ -47,7 +47,8 @@ pub(super) enum Surface {
     Cylinder(f64),
     /// The saddle w = −(u² − r v²)/2R with the values R and r.
     Saddle(f64, f64),
-    /// Outer side of a torus: radius of the tube, and radius of the circle of the tube's centres.
+    /// Outer side of a torus, with two radii: the radius of the tube, and the radius of the circle on which the centre
+    /// of the tube lies.
     Torus(f64, f64),
     /// The wave w = a sin(2π u / l + phase): amplitude a, wavelength l and phase.
     Wave(f64, f64, f64),

@@ -107,8 +107,8 @@ fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
 
 #[test]
 fn many_contacts_of_few_fingers_do_not_cause_steps() {
-    // The contacts of each finger scatter about a line along the finger's path. On this line, the slope of the surface
-    // across the line is constant.
+    // The contacts of each finger scatter about a line along the finger's path. The slope of the surface, measured
+    // across this line, is constant along the line.
     let steep = Surface {
         name: "steep saddle",
         at: |x, y| {
@@ -152,8 +152,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Shares of all grid points and trials in which the true value is within 1.96 standard errors of its estimate: first
-/// for the Gaussian curvature, then for the mean curvature.
+/// Coverage of the 95 % intervals: the share of all grid points and trials in which the true curvature is within 1.96
+/// standard errors of its estimate. The first result is for the Gaussian curvature, the second for the mean curvature.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,

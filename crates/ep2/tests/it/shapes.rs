@@ -1,5 +1,5 @@
-//! Tests the sizes, the intervals and the choice of shapes with random cases. If an assertion fails, its message
-//! contains the measured shares.
+//! Fits shapes to random contacts, and tests the fitted sizes, their intervals and the choice of the shape. If an
+//! assertion fails, its message contains the measured shares of successful cases.
 
 use std::f64::consts::{PI, TAU};
 
@@ -282,8 +282,8 @@ fn correlated_positions_do_not_refute_a_ball() {
     assert_eq!(refuted.count(), 0);
 }
 
-/// Returns two logs and the smallest accepted coverage. The readings of the first log depend on each other; the second
-/// log is similar, but has independent readings.
+/// Returns two logs of contacts, and the smallest accepted coverage of the intervals. In the first log, the readings
+/// depend on each other. The second log is similar, but its readings are independent.
 fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
     if kind < 3 {
         let plain = ball_log(random, 10);
