@@ -163,9 +163,10 @@ fn rotation_at_change(
 }
 
 /// Selects samples that bound the position of the contact. A run is a series of successive samples on one pad. For each
-/// run and each edge of its pad, the sample whose contact is nearest to this edge is selected. Only the samples at the
-/// ends of [`PROBED`] intervals of the run are compared. If several runs have the same edge, only one sample is
-/// returned for it. Each result consists of the index of the edge, the offset of the edge and the index of the sample.
+/// run and each edge of its pad, selects the sample whose contact is nearest to this edge. The run is divided into
+/// [`PROBED`] intervals, and only the samples at their ends are compared. If several runs have the same edge, only one
+/// sample is returned for this edge. Each result consists of the index of the edge, the offset of the edge and the
+/// index of the sample.
 pub(crate) fn edge_samples(
     samples: &[RollSample],
     runs: &[Run],

@@ -56,7 +56,8 @@ impl Estimate {
 
     /// Amplification of errors: the relative error of the object's normal curvature at `angle_rad` from u, divided by a
     /// small relative error of the readings. It is `1 + 1/RCR`, where RCR is the object's normal curvature divided by
-    /// the probe's (1996 paper, equation 7). `None` where the object is flat, because the ratio is infinite there.
+    /// the probe's (Charlebois, Gupta and Payandeh 1996, equation 7). `None` where the object is flat, because the
+    /// ratio is infinite there.
     pub fn amplification(&self, angle_rad: f64) -> Option<f64> {
         let growth = 1.0 + self.probe_curvature / self.curvature.normal_curvature(angle_rad);
         growth.is_finite().then_some(growth)

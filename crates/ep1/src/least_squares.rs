@@ -1,4 +1,4 @@
-//! The least-squares estimator of the 1996 paper, for any number of probes.
+//! The least-squares estimator of Charlebois, Gupta and Payandeh (1996), for any number of probes.
 //!
 //! The drive `g = (−Δθ_y, Δθ_x)` is the rotation vector, turned by 90°. The mobility `B = (K₁ + K₂)⁻¹` is the contact's
 //! travel per radian, where K₁ and K₂ are the curvatures of probe and object. The model of a shift is `Δp = B g`. On a

@@ -8,8 +8,8 @@
 //! (Δp_u, Δp_v)ᵀ = (K₁ + K₂)⁻¹ (−Δθ_y, Δθ_x)ᵀ
 //! ```
 //!
-//! The least-squares fit of the 1996 paper (equations 2 to 4) solves this equation for any number of probes. See
-//! [`LeastSquares`].
+//! The least-squares fit of Charlebois, Gupta and Payandeh (1996, equations 2 to 4) solves this equation for any number
+//! of probes. See [`LeastSquares`].
 
 mod batch;
 mod crossings;

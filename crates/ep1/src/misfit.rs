@@ -15,8 +15,8 @@ use crate::{Estimate, ProbeReading, ReadingNoise};
 
 /// Number of fitted entries of the mobility `B` (contact travel per radian), which is a symmetric 2×2 matrix.
 const MOBILITY_ENTRIES: usize = 3;
-/// Number of fitted parameters: the entries of the mobility `B` (contact travel per radian), and the two components of
-/// the error of the first contact, which all probes on pads share.
+/// Number of fitted parameters: three entries of the mobility `B` (contact travel per radian), and two components of
+/// the position error of the first contact. On pads, this error is the same for all probes.
 const UNKNOWNS: usize = 5;
 /// Smallest standard deviation of the noise that is estimated from residuals, divided by the length of the longest
 /// shift. Smaller residuals may be rounding errors.
@@ -27,9 +27,10 @@ const SINGULAR: f64 = 1e-10;
 /// Significance level of a poor fit. The level must not be much smaller: four probes have only five degrees of freedom,
 /// so at a level of 0.005 the test would often miss noise of three times the stated standard deviation.
 const POOR_FIT_LEVEL: f64 = 0.02;
-/// Significance level for residuals that are too small for the stated noise.
+/// Significance level of the test for residuals that are too small for the stated noise.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
-/// The stated noise is reported as too large only if its ratio to the root-mean-square residual exceeds this value.
+/// The stated standard deviation of the shifts is reported as too large only if it exceeds the root-mean-square
+/// residual by more than this factor.
 const MIN_NOISE_RATIO: f64 = 4.0;
 
 type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;

@@ -387,7 +387,8 @@ impl StartFrame {
         let by_start = self
             .turns
             .map(|turn| in_chart(&(self.frame * turn.cross(&local))));
-        // A displacement across the path is shorter on a sphere than on a plane, by the factor `narrow`.
+        // If the direction of a path changes by a small angle, the end of the path moves to the side. On a sphere, this
+        // displacement is shorter than on a plane, by the factor `narrow`.
         let square = at.x.norm_squared();
         let narrow = sine_ratios(square).0;
         let along = match square < 1e-12 {

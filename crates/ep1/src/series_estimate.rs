@@ -240,8 +240,8 @@ impl SeriesEstimate {
         ]
     }
 
-    /// Whether the rolls cross so few edges of pads that [`bounds`](Self::bounds) are the only meaningful intervals. The
-    /// estimate is then the middle of a wide range.
+    /// Whether the rolls cross very few edges of pads. Then only the intervals of [`bounds`](Self::bounds) are
+    /// meaningful, and the estimate is the middle of a wide range.
     pub fn has_few_crossings(&self) -> bool {
         matches!(&self.uncertainty, Uncertainty::Set(set) if set.has_few_crossings())
     }

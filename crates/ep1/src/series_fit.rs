@@ -14,15 +14,15 @@ use crate::{
     SeriesMethod, SeriesNoise,
 };
 
-/// A roll is left out if its p-value is below this value divided by the number of rolls.
+/// A roll is left out as an outlier if its p-value is below this value divided by the number of rolls.
 const OUTLIER_LEVEL: f64 = 1e-3;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
 /// A fit may leave out rolls as outliers, but at most the number of all rolls divided by this value.
 const ROLLS_PER_OUTLIER: usize = 4;
-/// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are averaged in
-/// this number of groups.
+/// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
+/// this number of groups, and the fit uses the mean of each group.
 const GROUPS: usize = 12;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
@@ -410,9 +410,10 @@ impl Problem<'_> {
         let mut all = vec![self.candidate(data, &first, 1)];
         self.more_terms::<7>(data, noise, &mut shape, &mut all);
         let third = self.more_terms::<12>(data, noise, &mut shape, &mut all);
-        // On a symmetric object, odd derivatives of the curvature are zero. A second term of the polynomial then does
-        // not improve the fit, but a third term may. So fits with two and three terms are always tried. A fourth term
-        // is tried only if one of these fits is better than the fit with one term.
+        // If the object is symmetric about the start of the rolls, odd derivatives of the curvature are zero there. A
+        // second term of the polynomial then does not improve the fit, but a third term may. So fits with two and three
+        // terms are always tried. A fourth term is tried only if one of these fits is better than the fit with one
+        // term.
         let first = all[0].criterion;
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);

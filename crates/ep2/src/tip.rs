@@ -9,8 +9,8 @@ use crate::{Contact, Ep2Error, Method, Patch};
 /// The point of a round tip whose position is reported in the readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TipPoint {
-    /// The lowest point of a finger that comes from above. In general, it is the point of the tip that is farthest in
-    /// the direction opposite to the object's outward direction.
+    /// The point of the tip that is farthest in the direction opposite to the object's outward direction. For a finger
+    /// that comes from above, it is the lowest point.
     #[default]
     Lowest,
     /// The readings report the centre of the tip.

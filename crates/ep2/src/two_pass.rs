@@ -1,5 +1,5 @@
-//! The method of the 1996 paper: a smoothing spline is fitted to the contacts, and a second spline is fitted to points
-//! of the first spline and of its tangents.
+//! The method of Charlebois, Gupta and Payandeh (1996): a smoothing spline is fitted to the contacts, and a second
+//! spline is fitted to points of the first spline and of its tangents.
 
 use palpate_statistics::BadSetting;
 
@@ -29,19 +29,20 @@ pub enum Passes {
     Two,
 }
 
-/// The method of the 1996 paper.
+/// The two-pass method of Charlebois, Gupta and Payandeh (1996).
 ///
 /// First, a smoothing spline is fitted to the contacts. Then a second spline is fitted to three points per contact. One
 /// of them is the point of the first spline at the contact. The other two are on a tangent through this point, one step
 /// to each side of it. The tangent is perpendicular to the fingers' travel (u in the patch's frame).
 ///
 /// The settings use a unit of length, which by default is the distance between fingers. Residuals and the tangent step
-/// are in this unit. The sum of `weight`² · `residual`² is compared with the smoothing sums. Weights of the contacts
-/// are inverse variances, so `weight` is multiplied by their square roots.
+/// are in this unit. The sum of `weight`² · `residual`² is compared with the required sums `smoothing` and
+/// `second_smoothing`. A contact's own weight is an inverse variance, so its `weight` is multiplied by the square root
+/// of it.
 ///
-/// For example, a sum of 1000, 30 contacts and a weight of 100 correspond to a root-mean-square residual of 0.058
-/// units. If the required sum is too small for the allowed number of knots, the last fit is returned. Its curvature is
-/// useless, and [`Fit::status`] reports this.
+/// For example, with 30 contacts and a weight of 100, a required sum of 1000 corresponds to a root-mean-square residual
+/// of 0.058 units. If the required sum is too small for the allowed number of knots, the last fit is returned. Its
+/// curvature is useless, and [`Fit::status`] reports this.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPass {
     /// Degree of the first spline along u and along v, 1 to 5.
@@ -68,7 +69,7 @@ pub struct TwoPass {
 }
 
 impl Default for TwoPass {
-    /// The settings of the 1996 paper, except that the second spline is bicubic.
+    /// The settings of Charlebois, Gupta and Payandeh (1996), except that the second spline is bicubic.
     fn default() -> Self {
         Self {
             first_degree: 2,

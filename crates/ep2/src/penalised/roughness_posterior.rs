@@ -23,8 +23,8 @@ const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
 /// lengths.
 const MAX_LENGTH_RATIO: f64 = 3.0;
 const EXPECTED_LENGTH: f64 = 1.75;
-/// Exponent of the prior probability of a correlation length. On both sides of the most probable length, the prior
-/// probability decreases with this power of the length.
+/// Exponent p of the prior probability of a correlation length l. The probability is proportional to 1/cosh(p
+/// ln(l/l₀)), where l₀ is the most probable length.
 const LENGTH_POWER: f64 = 2.0;
 /// Most probable amplitude of the roughness in the prior, relative to the second derivatives of the quadric. The
 /// amplitude is the standard deviation of the second derivatives of the roughness.
@@ -33,8 +33,8 @@ const EXPECTED_AMPLITUDE: f64 = 0.75;
 /// such as an ellipsoid. It is relative to the second derivatives of the quadric. Deviations from an implicit quadric
 /// are usually smaller than deviations from an ordinary quadric.
 const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
-/// Exponent of the prior probability of an amplitude. On both sides of the most probable amplitude, the prior
-/// probability decreases with this power of the amplitude.
+/// Exponent p of the prior probability of an amplitude a. The probability is proportional to 1/cosh(p ln(a/a₀)), where
+/// a₀ is the most probable amplitude.
 const AMPLITUDE_POWER: f64 = 4.0;
 /// The posterior is averaged over several amplitudes of the roughness. This constant is the number of amplitudes that
 /// are smaller than the expected amplitude, and also the number of amplitudes that are larger.

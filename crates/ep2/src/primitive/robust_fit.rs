@@ -35,8 +35,9 @@ const SUBSETS: u64 = 60;
 const SUBSET_SIZE: usize = 8;
 const SUBSET_ITERATIONS: usize = 15;
 /// Two robust fits are compared: one starts from the shape through all contacts, the other from the shape through a
-/// subset. The second replaces the first only if two ratios are below this value: the ratio of the contacts' median
-/// distances from both start shapes, and the ratio of the variances of both fits.
+/// subset. The second fit replaces the first only if two quantities are smaller by at least this factor: the contacts'
+/// median distance from the start shape of the second fit (compared with the first fit's shape), and the variance of
+/// the second fit.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 const GROWTH_ITERATIONS: usize = 10;
 const GROWTH_FIT_ITERATIONS: usize = 8;

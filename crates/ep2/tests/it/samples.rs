@@ -92,7 +92,7 @@ fn cylinder(x: f64, y: f64, turn: f64) -> Truth {
     (Point3::new(x, y, height - 5.0), normal, 0.0, 0.1)
 }
 
-/// The four surfaces on which the 1996 paper tests its second estimator.
+/// The four surfaces on which Charlebois, Gupta and Payandeh (1996) test their second estimator, EP2.
 pub(crate) const QUADRIC_LIKE: [Surface; 4] = [
     Surface {
         name: "sphere",
@@ -163,7 +163,7 @@ pub(crate) struct Sweep {
 }
 
 impl Sweep {
-    /// Three fingers with ten contacts each, whose normals have errors of 2 degrees.
+    /// Three fingers with ten contacts each. The normals at the contacts have errors of 2 degrees.
     pub(crate) const fn paper(position_std: f64) -> Self {
         Self {
             fingers: 3,
