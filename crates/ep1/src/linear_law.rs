@@ -13,8 +13,8 @@ pub(crate) const MIN_TRAVEL: f64 = 1e-12;
 /// and sums. K₁ is the probe's curvature and B the mobility of the contact (its travel per radian).
 pub(crate) const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
-/// The constants of the fit, with which estimates are computed from sums over the probes. The type can be copied into a
-/// loop over a batch.
+/// The constants of the fit. Estimates are computed from these constants and from sums over the probes. The type is
+/// `Copy`, so that a loop over a batch can use its own copy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
     pub(crate) radius: f64,

@@ -1,9 +1,10 @@
 //! Weighted least squares through the rolling equations, for crossings of pad edges and for contact points.
 //!
 //! The unknowns are the coefficients of the object's shape, and for each roll its start and the error of its rotation.
-//! The unknowns of a roll are eliminated from the normal equations, so that the cost is proportional to the number of
-//! rolls. Errors of measured rotations would attenuate the estimate if the derivatives used the measured rotations.
-//! Therefore the derivatives use the rotations without their estimated errors (errors in variables).
+//! The unknowns of each roll are eliminated from the normal equations, so that the computing time is proportional to
+//! the number of rolls. If the derivatives were computed with the measured rotations, the errors of these rotations
+//! would bias the estimate. Therefore the estimated errors are first subtracted from the rotations (a fit with errors
+//! in variables).
 
 mod estimated_noise;
 

@@ -490,8 +490,8 @@ impl Problem<'_> {
         *shape = fit.shape;
         let mut one = self.candidate(data, &fit, shape.terms);
         // Widen the standard errors to account for the omitted terms. The omitted terms probably change the curvature
-        // at the start less than the last two terms did. The factor is the share of the last terms in the curvature
-        // form.
+        // at the start less than the last two terms did. Therefore multiply the change by the last two terms with a
+        // factor: the share of the last terms in the curvature form at the end of a roll.
         if let Some(before) = all
             .iter()
             .rfind(|one| one.estimate.terms + 2 == shape.terms)

@@ -140,7 +140,7 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
     within_share(far_contacts(contacts, runs), contacts.len())
 }
 
-/// Contacts that are far from most of `runs`, and lost readings.
+/// Finds the contacts that are far from most of the contacts in `runs`, and the lost readings.
 fn far_contacts(contacts: &[Contact], runs: &[Contact]) -> Vec<Outlier> {
     let places: Vec<Vector3<f64>> = evenly_spaced(runs.len(), MAX_PLACES)
         .map(|run| runs[run].position.coords)

@@ -231,8 +231,8 @@ impl IndependentFit {
     }
 
     /// Whether the contacts are two strokes without normals. The fit of a quadric is then not unique, because any
-    /// multiple of a quadric that is 0 on both strokes can be added. If the contacts have noise across the strokes, the
-    /// equations of the fit seem to have a unique solution.
+    /// multiple of a quadric that is 0 on both strokes can be added. This must be tested here: if the contacts have
+    /// noise across the strokes, the equations of the fit seem to have a unique solution.
     fn are_two_strokes(&self, outward: &Vector3<f64>) -> bool {
         let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
         for contact in &self.contacts {
@@ -265,7 +265,7 @@ impl IndependentFit {
             false => (jet.uu.abs(), 0),
         };
         let [low, high] = self.fit.domain[axis];
-        // Count strokes and not fingers, because a finger may move to and fro over the surface.
+        // Count strokes and not fingers, because a finger may move to and fro along several strokes.
         let places = self.contacts.iter();
         let mut across: Vec<f64> = places
             .map(|contact| self.fit.frame.point(&contact.position)[axis])

@@ -113,7 +113,7 @@ struct Solution {
 impl SmoothingSpline {
     /// Fits a spline to at least `(degrees[0] + 1)(degrees[1] + 1)` points.
     ///
-    /// It is not an error if the points do not determine the polynomial, for example if they are on few lines; see
+    /// The points may not determine the polynomial, for example if they are on few lines. This is not an error; see
     /// [`Smoothed::rank`].
     ///
     /// # Errors

@@ -22,7 +22,8 @@ const OUTWARD_STD: f64 = 0.1;
 const MAX_SPREAD: f64 = 0.1;
 /// Smallest standard deviation that is assumed for slopes, and for heights relative to half of the stroke's length.
 const MIN_STD: f64 = 1e-6;
-/// Relative standard error that is added to the curvature, because derivatives of order 7 and higher are neglected.
+/// Additional standard error of the curvature, divided by the curvature. It accounts for derivatives of order 7 and
+/// higher, which the fit neglects.
 const MODEL_ERROR: f64 = 1e-3;
 const ITERATIONS: usize = 5;
 

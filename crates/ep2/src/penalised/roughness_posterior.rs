@@ -87,8 +87,8 @@ impl SeriesProblem<'_> {
     }
 }
 
-/// Normal equations for the coefficients of the roughness, after the best-fitting quadric has been eliminated. The
-/// roughness is a sum of all products of Chebyshev polynomials, except those that form quadrics.
+/// Normal equations for the coefficients of the roughness, after the coefficients of the quadric have been eliminated.
+/// The roughness is a sum of all products of Chebyshev polynomials, except those that form quadrics.
 struct Rest {
     gram: DMatrix<f64>,
     right: DVector<f64>,

@@ -67,7 +67,7 @@ impl Criterion {
     }
 }
 
-/// The selected smoothing weight, and the factor on the assumed variances that follows from it.
+/// The selected smoothing weight, and the factor by which the assumed variances must be multiplied with this weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     pub(super) log_weight: f64,

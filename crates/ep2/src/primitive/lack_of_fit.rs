@@ -1,5 +1,5 @@
-//! Tests whether the residuals of a shape are only noise. For this test, a smooth deviation is fitted to the residuals.
-//! The correlation of the remaining residuals is estimated too.
+//! Tests whether the residuals of a fitted shape are only noise. For this test, a smooth deviation (a polynomial) is
+//! fitted to the residuals. Then the correlation between the remaining residuals is estimated.
 
 use std::collections::HashMap;
 

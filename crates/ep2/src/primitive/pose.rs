@@ -1,4 +1,4 @@
-//! Position and size of a plane, a sphere or a cylinder, with the distances of contacts from it.
+//! Position and size of a plane, a sphere or a cylinder, and the distances of contacts from this shape.
 //!
 //! Let q = p − o, where p is the position of a contact and o is a point of the surface. n is the surface normal at o, a
 //! is the unit vector along the axis of a cylinder, and k is the curvature. Let f = k |q|²/2 + q·n; for a cylinder,
@@ -241,8 +241,8 @@ impl Deviation {
     }
 }
 
-/// Sums of squares, and normal equations, for the deviations of the contacts' distances and normals from the shape. All
-/// deviations are assumed to have variance 1.
+/// Sums of squares, and normal equations, for two kinds of deviations of the contacts from the shape: distances, and
+/// differences of normals. All deviations are assumed to have variance 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
     pub(super) grams: [Gram; 2],

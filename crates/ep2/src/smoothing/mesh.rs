@@ -197,9 +197,9 @@ fn derivative_jumps(knots: &Knots) -> Vec<Jumps> {
 
 /// The axis and the position of the next knot; `None` if no knot can be added.
 ///
-/// The knot divides the interval with the largest sum of squared residuals, along either axis, at the centroid of these
-/// residuals. Intervals that would be divided too unevenly are skipped. Axes that already have `most_knots` interior
-/// knots are skipped too.
+/// The knot divides an interval along u or along v: the interval with the largest sum of squared residuals. The knot is
+/// at the centroid of these squared residuals. Intervals that would be divided too unevenly are skipped. Axes that
+/// already have `most_knots` interior knots are skipped too.
 pub(super) fn next_knot(
     mesh: &Mesh,
     sums: &[Vec<IntervalSums>; 2],

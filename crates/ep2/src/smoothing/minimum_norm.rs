@@ -1,4 +1,5 @@
-//! Solves least-squares problems that do not determine all unknowns, by the solution with the smallest norm.
+//! Solves least-squares problems that do not determine all unknowns. Of all solutions, the one with the smallest norm
+//! is returned.
 //!
 //! Dierckx, Curve and Surface Fitting with Splines (1993), section 4.1.2.
 
@@ -46,9 +47,9 @@ impl Trapezoid {
     /// The solution `x` of the equations `B x = g` with the smallest norm, where `B` is the matrix of this trapezoid
     /// and `g` its right-hand side. The solution has no component in the null space of `B`.
     ///
-    /// The method is a QR decomposition `Bᵀ = Q G` with an orthogonal matrix `Q` and a triangular matrix `G`. The
-    /// columns of `B` are merged into `G` one by one by rotations, from the last column to the first. The rows of `B`
-    /// are used in reversed order too. Then the solution is `x = Q G⁻ᵀ g`.
+    /// The method is a QR decomposition `Bᵀ = Q G` with an orthogonal matrix `Q` and a triangular matrix `G`. Rotations
+    /// merge the columns of `B` into `G` one by one, from the last column to the first. The rows of `B` are also
+    /// processed from the last to the first. Then the solution is `x = Q G⁻ᵀ g`.
     fn least_solution(&self) -> Vec<f64> {
         let (rank, band) = (self.pivots.len(), self.reduced.band());
         let mut factor = Triangle::new(rank, band);

@@ -19,7 +19,7 @@ pub(crate) struct WeightedPoint {
 /// Points with the values of the B-splines at these points.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Units of heights and of weights in the computation.
+    /// Two units of the computation, powers of two: the heights are divided by the first, the weights by the second.
     units: [f64; 2],
     /// For each point, the B-splines in u and in v that are not zero there.
     bases: Vec<[LocalBasis; 2]>,
@@ -195,8 +195,8 @@ impl<'a> Observations<'a> {
     }
 }
 
-/// Index of the first coefficient on which a point depends. It is the same for all points of a panel (rectangle between
-/// knots).
+/// Index of the first coefficient on which the height of the spline at a point depends. It is the same for all points
+/// of a panel (rectangle between knots).
 #[inline]
 fn panel(mesh: &Mesh, bases: &[LocalBasis; 2]) -> usize {
     mesh.index(bases[mesh.slow()].first, bases[mesh.fast()].first)

@@ -19,11 +19,11 @@ pub(super) struct Trial {
 /// Tries parameters until the `excess` of one of them is within `tolerance`. Returns whether such a parameter was
 /// found.
 ///
-/// The residual sum F decreases with p. At p = 0 it is the residual sum of the polynomial without interior knots;
-/// `below` is the excess of this sum. At infinity it is the residual sum of the least-squares spline; `above` is the
-/// excess of this sum. First, a parameter that is far from the root is multiplied or divided by [`FAR`]. As soon as
-/// there is a trial on each side of the root, a function `(a p + b)/(p + c)` is computed from three trials. Its root is
-/// the next parameter.
+/// The residual sum F decreases with p. At p = 0, F is the residual sum of the polynomial without interior knots;
+/// `below` is this sum minus the required sum. At p = ∞, F is the residual sum of the least-squares spline; `above` is
+/// this sum minus the required sum. First, a parameter that is far from the root is multiplied or divided by [`FAR`].
+/// As soon as the tried parameters include one on each side of the root, a function `(a p + b)/(p + c)` is computed
+/// from three of them. The root of this function is the next parameter.
 pub(super) fn search(
     below: f64,
     above: f64,

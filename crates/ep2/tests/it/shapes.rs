@@ -199,7 +199,7 @@ fn short_waves_are_no_correlated_noise() {
     }
 }
 
-/// Scans of a ball whose heights are rounded to steps that are much larger than the noise.
+/// Scans of a ball. The measured heights are rounded to steps that are much larger than the noise.
 #[test]
 fn intervals_of_rounded_heights_hold_the_radius() {
     let held = (0..40).filter(|case| {
