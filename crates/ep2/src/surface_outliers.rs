@@ -43,8 +43,8 @@ const SUSPECT: f64 = 4.5;
 const STD_PER_MEDIAN: f64 = 1.4826;
 /// Smallest standard deviation that is assumed for heights, relative to half the patch's side, and for slopes.
 const MIN_STD: f64 = 1e-6;
-/// Smallest residual of a suspect, relative to the median deviation of the heights or to the median slope. Without this
-/// limit, exact readings would be suspects because of the small errors of the fitted polynomial.
+/// Smallest residual of a suspect, relative to the heights' median deviation from their median, or to the median slope.
+/// Without this limit, exact readings would be suspects because of the small errors of the fitted polynomial.
 const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
 /// Largest number of fits that test whether suspects agree with the other contacts.
 const ROUNDS: usize = 6;
