@@ -211,8 +211,9 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
     Ok((0..=rows as u32).flat_map(row).collect())
 }
 
-/// Distances of `markers` equally spaced markers from the first marker, from 0 to `length`. `reach` is the distance of
-/// the farthest marker from the apex; it must be less than half the circumference of the sensor.
+/// Distances of equally spaced markers from the first marker. There are `markers` distances, from 0 to `length`.
+/// `reach` is the distance of the farthest marker from the apex; it must be less than half the circumference of the
+/// sensor.
 fn equal_steps(
     markers: u32,
     length: f64,

@@ -63,8 +63,8 @@ pub struct Optics {
 /// The features (centroid, hues and size) of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the marker's image, px. Each point of the image is weighted with the light that the marker absorbs
-    /// there, as for `size_px2`.
+    /// Centroid of the marker's image, px. Each point of the image has the same weight as in `size_px2`: the share of
+    /// green light that the marker absorbs there, plus the share of blue light.
     pub centroid_px: [f64; 2],
     /// HSV hue of the marker's total light, in turns, from 0 (red) to below 1. The total light is the sum over all
     /// points of the marker's image. The hue is 0 if the total light has no colour (red, green and blue are equal).

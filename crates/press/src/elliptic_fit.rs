@@ -2,7 +2,8 @@
 //! half-space.
 //!
 //! The fit parameters are the matrix logarithm S of the relative-curvature tensor, the place of the contact and the
-//! indentation. The eigenvalues of S are ln(1/R_s + κ), so every S is a possible contact. S is smooth even where both
+//! indentation. The eigenvalues of S are ln(1/R_s + κ), where R_s is the sensor's radius and κ a principal curvature of
+//! the object. Every S is a possible contact, because 1/R_s + κ is then positive. S is smooth even where both
 //! curvatures are equal and the axis is undefined.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};

@@ -243,9 +243,9 @@ impl ForwardFit {
     }
 }
 
-/// The constant c of the Gaussian approximation R = c σ²/δ. The calibration uses a press of a plane against the apex
-/// with the indentation `indentation`. The constant is chosen such that the estimated radius of this press is the
-/// sensor's own radius.
+/// The constant c of the Gaussian approximation R = c σ²/δ, with the effective radius R, the width σ of the Gaussian
+/// and the indentation δ. The calibration uses a press of a plane against the apex with the indentation `indentation`.
+/// The constant is chosen such that the estimated radius of this press is the sensor's own radius.
 ///
 /// # Errors
 /// [`PressError`] if the press or the fit of the Gaussian fails. [`PressError::Undetermined`] if the plane would touch

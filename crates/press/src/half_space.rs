@@ -101,9 +101,10 @@ pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
 /// description of this module; the fields `ring_even` and `ring_odd` state the formula of S. The integrals of order 1
 /// are divided by the distance r from the axis.
 struct Moments {
-    /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰ of order 0, in this order.
+    /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰ of order 0, in this order. The description of this module contains their formula.
     even: [f64; 3],
-    /// The integrals Q₃¹, Q₂¹ and Q₁¹ of order 1, divided by the distance r.
+    /// The integrals Q₃¹, Q₂¹ and Q₁¹ of order 1, divided by the distance r from the axis. The description of this
+    /// module contains their formula.
     odd: [f64; 3],
     /// The integrals S₁ and S₀ of order 0: ∫ sin(ka) k^{−j} e^{−kz} J₀(kr) dk for j = 1 and j = 0.
     ring_even: [f64; 2],
@@ -117,8 +118,9 @@ impl Moments {
     #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
-        // `size` is X² + Y², where X + iY is √(r² + (z + ia)²). X² + Y² is the product of the distances from the point
-        // to both ends of the contact's diameter.
+        // `size` is X² + Y², where X + iY = √(r² + (z + ia)²) is a complex distance. The point is at the depth z and at
+        // the distance r from the axis, and a is the contact's radius. X² + Y² is the product of the distances from the
+        // point to both ends of the contact's diameter.
         let near = (r - a) * (r - a) + z * z;
         let far = (r + a) * (r + a) + z * z;
         let size = (near * far).sqrt().max(EDGE * a * a);
@@ -135,7 +137,8 @@ impl Moments {
         } else {
             FRAC_PI_2 - libm::atan(x / a)
         };
-        // `ratio` is X²/(X + z), which is 0 at the surface within the contact.
+        // `ratio` is X²/(X + z), where X is the real part of the complex distance √(r² + (z + ia)²) and z is the depth.
+        // X and the ratio are 0 at the surface within the contact.
         let ratio = if x > 0.0 { x * x / (x + z) } else { 0.0 };
         let ring_odd_1 = a * a / (l2 * (a + y));
         let cosine_odd_0 = (x * ratio - y * a * a / (a + y)) / (l2 * size);

@@ -10,8 +10,9 @@ use crate::{Body, Contact, PressError, Skin};
 pub(crate) trait LeastSquares {
     /// Values of the fit parameters, with chi-squared and its derivatives at these values.
     type Fit: Clone;
-    /// Threshold for a singular information matrix: it is inverted only if the smallest diagonal entry of its scaled
-    /// Cholesky factor exceeds this value.
+    /// Threshold for a singular information matrix. The matrix is scaled such that its diagonal is 1, and its Cholesky
+    /// factor is computed. The matrix is inverted only if the smallest diagonal entry of this factor exceeds the
+    /// threshold.
     const SINGULAR: f64;
     /// Text for the error message if the information matrix is singular. It names the quantities that the readings do
     /// not determine.
@@ -196,7 +197,8 @@ pub(crate) fn solve<const N: usize>(
         .then_some(solution)
 }
 
-/// Inverse of a matrix; `None` if the smallest diagonal entry of the scaled Cholesky factor is at most `singular`.
+/// Inverse of a matrix. The matrix is first scaled such that its diagonal is 1. The result is `None` if the smallest
+/// diagonal entry of the Cholesky factor of the scaled matrix is at most `singular`.
 pub(crate) fn inverse<const N: usize>(
     matrix: &SMatrix<f64, N, N>,
     singular: f64,

@@ -216,8 +216,9 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Checks that the markers can observe a contact with the radius `contact_radius`. The distance of the nearest
-    /// marker must be at most twice this radius, or the markers on the same hemisphere must surround the contact.
+    /// Checks that the markers can observe a contact with the radius `contact_radius`. The check passes in two cases:
+    /// the distance of the nearest marker from the contact is at most twice this radius, or the markers less than 90°
+    /// away (as viewed from the sensor's centre) surround the contact.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
@@ -256,8 +257,9 @@ impl Markers {
     }
 }
 
-/// Checks that the markers can observe a contact with the radius `contact_radius`. The distance of the nearest marker
-/// must be at most twice this radius, or the markers at distances below `around` must surround the contact.
+/// Checks that the markers can observe a contact with the radius `contact_radius`. The check passes in two cases: the
+/// distance of the nearest marker from the contact is at most twice this radius, or the markers at distances below
+/// `around` surround the contact.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);

@@ -4,8 +4,9 @@ use crate::Interval;
 use crate::least_squares::{LeastSquares, minimise};
 use crate::unknowns::{CURVATURE, INDENTATION, State};
 
-/// Relative tolerance of the search for an end of the interval. At an end, the square root of the increase of
-/// chi-squared must equal a given value within this tolerance. An interpolation then improves the end.
+/// Relative tolerance of the search for an end of the interval. At the end, chi-squared exceeds its minimum by the
+/// limit of the confidence interval. The search stops if the square root of this excess is correct within the
+/// tolerance. An interpolation then improves the end.
 const TOLERANCE: f64 = 0.03;
 const MAX_TRIES: usize = 40;
 /// Limit of the search for the ends of an interval: largest ratio between a tried curvature and the estimated

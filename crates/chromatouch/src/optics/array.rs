@@ -172,10 +172,10 @@ impl MarkerArray {
         })
     }
 
-    /// Returns the markers with random misalignments of their discs, as from manufacture; `seed` and `trial` select the
-    /// random numbers. The yellow disc of each marker is displaced along the skin relative to the magenta disc. The
-    /// displacement is uniformly distributed in a circle, whose radius is `most` times the diameter of the yellow
-    /// discs. The random misalignments replace earlier misalignments.
+    /// Returns the markers with random misalignments of their discs, as from manufacture. `seed` and the number `trial`
+    /// of the simulated experiment select the random numbers. The yellow disc of each marker is displaced along the
+    /// skin relative to the magenta disc. The displacement is uniformly distributed in a circle, whose radius is `most`
+    /// times the diameter of the yellow discs. The random misalignments replace earlier misalignments.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
@@ -331,7 +331,8 @@ impl Layer {
     }
 
     /// Radius of a disc after a motion, divided by the distance of the resting disc from the centre of the sensor. If
-    /// the stretch is impossible, the error is the distance by which it would move the disc's edge.
+    /// the stretch of the disc is impossible, the error value is the distance by which the stretch would move the
+    /// disc's edge.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         for stretch in [motion.stretch, motion.skin_stretch] {

@@ -39,7 +39,7 @@ pub struct Camera {
 }
 
 /// Direction from which the light of a pixel comes. For a pixel at (x, y) px from the image's centre, with y up, this
-/// direction is the unit vector (x `lateral_rad`, y `lateral_rad`, `cosine`).
+/// direction is the unit vector (x · `lateral_rad`, y · `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
     /// Angle (rad) that the pixel covers in the azimuthal direction. It is an arc on the unit sphere, not a difference

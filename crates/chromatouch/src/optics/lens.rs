@@ -26,17 +26,18 @@ pub(super) struct Local {
     pub(super) radius: f64,
     pub(super) radial: f64,
     pub(super) radial_slope: f64,
-    /// Scale g in the azimuthal direction: px per radian of arc on the unit sphere.
+    /// Scale g = r / sin θ in the azimuthal direction: px per radian of arc on the unit sphere.
     pub(super) lateral: f64,
     pub(super) lateral_slope: f64,
-    /// The expression r′ cot θ − r / sin² θ, which is the second derivative of the radial image coordinate in the
-    /// azimuthal direction.
+    /// The expression r′ cot θ − r / sin² θ, where r is the distance from the image's centre and r′ its derivative. It
+    /// is the second derivative of the radial image coordinate in the azimuthal direction.
     pub(super) bend: f64,
-    /// Image area J per solid angle, px²/sr.
+    /// Image area per solid angle: J = r′ g, px²/sr, with the azimuthal scale g.
     pub(super) area: f64,
     pub(super) area_slope: f64,
     pub(super) area_curve: f64,
-    /// The expression J′ cot θ, which is the second derivative of J in the azimuthal direction.
+    /// The expression J′ cot θ, where J is the image area per solid angle and J′ its derivative. It is the second
+    /// derivative of J in the azimuthal direction.
     pub(super) area_bend: f64,
 }
 

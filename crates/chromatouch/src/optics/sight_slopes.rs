@@ -34,9 +34,9 @@ pub(super) struct SightSlopes {
 }
 
 impl SightSlopes {
-    /// Returns `sight` after one of its discs is changed by a small step. `number` selects which value changes: a
-    /// component of the disc's direction, or the logarithm of its angular size. Disc 0 is the magenta disc, disc 1 the
-    /// yellow disc.
+    /// Returns `sight` after a small step `step` of one value of the disc `disc` (0: magenta, 1: yellow). The values 0
+    /// and 1 of `number` select a component of the disc's direction. The value 2 selects the logarithm of the tangent
+    /// of the disc's angular radius.
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,

@@ -164,8 +164,9 @@ impl Shared<'_> {
 
     /// Writes the requested derivatives of the marker's features into `slopes`. These are the derivatives with respect
     /// to the depths and diameters of the discs, and to the camera's position, rotation, centre and scale. `by`
-    /// contains one matrix per disc: the derivatives of the features through the direction and the angular radius of
-    /// this disc.
+    /// contains one matrix per disc, with one column per variable of `SightSlopes::by`. A column contains the
+    /// derivatives of the features with respect to this variable if only the view of this disc changes, that is, its
+    /// direction and its angular radius.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();

@@ -124,7 +124,7 @@ impl Pattern {
 }
 
 /// Distance of a point from the line through a chord of a gore's right edge, positive if the point is inside the gore.
-/// The point is given by its distance across the gore and its distance from the apex.
+/// `across` is the distance of the point from the gore's middle meridian, and `from_apex` its distance from the apex.
 fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
     let length = libm::hypot(u - x, v - y);
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)

@@ -301,8 +301,8 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
             let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
-            // This column of pixels is on the other side of the apex. No seam runs along −x, so the column crosses the
-            // two seams at ±120° obliquely.
+            // This column of pixels is on the −x side of the apex. No seam runs along −x, so the column crosses the two
+            // other seams, which run obliquely at ±120° from +x.
             let column = (500.0 - 0.5 * focal * polar).round() as u32;
             let found = taken(&mut (0..1001).filter_map(|row| {
                 let inside = libm::hypot(f64::from(row) - 500.0, f64::from(column) - 500.0) < 499.0;

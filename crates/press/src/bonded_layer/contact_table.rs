@@ -16,8 +16,8 @@ use crate::body::Field;
 
 /// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own tables.
 pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
-/// Number of interpolation nodes: of contact radii in a table, and of distances in a panel. A panel is an interval of
-/// distances from the contact.
+/// Number of interpolation nodes. A table contains solved contacts with this number of contact radii. In each panel (an
+/// interval of distances from the contact), the table contains values at this number of distances.
 const NODES: usize = 16;
 /// Width of a panel within the contact and near it, relative to the layer's thickness. A panel is an interval of
 /// distances from the contact that has its own polynomial.

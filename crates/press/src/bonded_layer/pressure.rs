@@ -63,8 +63,8 @@ impl Pressure {
         let shares = positive_gauss(count);
         let waves = wavenumbers(reflection::SURFACE_REACH, 2.0 * contact, resolution);
         // Multiply the rows and columns of the matrix by the square roots of the quadrature weights, which makes the
-        // matrix symmetric. The matrix is positive definite, because the reflection factor g of the layer is less than
-        // 1.
+        // matrix symmetric. The matrix is positive definite, because the relative effect g of the rigid base
+        // (`reflection::at_surface`) is less than 1 at every wavenumber.
         let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
             let ([share, weight], [k, dk]) = (shares[row], waves[column]);
             let strength = FRAC_2_PI * contact * weight * dk * reflection::at_surface(k);
@@ -141,10 +141,11 @@ impl Pressure {
     }
 }
 
-/// Computes −∫ φ'/t dt over [0, 1], including the jump of φ to 0 at t = 1, for a contact of radius 1. The pressure in
-/// the middle of the contact is proportional to this value. φ is a series of Legendre polynomials P_n (n = 2j). Each
-/// coefficient of the series is multiplied by 1 for j = 0 (a flat punch), and otherwise by (−1)ʲ n (2/3)(4/5) ⋯
-/// ((n−2)/(n−1)).
+/// Computes −∫ φ'/t dt over [0, 1] for a contact of radius 1, including the jump of φ to 0 at t = 1. The pressure in
+/// the middle of the contact is proportional to this value. φ is a series of the even Legendre polynomials P_n (n =
+/// 2j), and `coefficients` contains the coefficient of each polynomial. The result is the sum of the coefficients, each
+/// multiplied by a weight. The weight is 1 for j = 0 (a flat punch), −2 for j = 1, and (−1)ʲ n (2/3)(4/5) ⋯
+/// ((n−2)/(n−1)) for j ≥ 2.
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];

@@ -112,8 +112,8 @@ struct Sums {
 }
 
 /// The harmonic potential Φ of a pressure with the coefficients `terms`, and its derivatives, at a point. The first
-/// result is for the function φ that describes the pressure. The second is for ∂φ/∂a, where a is the contact's radius;
-/// it has no second derivatives.
+/// result is for the function φ that describes the pressure. The second result is for ∂φ/∂a, where a is the contact's
+/// radius, and does not contain second derivatives.
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];

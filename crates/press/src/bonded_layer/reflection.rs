@@ -83,8 +83,8 @@ pub(super) struct Wave {
     pub(super) per_contact: [f64; 2],
 }
 
-/// Wavenumbers with their quadrature weights. For each wavenumber, it contains the Hankel transform of the contact's
-/// pressure, and the derivative of this transform with respect to the contact's radius.
+/// Wavenumbers with their quadrature weights. For each wavenumber, the spectrum contains the Hankel transform of the
+/// contact's pressure, and the derivative of this transform with respect to the contact's radius.
 pub(super) struct Spectrum {
     nodes: Vec<[f64; 2]>,
     transforms: Vec<[f64; 2]>,

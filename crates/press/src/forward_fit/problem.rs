@@ -419,8 +419,9 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
     }
 }
 
-/// Limit of the product of terms 1 + s/c² in a [`RobustSum`]. If the product exceeds this limit, its logarithm is added
-/// to the sum, so that the product cannot overflow.
+/// Limit of the product of the terms 1 + s/c² in a [`RobustSum`], where s is the sum of squared residuals of a marker
+/// and c the tolerance. If the product exceeds this limit, its logarithm is added to the sum, so that the product
+/// cannot overflow.
 const MAX_PRODUCT: f64 = 1e100;
 
 /// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers. Here s is the sum of squared
@@ -428,8 +429,9 @@ const MAX_PRODUCT: f64 = 1e100;
 pub(super) struct RobustSum {
     limit: f64,
     sum: f64,
-    /// Product of the terms 1 + s/c² of the markers whose logarithms are not yet in `sum`. One logarithm of a product
-    /// is faster than one logarithm per marker.
+    /// Product of the terms 1 + s/c² of some markers, where s is the sum of squared residuals of a marker and c the
+    /// tolerance. The logarithm of this product is not yet in `sum`. One logarithm of a product is faster than one
+    /// logarithm per marker.
     product: f64,
 }
 

@@ -30,8 +30,9 @@ const SUSPECT: f64 = 0.05;
 const ROBUST: f64 = 3.0;
 /// The robust fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-2;
-/// Relative change below which an estimated noise counts as unchanged. With many readings, a lower limit is used, so
-/// that such a change affects chi-squared by at most 2 `MAX_RISE`.
+/// Relative change below which an estimated noise counts as unchanged. With many readings, the limit is lower: it is
+/// `MAX_RISE` divided by the number of readings. A change of the noise by less than this limit changes chi-squared by
+/// at most 2 `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
 /// Number of markers with the largest displacements in the first stage of a search. The first stage also uses about as

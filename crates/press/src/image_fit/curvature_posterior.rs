@@ -41,13 +41,14 @@ impl Problem<'_> {
         }
     }
 
-    /// Value of [`Self::log_determinant`] after a step `step` of the fit parameters. The sensor's parameters are
-    /// changed to the values that fit best after this step. The result is `None` if it cannot be computed.
+    /// Value of [`Self::log_determinant`] after the step `step` of the fit parameters. The sensor's parameters are
+    /// changed to the values that fit best after this step. The result is `None` if the determinant cannot be computed.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
-        // `self.sensor` differs slightly from the sensor parameters that fit best before the step. So that both
-        // determinants are comparable, add only the change of the best-fitting parameters that the step causes.
+        // The caller compares the determinant after the step with the determinant at `self.sensor`. The parameters in
+        // `self.sensor` differ slightly from those that fit best before the step. Therefore add to `self.sensor` only
+        // the change of the best-fitting parameters that the step causes.
         sensor.shift(&self.sensor, &self.updated_sensor(&weighed.residuals).ok()?);
         let state: State = self.stepped(&weighed.state, step);
         let mut there = self.clone();
@@ -67,7 +68,7 @@ impl Problem<'_> {
         for (&marker, whiten) in self.counting.iter().zip(&self.whiten) {
             sum -= 2.0 * whiten.diagonal().map(libm::log).sum();
             let spread = self.rest.local[marker].as_ref()?.spread.determinant();
-            // If the discs are aligned, there is no unknown misalignment.
+            // If the discs are aligned, the misalignment is not fitted, and the determinant of its covariance is 0.
             if spread > 0.0 {
                 sum -= libm::log(spread);
             }

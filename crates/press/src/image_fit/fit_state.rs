@@ -6,8 +6,9 @@ use crate::least_squares::{LeastSquares, solve};
 use crate::unknowns::{Fitted, State, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// Limit of the predicted decrease of chi-squared in the next undamped step: the square of four standard deviations. If
-/// the prediction exceeds this limit at the end of a search, the search may have ended far from a minimum.
+/// Limit of the predicted decrease of chi-squared in the next undamped step. A step of four standard errors would
+/// decrease chi-squared by this value. If the prediction exceeds this limit at the end of a search, the search may have
+/// ended far from a minimum.
 const STUCK: f64 = 16.0;
 
 /// If the logarithm of the curvature changes by at most this value, the derivatives of the images are reused instead of

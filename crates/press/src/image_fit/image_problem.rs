@@ -32,11 +32,11 @@ pub(super) type Jacobian = MatrixXx6<f64>;
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// Coordinates of the part of `jacobian` that changes of the sensor's parameters can also explain. There is one row
-    /// per sensor parameter and one column per fit parameter.
+    /// The part of `jacobian` that a change of the sensor's parameters could also cause, as coordinates. There is one
+    /// row per sensor parameter and one column per fit parameter.
     pub(super) shared: Jacobian,
-    /// Matrix of the scalar products of the columns of `jacobian`, with one row and one column per fit parameter. The
-    /// part that changes of the sensor's parameters can also explain is subtracted.
+    /// Scalar products of the columns of `jacobian`, with one row and one column per fit parameter. They do not contain
+    /// the part of `jacobian` that a change of the sensor's parameters could also cause.
     pub(super) square: Square,
 }
 
@@ -325,7 +325,7 @@ impl<'a> Problem<'a> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// Coordinates of the part of `columns` that changes of the sensor's parameters can also explain. `columns`
+    /// The part of `columns` that a change of the sensor's parameters could also cause, as coordinates. `columns`
     /// contains whitened derivatives or residuals. The result has one row per sensor parameter.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
@@ -377,7 +377,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The derivatives `jacobian` and the scalar products of their columns. The products do not contain the part of the
-    /// derivatives that changes of the sensor's parameters can also explain.
+    /// derivatives that a change of the sensor's parameters could also cause.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

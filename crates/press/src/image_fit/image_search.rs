@@ -13,11 +13,13 @@ use crate::profile::profile;
 use crate::unknowns::{CURVATURE, State};
 use crate::{Estimated, GoodnessOfFit, Measured, PressError, PressEstimate};
 
-/// Outlier threshold: a marker is an outlier if the sum of its four squared residuals is above this value. Noise alone
-/// causes this once in three million markers.
+/// Outlier threshold. A marker has four residuals (two for the centroid, one for the hue and one for the size), which
+/// are transformed such that noise gives each of them unit variance. The marker is an outlier if the sum of their
+/// squares is above this value. Noise alone causes this once in three million markers.
 pub(super) const WRONG: f64 = 36.0;
-/// Limit for the robust fit, which precedes the rejection of outliers: a marker has a reduced weight if the sum of its
-/// four squared residuals is above this value.
+/// Limit for the robust fit, which precedes the rejection of outliers. A marker has four residuals (two for the
+/// centroid, one for the hue and one for the size), in standard deviations. The marker has a reduced weight if the sum
+/// of their squares is above this value.
 const ROBUST: f64 = 16.0;
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
@@ -25,7 +27,7 @@ const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
 const ROUNDS: usize = 20;
 const SENSOR_UPDATES: usize = 5;
 /// Limit for the updates of the sensor parameters: they end if the next step of the fit is predicted to decrease
-/// chi-squared by less than this value. It is the square of 1/20 standard deviation.
+/// chi-squared by less than this value. A step of 1/20 standard error would decrease chi-squared by this value.
 const SETTLED: f64 = 2.5e-3;
 /// A contact counts as detected if it decreases chi-squared by at least this value, compared with no contact. A fit of
 /// displacements with 240 markers has the same threshold. Fits of images usually have fewer markers, but each marker
@@ -266,8 +268,8 @@ impl Problem<'_> {
         }
     }
 
-    /// For each used marker, the sum of its squared residuals after subtracting the part that changes of the sensor's
-    /// parameters can explain.
+    /// For each used marker, the sum of its squared residuals. The part of the residuals that a change of the sensor's
+    /// parameters could explain is subtracted before the squares are computed.
     pub(super) fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
         let own = self.own(residuals)?;
         Ok((0..self.counting.len())

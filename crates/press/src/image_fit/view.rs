@@ -47,7 +47,7 @@ impl Seen {
         }
         let good = self.covariance.cholesky().is_some();
         let least = self.covariance.diagonal().min();
-        let expected = "positive definite (the value shown is its smallest variance)";
+        let expected = "positive definite (the value shown is its smallest diagonal entry)";
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 

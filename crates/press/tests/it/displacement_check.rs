@@ -171,8 +171,8 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     };
     let is_left_out = |trial: &u64| estimate(0.01, *trial).wrong_markers == [apex];
     assert!((0..20).filter(is_left_out).count() >= 17);
-    // If the noise is five times as large, most intervals must still contain the true curvature, although the reading
-    // of one marker is wrong.
+    // If the noise is five times as large as in the previous check (0.05 instead of 0.01), most intervals must still
+    // contain the true curvature, although the reading of one marker is wrong.
     let is_held = |trial: &u64| {
         let curvature = estimate(0.05, *trial).relative_curvature;
         curvature.interval.holds(contact.relative_curvature)

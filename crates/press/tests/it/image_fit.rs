@@ -197,7 +197,8 @@ fn intervals_contain_the_truth_for_uncertain_sensors() {
     // The share of intervals that contain the true value is 0.95 ± 0.018 (standard error) in 150 trials. The limit is
     // three standard errors below 0.95.
     assert!(held / count > 0.89, "{}", held / count);
-    // The root mean square of 150 numbers has a relative standard error of 6 %.
+    // The root mean square of 150 errors has a relative standard error of 6 %. The limits allow about three standard
+    // errors.
     for expected in [stated, bounds] {
         let ratio = (expected / squared).sqrt();
         assert!((0.83..1.2).contains(&ratio), "{ratio}");

@@ -69,7 +69,8 @@ impl Blemishes {
     }
 }
 
-/// A Gaussian blur of a frame, computed row by row. The last rows are stored after they were blurred along the row.
+/// A Gaussian blur of a frame, computed row by row. The most recently painted rows are stored; each of them is already
+/// blurred along the row.
 pub(super) struct Blur {
     /// Weights of the blur: for a pixel, and for its neighbours on one side up to a distance of 3.5 standard
     /// deviations. The neighbours on the other side have the same weights. All weights together, with those of the

@@ -242,9 +242,10 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
         return (0.5 + inside).clamp(0.0, 1.0);
     }
     let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
-    // The pixel is a unit square. The covered share is the integral of the lengths of its chords, which are lines
-    // through the pixel parallel to the edge of the disc. Chords within (`long` − `short`)/2 of the pixel's centre have
-    // the length 1 / `long`. From there to the corner, the length decreases linearly to 0.
+    // The pixel is a unit square. `long` and `short` are the larger and the smaller component of the unit vector normal
+    // to the edge of the disc. The covered share is the integral of the lengths of the chords, which are lines through
+    // the pixel parallel to the edge. Chords within (`long` − `short`)/2 of the pixel's centre have the length 1 /
+    // `long`. From there to the corner, the length decreases linearly to 0.
     let depth = inside.abs();
     let beyond = 0.5 * (long + short) - depth;
     let more = if beyond <= 0.0 {

@@ -90,7 +90,8 @@ impl Row {
 
     pub(super) fn write(&self, bytes: &mut [u8]) {
         for (byte, level) in bytes.iter_mut().zip(&self.levels) {
-            // Adding 2²³ rounds a level to a whole number, which is then in the lowest bits of the sum.
+            // Adding 2²³ to a single-precision level rounds the level to a whole number, which is then in the lowest
+            // bits of the sum.
             *byte = (level.clamp(0.0, 255.0) + 8_388_608.0).to_bits() as u8;
         }
     }
