@@ -110,8 +110,8 @@ impl Optics {
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `place` if the camera is too far from the centre of the sensor. The limit is 0.9
-    /// times the distance of the nearest disc from the centre. The same error for `turn_rad` unless each component is
-    /// from -1 to 1.
+    /// times the distance of the nearest disc from the centre. [`OpticsError::BadSetting`] for `turn_rad` unless each
+    /// component of the rotation vector is from -1 to 1.
     pub fn seen_from(mut self, pose: Pose) -> Result<Self, OpticsError> {
         self.pose = pose.checked(0.9 * self.array.nearest())?;
         Ok(self)

@@ -130,8 +130,8 @@ pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
     /// Relative curvature 1/R_s + 1/R_o (1/length), corrected for the bias of least squares. The interval is computed
-    /// by profile likelihood. A marker may contradict the other markers, but not enough to be rejected as an outlier.
-    /// The interval then also contains the interval of a fit without this marker.
+    /// by profile likelihood. If a marker contradicts the other markers, but not enough to be rejected as an outlier,
+    /// the interval also contains the interval of a fit without this marker.
     pub relative_curvature: Estimated,
     /// Relative curvature (1/length) of the best fit, without bias correction.
     pub most_likely_curvature: f64,

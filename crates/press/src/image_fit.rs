@@ -47,11 +47,12 @@ pub struct ImageFit {
     /// bodies the fit computes derivatives with respect to the depths of the discs. The field is required if the depths
     /// are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
-    /// Standard deviations of the sensor deviations in [`SensorState::common`]. The value 0 means that a sensor
-    /// parameter is exactly equal to its nominal value.
+    /// Prior standard deviations of the sensor's parameters, in the order and the units of [`SensorState::common`]. The
+    /// value 0 means that a sensor parameter is exactly equal to its nominal value.
     pub common_stds: Vec<f64>,
-    /// Joint normal prior of some of the sensor deviations in `common_stds`; `None` if all sensor deviations are
-    /// independent.
+    /// Joint normal prior of some of the sensor deviations (differences between the sensor's parameters and their
+    /// nominal values); `None` if all sensor deviations have independent priors with the standard deviations
+    /// `common_stds`.
     pub departure_prior: Option<DeparturePrior>,
     /// Standard deviation (rad) of each component of the misalignment between a marker's two discs; 0 if the discs are
     /// aligned.
@@ -107,8 +108,8 @@ impl ImageFit {
             .transpose()
     }
 
-    /// Indices and standard deviations of the uncertain sensor deviations. Sensor deviations with the standard
-    /// deviation 0 are exact, and are left out.
+    /// Indices and prior standard deviations of the uncertain sensor parameters. Parameters with the standard deviation
+    /// 0 are exact, and are left out.
     fn free_stds(&self) -> Vec<(usize, f64)> {
         let stds = self.common_stds.iter().copied().enumerate();
         stds.filter(|(_, std)| *std > 0.0).collect()

@@ -211,8 +211,9 @@ impl Skin {
         Ok(())
     }
 
-    /// Direction from the sensor's centre to a point of the skin near `place`. The point is reached from `place` along
-    /// the skin, by the lengths `along` and `across` along the two axes of `place`. The lengths must not both be 0.
+    /// Direction from the sensor's centre to a point of the skin near `place`. The path from `place` to the point along
+    /// the skin has the components `along` (length, in the direction of the x axis of `place`) and `across` (in the
+    /// direction of its y axis). The components must not both be 0.
     pub(crate) fn beyond(&self, place: &Place, along: f64, across: f64) -> Vector3<f64> {
         let tangent = place.x_axis * along + place.y_axis * across;
         let angle = tangent.norm() / self.place_radius();

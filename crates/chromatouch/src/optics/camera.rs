@@ -85,9 +85,9 @@ impl Camera {
     /// circle in pixels does not change, so the rim is at another polar angle.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] with the name `centre_px` if the shifted centre lies outside of the frame. The same
-    /// error with the name `px_per_rad` if the focal length is not positive and finite, or if the rim of the image
-    /// circle would be more than 180° from the axis.
+    /// [`OpticsError::BadSetting`] for `centre_px` if the shifted centre lies outside of the frame.
+    /// [`OpticsError::BadSetting`] for `px_per_rad` if the focal length is not positive and finite, or if the rim of
+    /// the image circle would be more than 180° from the axis.
     pub fn adjusted(self, offset_px: [f64; 2], px_per_rad: f64) -> Result<Self, OpticsError> {
         for offset in offset_px {
             let good = offset.abs() <= self.rim_px();

@@ -161,8 +161,8 @@ fn svg_draws_the_sheet_in_millimetres() {
     assert_eq!(layers, ["YELLOW", "MAGENTA", "FOLD", "CUT"]);
     assert_eq!(drawing.outlines.len(), 4);
     for outline in &drawing.outlines {
-        // The area of a gore (flat piece of the skin) is a quarter of 2πR², with a correction for an outline of 40
-        // straight steps per quarter circle.
+        // The four gores (flat pieces of the skin) cover a hemisphere, so the area of a gore is a quarter of 2πR². It
+        // is corrected, because the drawn outline of a gore has 40 straight steps per quarter circle.
         let half_step: f64 = PI / 160.0;
         let expected = 2.0 * PI * 400.0 / 4.0 * half_step / libm::tan(half_step);
         assert_relative_eq!(area(outline), expected, max_relative = 1e-6);

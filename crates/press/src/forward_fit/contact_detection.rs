@@ -78,8 +78,9 @@ fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
         return (readings.map(squared).collect(), problem.components());
     }
     let normal: Vec<f64> = readings.map(|[normal, ..]| normal.abs()).collect();
-    // Upper bound of the noise: the median of the displacements' magnitudes plus three standard errors of this median.
-    // The relative standard error of the median of n normally distributed readings is 1.17/√n, and 3 · 1.17 = 3.5.
+    // Upper bound of the noise. It is computed from the median of the displacements' magnitudes plus three standard
+    // errors of this median. The relative standard error of the median of n normally distributed readings is 1.17/√n,
+    // and 3 · 1.17 = 3.5.
     let chance = 1.0 + 3.5 / (normal.len() as f64).sqrt();
     let noise = chance * median(&normal) / HALF_WIDTHS[0];
     let squares = normal

@@ -9,10 +9,10 @@ use crate::least_squares::{EXACTLY, LeastSquares};
 use crate::misfit::Noise;
 use crate::unknowns::{CURVATURE, Square, State, Sums, Unknowns};
 
-/// If the noise is estimated, outliers are tested only if the ratio of this noise to the largest displacement exceeds
-/// this value. Smaller residuals may be only rounding errors of the readings.
+/// Smallest ratio of an estimated noise to the largest displacement for which outliers and patterns in the residuals
+/// are tested. A smaller noise may consist only of rounding errors of the readings.
 const ROUNDING: f64 = 1e-3;
-/// Tests with estimated noise need at least this number of degrees of freedom.
+/// The tests for outliers and for patterns in the residuals need at least this number of degrees of freedom.
 const MIN_FREEDOM: usize = 8;
 
 /// Smallest share of the noise variance of a reading that must remain in its residual. If the share is smaller, the fit

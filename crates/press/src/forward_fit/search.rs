@@ -19,8 +19,8 @@ use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// Smallest number of outliers for which a fit without one more marker is also tried. A single wrong marker that was
-/// not rejected can make several correct markers look like outliers.
+/// Smallest number of outliers for which a fit without the marker nearest to the contact is also tried. If the reading
+/// of this marker is wrong but was not rejected, it can make several correct markers look like outliers.
 const SEVERAL: usize = 2;
 /// Significance level for the marker that contradicts the other markers most. If the p-value of this contradiction is
 /// lower, the 95 % interval is extended by the interval of a fit without the marker.
@@ -339,9 +339,9 @@ impl<'a> Search<'a> {
     /// otherwise `None`.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // Do not fit without the nearest marker if a window is set: the unused markers outside of the window are not
-        // outliers. Do not fit without it either if the noise is estimated, because the residuals of the two fits then
-        // cannot be compared.
+        // In two cases, do not fit without the nearest marker. If a window is set, the unused markers may be correct
+        // markers outside of the window, not outliers. If the noise is estimated, the residuals of the two fits cannot
+        // be compared.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {

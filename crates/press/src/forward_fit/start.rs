@@ -11,8 +11,8 @@ use crate::markers::Sight;
 use crate::unknowns::State;
 use crate::{Displacement, Place};
 
-/// Number of markers at which contacts are tried: the markers that moved most. Contacts are also tried at the mean
-/// positions of the first two, three and four of these markers.
+/// Number of markers at which contacts are tried as start values. They are the markers that moved most. Contacts are
+/// also tried at the mean positions of the first two, three and four of these markers.
 const MARKERS: usize = 4;
 /// Distances at which contacts outside the area of the markers are tried, in units of the length scale
 /// `Markers::scale`, which is at most the sensor's radius.

@@ -20,7 +20,8 @@ const MAX_PLACES: usize = 100;
 const HIDDEN: f64 = 0.5;
 /// The fit of a tried contact stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-2;
-/// Standard deviation of a weak prior for the logarithm of the curvature. The prior makes standard errors finite.
+/// Standard deviation of a weak prior for the logarithm of the curvature. Readings without a detected contact hardly
+/// determine the curvature, and the prior keeps standard errors finite.
 const PRIOR_STD: f64 = 3.0;
 
 /// Contacts with the stated indentation that are possible although the readings show no contact. For each of several

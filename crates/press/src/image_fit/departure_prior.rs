@@ -18,8 +18,8 @@ pub struct DeparturePrior {
     pub covariance: DMatrix<f64>,
 }
 
-/// A [`DeparturePrior`], converted to the sensor deviations that a fit of the frame at rest estimates, and to their
-/// units.
+/// A [`DeparturePrior`] in the form that a fit of the frame at rest needs. It refers to the list of the uncertain
+/// sensor deviations. Each sensor deviation is in units of its stated standard deviation.
 pub(super) struct FreePrior {
     /// For each sensor deviation of the prior, its position in the list of all uncertain sensor deviations.
     places: Vec<usize>,
@@ -29,8 +29,9 @@ pub(super) struct FreePrior {
 }
 
 impl DeparturePrior {
-    /// Converts the prior to the form that the equations need. `stds` contains the standard deviations of all sensor
-    /// deviations. The value 0 means that a sensor parameter is exact; a prior of an exact parameter is an error.
+    /// Converts the prior to the form that the equations of a fit need. `stds` contains the prior standard deviations
+    /// of all sensor parameters. The value 0 means that a sensor parameter is exact; a prior of an exact parameter is
+    /// an error.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,

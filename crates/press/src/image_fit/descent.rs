@@ -35,8 +35,9 @@ struct Minimum {
     cost: Cost,
 }
 
-/// Misfit between sensor parameters and the frame at rest. The first criterion is the number of hidden markers, which
-/// have a reading but are not visible in the model. The second is the sum of squared residuals of the other markers.
+/// Misfit between sensor parameters and the frame at rest. Misfits are compared by the number of hidden markers, which
+/// have a reading but are not visible in the model. If these numbers are equal, they are compared by the sum of squared
+/// residuals of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,

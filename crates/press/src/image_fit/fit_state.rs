@@ -72,7 +72,8 @@ impl FitState {
     }
 
     /// Whether the search ended far from a minimum of chi-squared, for example because further steps would be
-    /// impossible presses. The criterion is that an undamped step is predicted to remove most of chi-squared.
+    /// impossible presses. The criterion is that an undamped step is predicted to decrease chi-squared by more than
+    /// half of its value, and by more than [`STUCK`].
     pub(super) fn is_stuck(&self) -> bool {
         self.promise() > (0.5 * self.sums.chi_squared).max(STUCK)
     }

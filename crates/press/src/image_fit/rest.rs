@@ -294,8 +294,8 @@ impl Resting<'_> {
         vec![[MarkerDisplacement::default(); 2]; self.markers()]
     }
 
-    /// The equations for a step from the parameters `state`. `damping` is the damping of the step, relative to the
-    /// information of the priors.
+    /// The linear equations for a Levenberg–Marquardt step from the parameters `state`. `damping` is the damping of the
+    /// step, relative to the information in the priors.
     pub(super) fn equations(
         &self,
         state: &State,

@@ -115,7 +115,7 @@ impl DiscRaster {
     /// Share of a pixel that the disc covers. The pixel is (x, y) px from the centre of the image. `inside` is the
     /// position of the pixel relative to the disc's edge, as computed by [`Self::inside`]. The shares of all pixels add
     /// up to the area of the disc, for two reasons: the share minus 1/2 is an odd function of `inside`, and the solid
-    /// angle of a cap is a linear function of v·n at the cap's edge.
+    /// angle of a cap is a linear function of the cosine of its angular radius.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {

@@ -17,7 +17,7 @@ struct Press {
     unit: f64,
     /// Standard deviations of the uncertain sensor parameters: disc depths, image centre, and pixels per radian.
     known: [f64; 5],
-    /// Standard deviations of the noise that are stated to the fit, relative to [`STDS`].
+    /// Ratio of the noise that is stated to the fit to the noise [`STDS`].
     stated: f64,
     object: f64,
     /// Position of the contact along x, in multiples of `unit`.
