@@ -129,8 +129,8 @@ impl EllipticContact {
         long.sqrt() * short.sqrt()
     }
 
-    /// Force between the bodies, 2π ab p₀/3. `young` is the Young's modulus of the soft body. The unit of the force is
-    /// the unit of `young` times length².
+    /// Force between the bodies: 2π a b p₀/3, with the semi-axes a and b and the peak pressure p₀. `young` is the
+    /// Young's modulus of the soft body. The unit of the force is the unit of `young` times length².
     pub fn force(&self, young: f64) -> f64 {
         let [long, short] = self.semi_axes;
         2.0 / 3.0 * std::f64::consts::PI * long * short * self.pressure(young)

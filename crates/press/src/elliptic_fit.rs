@@ -468,8 +468,9 @@ impl<'a> Problem<'a> {
             let value = along(angle).dot(&best.state.log);
             let width = limit * stds.along(angle);
             let ends = [value - width, value + width];
-            // In any direction, the normal curvature is at most the larger principal curvature and at least the smaller
-            // one. Therefore the interval of each normal curvature limits the intervals of both principal curvatures.
+            // The larger principal curvature is the largest normal curvature of all directions. Therefore both ends of
+            // its interval are the largest ends of the intervals of the normal curvatures. For the smaller principal
+            // curvature, they are the smallest ends.
             bounds[0] = [0, 1].map(|end| bounds[0][end].max(ends[end]));
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }

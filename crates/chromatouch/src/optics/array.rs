@@ -302,7 +302,7 @@ impl MarkerArray {
 impl Layer {
     /// Direction and angular radius of a disc of this layer's colour, as viewed from the sensor's centre. `offset` is
     /// the misalignment of the disc, rad. If the disc moves by more than its distance from the sensor's centre, the
-    /// motion is impossible, and the error is the length of the motion.
+    /// motion is impossible, and the function returns the length of the motion as the error.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;

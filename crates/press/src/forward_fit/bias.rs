@@ -101,9 +101,9 @@ fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f
     }
 }
 
-/// Bias of the fit parameters: −½ Σ Jᵀ d, where Σ is the covariance matrix of the fit parameters. J contains the first
+/// Bias of the fit parameters: −½ C Jᵀ d, where C is the covariance matrix of the fit parameters. J contains the first
 /// derivatives of the model. d is the sum of the model's second derivatives along the columns of the Cholesky factor of
-/// Σ.
+/// C.
 fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unknowns, PressError> {
     let factor = covariance.cholesky().ok_or(PressError::OutOfRange)?;
     let middle = problem.residuals_of_all(state)?;

@@ -60,8 +60,8 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     let size = f64::from(camera.size_px());
     // `reach` is an upper bound of the angle from the rectangle's centre to the edge of the disc. The rectangle's
     // centre is the middle of the disc. If this middle is outside of the field of view, the centre is the nearest point
-    // of the rim. If the rim cuts the disc, the bound must be larger. The shortest path on the sphere from the
-    // rectangle's centre to the edge of the disc may then leave the field of view.
+    // of the rim. If the rim cuts the disc, the shortest path on the sphere from the rectangle's centre to the edge of
+    // the disc may leave the field of view. The bound must then be larger.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
