@@ -155,7 +155,8 @@ impl EllipticContact {
         let lambda = confocal(b * b, square_x, square_y, square_z);
         let (long, short) = (1.0 + lambda, b * b + lambda);
         // `by_x`, `by_y` and `by_z` are 2/3 of Carlson's integral R_D for each axis. They give the derivatives of the
-        // pressure's potential ψ: for example, ∂ψ/∂x is −π P ab x `by_x`, with the peak pressure P.
+        // pressure's potential ψ. For example, ∂ψ/∂x is −π P a b x `by_x`, with the peak pressure P and the semi-axes a
+        // and b.
         let by_x = 2.0 / 3.0 * carlson_d(short, lambda, long);
         let by_y = 2.0 / 3.0 * carlson_d(long, lambda, short);
         let by_z = if lambda > 0.0 {

@@ -191,7 +191,7 @@ fn discs_much_smaller_than_a_pixel_take_their_share() {
         let half = 0.33 * f64::from(size_px);
         let [middle, _] = optics.camera().centre_px();
         let frame = optics.render(&motions, None).unwrap();
-        // The total size is measured in a square inside of the image circle that contains all markers.
+        // The total size is measured in a square that contains all markers and lies inside of the image circle.
         let found = measured(&frame, [middle; 2], half).size_px2;
         assert!(
             (found / expected - 1.0).abs() < 0.03,

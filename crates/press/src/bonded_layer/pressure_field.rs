@@ -184,8 +184,8 @@ impl Sums {
         let [normal, radial] = self.displacement(place);
         let metric = 1.0 + xi * xi;
         let lift = xi * eta / edge;
-        // The derivatives of the potential Φ are ∂Φ/∂z = `down`/(a `edge`) and ∂Φ/∂r = r `outward`/(a² `edge`), where r
-        // is a length.
+        // The derivatives of the potential Φ are ∂Φ/∂z = `down`/(a `edge`) and ∂Φ/∂r = r `outward`/(a² `edge`). Here z
+        // is the depth, r the distance from the axis, a the contact's radius, and `edge` is ξ² + η².
         let down = eta * metric * self.by_xi + xi * off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
         let down_by_xi =

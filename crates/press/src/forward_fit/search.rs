@@ -211,7 +211,8 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If there is no interval around this other minimum of chi-squared, the combined interval is unbounded.
+            // If no interval can be computed around another good minimum of chi-squared, the combined interval is
+            // unbounded.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
@@ -248,7 +249,8 @@ impl<'a> Search<'a> {
                 Err(better) => told = others.without(marker, &better),
             }
         }
-        // The search found no interval for the fit without this marker, so the curvature counts as unbounded.
+        // The search found no interval for the fit without the contradicting marker, so the curvature counts as
+        // unbounded.
         Ok(Interval::UNBOUNDED)
     }
 

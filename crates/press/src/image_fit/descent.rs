@@ -22,11 +22,11 @@ const ROUGHLY: f64 = 1.0;
 const MAX_VARIANCE: f64 = 1e12;
 const FALL: f64 = 10.0;
 /// Exponents e of the first factor v^e on the variances of the readings, in the order in which they are tried. Here v
-/// is the variance of the first residuals, in units of the stated variances. For each exponent, one sequence of
-/// searches starts with this factor.
+/// is the variance of the residuals before the first search, in units of the stated variances. For each exponent, one
+/// sequence of searches starts with this factor.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. With a correct sensor
-/// model, the probability of a further search equals this constant.
+/// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further sequence of searches follows. With a
+/// correct sensor model, the probability of a further sequence equals this constant.
 const PLAUSIBLE: f64 = 1e-3;
 
 struct Minimum {
@@ -97,8 +97,8 @@ impl Resting<'_> {
 
     /// Finds the minimum by a sequence of searches. Each search multiplies the variances of the readings by a factor,
     /// which decreases to 1 from search to search. Far from its global minimum, chi-squared has local minima and narrow
-    /// valleys. They disappear if the variances are as large as the first squared residuals. While the factor
-    /// decreases, the searches stay near the global minimum.
+    /// valleys. They disappear if the variances are as large as the squared residuals before the first search. While
+    /// the factor decreases, the searches stay near the global minimum.
     fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
         while variance > 1.0 {
             let noisier = self.noisier(variance);

@@ -114,8 +114,8 @@ impl Sensor {
 /// Scales of the sensor parameters, from which a camera model chooses the steps of numerical derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<'a> {
-    /// Indices (in [`SensorState::common`]) of the sensor deviations for which derivatives are requested, each with its
-    /// standard deviation, > 0.
+    /// Indices (in [`SensorState::common`]) of the sensor deviations for which derivatives are requested, each with the
+    /// standard deviation (> 0) of its prior.
     pub departures: &'a [(usize, f64)],
     /// Radius (length) of the sensor's skin.
     pub radius: f64,

@@ -6,8 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::shear::stuck_shift;
 use crate::{Markers, Skin, sneddon_indentation};
 
-/// Columns: Poisson's ratio, depth, contact radius, distance, azimuth; displacement along, across and inward. The
-/// displacements were computed as a sum of traction waves over 4,000 wavenumbers (Gauss) and 256 directions.
+/// Columns: Poisson's ratio, depth, contact radius, distance, azimuth; displacements along the shift, across the shift
+/// and inward. The displacements were computed as a sum of traction waves over 4,000 wavenumbers (Gauss) and 256
+/// directions.
 #[rustfmt::skip]
 const QUADRATURE: [[f64; 8]; 18] = [
     [0.0, 0.5, 2.0, 0.0, 0.0, 0.806593517359, 0.0, 0.0],
