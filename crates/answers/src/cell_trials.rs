@@ -13,13 +13,13 @@ use crate::search::{Curves, ScoreRequest, Scores};
 use crate::target_score::{NoValue, SceneTarget};
 use crate::words::percent;
 
-/// Number of the first fresh trial. Fresh trials are used only to verify an answer; the search for the answer uses
+/// Number of the first trial that is run only to verify an answer (a fresh trial). The search for the answer uses
 /// trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
 /// Largest number of scenes that are stored for later trials. A scene with a camera needs much memory. So if more
 /// scenes are stored, all scenes that the next trials do not need are dropped.
 const MAX_CACHED_SCENES: usize = 64;
-/// Kind of failure of a scene whose readings do not determine an estimate, even without noise.
+/// Kind of failure that is reported for a scene whose readings, even without noise, do not determine an estimate.
 const UNDETERMINED: &str = "undetermined";
 
 pub(crate) struct CellTrials<'a> {
@@ -41,7 +41,8 @@ struct Source<'a> {
     fixed: Vec<(String, Vec<toml::Value>)>,
 }
 
-/// Key of a scene: the searched field's value (as the bits of the number), and the index of the cell.
+/// Key under which a scene or its trials are stored: the value of the searched field, as the bits of the number, and
+/// the index of the study's cell.
 type Place = (u64, usize);
 
 /// The scene of a cell of the study at a value of the searched field, or the reason why this scene cannot be estimated.
@@ -52,7 +53,8 @@ enum Setup {
 }
 
 impl<'a> CellTrials<'a> {
-    /// Creates a store that holds no trials yet. `place` contains one value of each varied field that is not searched.
+    /// Creates a store without trials. Each varied field that is not searched has one value in this store; `place`
+    /// contains these values.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,

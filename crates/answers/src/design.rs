@@ -205,8 +205,8 @@ impl Searches<'_> {
     }
 }
 
-/// Whether `value` meets or misses the target: the result for the range in `runs` that contains `value`; `None` if no
-/// range contains it.
+/// Whether the value `value` of the searched field meets or misses the target. Each range in `runs` contains only
+/// values that meet the target, or only values that miss it. `None` if no range contains `value`.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use crate::cell_trials::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// The sentences of the answer mention failed trials of an object only if their share is larger than this value.
+/// Limit on the share of failed trials of an object. The sentences of the answer mention failed trials only above this
+/// limit.
 const STATED_FAILURES: f64 = 0.05;
 
 /// How reliably the objects of a study can be distinguished: by one trial of each object, and by the mean estimates of
@@ -23,7 +24,8 @@ pub struct Discrimination {
     pub unit: &'static str,
     /// Required probability that the means of several trials put two objects in the right order.
     pub confidence: f64,
-    /// Word for the study's trials: `presses`, `glides`, or for example `trials of 8 rolls`.
+    /// Words that the sentences use for trials: `presses`, `glides` or, if a trial consists of several rolls, for
+    /// example `trials of 8 rolls`.
     pub trials: String,
     /// Columns of the swept fields that define the objects, such as the object's radius.
     pub object_columns: Vec<String>,

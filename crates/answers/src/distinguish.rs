@@ -8,16 +8,16 @@ use palpate_sweep::{Runner, TrialMeans, in_order, repeats};
 use crate::discrimination::{Discrimination, Group, Object, Pair};
 use crate::error::{AnswerError, MAX_CELLS};
 
-/// The classification of a patch counts as correct if the share of correctly classified points is larger than this
-/// value.
+/// The classification of a surface patch counts as correct if more than this share of the points on the patch is
+/// classified correctly.
 const MAJORITY: f64 = 0.5;
-/// Difference between the first trial numbers of consecutive cells of the study. Trials with equal numbers draw equal
-/// random numbers. Because of this large difference, no two cells use the same trial numbers.
+/// Cell i of the study (a combination of swept values) numbers its trials from i times this number. The number is so
+/// large that no two cells use the same trial numbers. Trials with equal numbers would draw equal random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
 /// Computes two results for each pair of objects that a study sweeps. The first is the probability that one trial of
-/// each object puts the two estimates in the order of the true values. The second is the number of trials whose mean
-/// estimates are in this order with the probability `confidence`.
+/// each object puts the two estimates in the order of the true values. The second is the number of trials of each
+/// object that must be averaged, so that the two mean estimates are in this order with the probability `confidence`.
 ///
 /// If `quantity` is `None`, the object's curvature is compared: `object_curvature` for a press, otherwise
 /// `mean_curvature`. A failed trial distinguishes no objects. With the quantity `class` of a glide, two objects are

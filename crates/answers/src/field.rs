@@ -22,7 +22,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// The varied field that `vary` describes, for a study in which each field in `fixed` has one fixed value.
+    /// Creates the varied field that `vary` describes. In the study, each field in `fixed` has one fixed value.
     ///
     /// # Errors
     /// [`AnswerError`] if the field does not exist or does not accept these values.

@@ -5,13 +5,14 @@ use crate::field::Field;
 use crate::search::SearchRange;
 
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values of a grid field with a range. The grid consists of the varied fields that are not searched. The
-/// three numbers are for a grid of one field, of two fields, and of three or more fields.
+/// Number of values at which a field of the grid is sampled, if the question gives a range for the field. The grid
+/// consists of the varied fields that are not searched. The numbers apply to a grid of one field, of two fields, and of
+/// three or more fields.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
 /// All combinations of the grid fields' values. The value of the last field changes fastest. If `fields` is empty,
-/// there is one empty combination. Values within a range are rounded. The rounding step is small compared with `gap`,
-/// the largest undecided gap that the answer may contain.
+/// there is one empty combination. Values within a range are rounded. The rounding step is small compared with `gap`:
+/// the largest gap that may remain in the answer between a value that meets the target and a value that misses it.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];

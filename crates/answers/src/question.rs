@@ -28,12 +28,13 @@ pub struct Question {
     /// the share is 1, failed trials are ignored.
     pub max_failures: f64,
     /// Largest undecided gap that the answer may contain between a value that meets the target and a value that misses
-    /// it. On a range with logarithmic spacing, the gap is divided by the lower of these two values. On other ranges,
-    /// it is divided by half the width of the range.
+    /// it. The gap is relative. If the values of the range are spaced logarithmically, it is the difference of the two
+    /// values divided by the lower value. Otherwise, it is the difference divided by half the width of the range.
     pub gap: f64,
     /// Largest number of trials of one cell of the study at one value of the searched field.
     pub most_trials: u64,
-    /// Time limit, after which the search tests no more values. The first scan and the verification run in any case.
+    /// Time limit, after which the search tests no more values. The first scan (17 values in the range) and the
+    /// verification of the answer run in any case.
     pub budget: Option<Duration>,
     /// Probability that the whole answer is right, above 0 and below 1.
     pub confidence: f64,
@@ -136,8 +137,8 @@ impl Extreme {
         }
     }
 
-    /// Two words: the adjective for the best value (such as `largest`), and the word for values beyond it, which miss
-    /// the target (such as `more`).
+    /// Two words for sentences. The first is the adjective for the best value, such as `largest`. The second is for
+    /// values beyond the best value, which miss the target, such as `more`.
     pub(crate) const fn words(self) -> [&'static str; 2] {
         match self {
             Self::Largest => ["largest", "more"],

@@ -172,8 +172,8 @@ impl Region {
         }
     }
 
-    /// Whether the answer is the largest or the smallest value of the searched field; `None` if the searched field is
-    /// not optimised.
+    /// Whether the answer states the largest or the smallest value of the searched field that meets the target; `None`
+    /// if the searched field is not optimised.
     pub(crate) fn searched_extreme(&self) -> Option<Extreme> {
         let sought = self.question.sought.as_ref()?;
         (sought.path == self.searched.path).then_some(sought.extreme)
@@ -260,8 +260,8 @@ impl Region {
     }
 
     /// Compares the results of two cells of the study; the worse result is the greater one. Results with too many
-    /// failures or without a statistic are worse than all other results. Among each other, they are compared by their
-    /// share of failures. All other results are compared by their statistics.
+    /// failures or without a statistic are worse than all other results. Two such results are compared by their shares
+    /// of failed trials. All other results are compared by their statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),

@@ -196,7 +196,7 @@ impl Region {
         }
     }
 
-    /// Text about the reason why values miss the target, if the reason is that too many trials fail; otherwise empty.
+    /// Text that states that values miss the target because too many trials fail; empty if this is not the reason.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -481,8 +481,8 @@ impl Region {
 const MEETS: [&str; 2] = ["meets", "meet"];
 const MISSES: [&str; 2] = ["misses", "miss"];
 
-/// Returns the singular verb `one` if the text `values` states one value or one range, and the plural verb `many` if it
-/// states a list.
+/// Returns the verb that agrees with its subject `values`: the singular `one` if this text states one value or one
+/// range, and the plural `many` if it states a list.
 fn verb(values: &str, [one, many]: [&'static str; 2]) -> &'static str {
     if values.contains(" and ") { many } else { one }
 }

@@ -1,12 +1,12 @@
-//! Searches for the values of a field at which a target is met. Each test of a value returns a score that is noisy,
-//! because it is computed from random trials.
+//! Searches for the values of a field at which a target is met. Each test of a value runs random trials and returns a
+//! score: the number of standard errors by which the target is met. The score is noisy, because the trials are random.
 //!
 //! The trials at all values use the same random numbers. The answer is verified with fresh trials. The probability that
 //! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly
-//! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. An end has
-//! up to five attempts; each attempt may be wrong with half the probability of the previous one. These bounds do not
-//! depend on the shape of the curve of scores over values. However, if the curve crosses the limit of the target twice
-//! between two tested values, the search does not detect this.
+//! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. The search
+//! makes up to five attempts to verify an end. The probability that an attempt confirms a wrong end is half as large as
+//! for the previous attempt. These probabilities do not depend on how the score varies with the value. However, if the
+//! target is met, then missed and met again between two tested values, the search does not detect this.
 
 mod explore;
 mod limits;
@@ -43,8 +43,8 @@ pub(crate) struct ScoreRequest {
     pub(crate) fresh: bool,
 }
 
-/// Computes the scores of the cells of the study. For each cell, the scores over the values of the searched field form
-/// a curve.
+/// Computes the scores of the cells of the study. A score is the number of standard errors by which a cell meets the
+/// target. For each cell, the score as a function of the searched field is a curve.
 ///
 /// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
 pub(crate) trait Curves {
@@ -71,7 +71,8 @@ pub(crate) struct Search {
     pub(crate) gap: f64,
     /// Largest number of trials of each cell of the study at one value of the searched field.
     pub(crate) most_trials: u64,
-    /// Time after which the search tests no more values. The first scan and the verification are always done.
+    /// Time after which the search tests no more values. The first scan (17 values in the range) and the verification
+    /// of the answer are always done.
     pub(crate) budget: Option<Duration>,
     /// Largest accepted probability that any part of the answer is wrong. It should be above 0 and below 1. For 0, a
     /// negative value or NaN, the answer is empty, because no decision can be certain enough. A value above 1 is
@@ -98,7 +99,8 @@ pub(crate) struct TestedValue {
     pub(crate) value: f64,
     /// Whether the value meets or misses the target; `None` if the tests have not decided this.
     pub(crate) side: Option<Side>,
-    /// Index of the cell of the study that has the smallest score at this value.
+    /// Index of the cell of the study that has the smallest score at this value, that is, the cell that meets the
+    /// target least clearly or misses it most clearly.
     pub(crate) worst: usize,
     /// Largest number of trials that a cell of the study has at this value.
     pub(crate) trials: u64,

@@ -47,8 +47,8 @@ pub struct FieldEffect {
     pub values: [f64; 2],
     /// Rms errors of the quantity for the two values of the field.
     pub rms_errors: [f64; 2],
-    /// Relative change of the rms error, divided by the relative change of the field's value. It is 1 if the error is
-    /// proportional to the value.
+    /// Change of the logarithm of the rms error between the two values of the field, divided by the change of the
+    /// logarithm of the value. It is 1 if the rms error is proportional to the value.
     pub effect: f64,
     /// Standard error of `effect`.
     pub effect_std: f64,
@@ -64,8 +64,9 @@ type SquaredErrors = Vec<Option<f64>>;
 ///
 /// Only one field is changed at a time, once upwards and once downwards by the relative `step`; whole numbers change by
 /// at least 1. If only one direction is possible, the changed value is compared with the value in the config. Trials
-/// with the same number draw the same random numbers for every value, so that a few trials suffice to measure small
-/// effects. If the study sweeps fields, each swept field has its first value.
+/// with the same number draw the same random numbers for every value. Most of the noise therefore cancels in the
+/// comparison, and a few trials suffice to measure small effects. If the study sweeps fields, each swept field has its
+/// first value.
 ///
 /// If `quantity` is `None`, the curvature of the object is used: `object_curvature` for a press, otherwise
 /// `mean_curvature`.
@@ -179,8 +180,8 @@ struct ErrorRuns<'a> {
 }
 
 impl ErrorRuns<'_> {
-    /// Runs the trials after some fields of the config were set to the values in `fields`. Returns the root mean square
-    /// of the true values, and the squared error of the quantity in each trial.
+    /// Sets some fields of the config to the values in `fields`, and runs the trials. Returns the root mean square of
+    /// the true values, and the squared error of the quantity in each trial.
     fn at(
         &self,
         fields: &[(String, Vec<toml::Value>)],

@@ -48,7 +48,8 @@ impl SceneTarget {
         self.quantities[self.place]
     }
 
-    /// Empty batches of trials, which collect only the quantities that the target needs.
+    /// Empty batches of trials, whose first trial has the number `first`. They store only the quantities that the
+    /// target needs.
     pub(crate) fn batches(&self, first: u64) -> Batches {
         let of = self.quantity().inverse_of(self.quantities);
         let stored = [self.place].into_iter().chain(of).collect();
@@ -115,8 +116,8 @@ impl SceneTarget {
         Ok(([of_statistic, of_failures], estimate))
     }
 
-    /// Reason why the target's statistic would be undefined for any number of trials. `None` if it may be defined with
-    /// more trials.
+    /// Reason why the target's statistic is undefined, however many trials are run. `None` if more trials may give a
+    /// value.
     fn why_undefined(&self, all: &CellStatistics) -> Option<&'static str> {
         let summary = &all.quantities[self.place];
         let is_relative = matches!(
@@ -158,8 +159,9 @@ impl SceneTarget {
             Bound::AtMost => estimate.at_most(limit),
             Bound::AtLeast => estimate.at_least(limit),
         };
-        // An error statistic is positive, and its logarithm is closer to normally distributed than the statistic
-        // itself. Therefore, compare the logarithms of the statistic and of the limit.
+        // Rms errors, mean absolute errors and standard deviations are positive. The distribution of their logarithms
+        // is closer to a normal distribution than their own distribution. Therefore, compare the logarithm of the
+        // statistic with the logarithm of the limit.
         let logs = match statistic.is_size() && limit > 0.0 {
             true => estimate.map(libm::log),
             false => None,
@@ -173,9 +175,9 @@ impl SceneTarget {
         if !(is_share && limit > 0.0 && limit < 1.0) {
             return score;
         }
-        // A share, such as a coverage, may be the same in all batches of trials. Then the standard error that is
-        // estimated from the batches is 0, although the true share may differ. Therefore, a second score is computed
-        // from the number of trials, and the less certain of the two scores is used.
+        // A share, such as a coverage, may be equal in all batches of trials. The standard error is estimated from the
+        // scatter between batches, so it is then 0, although the true share may differ. Therefore, compute a second
+        // score from the number of trials, and use the score with the smaller absolute value.
         let (share, limit) = match bound {
             Bound::AtMost => (estimate.value, limit),
             Bound::AtLeast => (1.0 - estimate.value, 1.0 - limit),

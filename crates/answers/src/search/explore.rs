@@ -28,12 +28,13 @@ pub enum EndReason {
 
 /// Share of a search's time budget for the exploration; the rest is for the verification.
 const EXPLORATION_SHARE: f64 = 0.6;
-/// Factor by which the number of trials at an undecided value is increased in each round of trials.
+/// Usual factor by which a round of trials increases the number of trials at a value for which it is undecided whether
+/// it meets the target.
 const GROWTH: f64 = 4.0;
-/// Largest factor by which the number of trials is increased in one round, for undecided values within a crossing (a
-/// change between meeting and missing the target).
+/// Largest factor by which one round increases the number of trials at undecided values within a crossing (a change
+/// between meeting and missing the target).
 const MOST_GROWTH: f64 = 16.0;
-/// Smallest factor by which the number of trials is increased in a round. If the time budget is too short for a larger
+/// Smallest factor by which a round increases the number of trials. If the time budget is too short for a larger
 /// factor, the factor is halved repeatedly. The exploration ends when the factor would be smaller than this.
 const LEAST_GROWTH: f64 = 1.5;
 /// Largest distance between neighbouring tested values within a crossing (a change between meeting and missing the
@@ -242,8 +243,8 @@ fn closer(
         return;
     };
     // The width of the range of undecided values is inversely proportional to the square root of the number of trials.
-    // The width must shrink from `open_wide` to the share `UNDECIDED_SHARE` of the requested `gap`. So the number of
-    // trials is multiplied by the square of the ratio of these two widths.
+    // The width must shrink from `open_wide` to `UNDECIDED_SHARE` times the requested `gap`. So the number of trials is
+    // multiplied by the square of the ratio (present width)/(required width).
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

@@ -28,9 +28,11 @@ pub(super) struct Rules {
     wrong: f64,
     pub(super) gap: f64,
     pub(super) most_trials: u64,
-    /// A value meets the target if the scores of all cells of the study are at least this large.
+    /// A value meets the target if the scores of all cells of the study are at least this large. A score is the number
+    /// of standard errors by which a cell meets the target.
     pub(super) meets: f64,
-    /// A value misses the target if a score of one cell of the study is below this negative number.
+    /// A value misses the target if a score of at least one cell of the study is at most this negative number, in
+    /// standard errors.
     pub(super) misses: f64,
 }
 
@@ -98,7 +100,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of `trials` further trials that can run in the remaining time budget, at most 1.
+    /// Share of the `trials` requested trials that can run in the remaining time budget, at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

@@ -38,8 +38,9 @@ impl CellScores {
 }
 
 impl Point {
-    /// The smallest score at this value: the index of its cell of the study, and the index of the condition to which
-    /// the score belongs.
+    /// Finds the smallest score at this value. Returns the index of the cell of the study that has this score, and the
+    /// index of the condition to which it belongs: 0 for the limit on the statistic, 1 for the limit on the share of
+    /// failed trials.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();
@@ -67,8 +68,8 @@ impl Point {
         trials.max().unwrap_or(0)
     }
 
-    /// Adds requests to `asks`: each cell of the study that is undecided at this value gets `factor` times as many
-    /// trials.
+    /// Adds requests for more trials to `asks`. Each cell of the study whose scores do not yet show that it meets the
+    /// target at this value gets `factor` times as many trials, at most `most_trials`.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {
@@ -117,7 +118,7 @@ impl Points {
                     },
                 );
             }
-            // Replace a score of NaN by 0, so that the value stays undecided.
+            // Replace a score of NaN by 0. A score of 0 means that it is undecided whether the value meets the target.
             let scores = scores.map(|score| if score.is_nan() { 0.0 } else { score });
             if let Some(cell) = self.points[place].cells.get_mut(ask.cell) {
                 *cell = CellScores {

@@ -7,8 +7,8 @@ pub struct Span {
     pub from: f64,
     /// Largest value of the field in the range.
     pub to: f64,
-    /// Whether values of the range are spaced evenly on a logarithmic scale. They are if both ends are positive and
-    /// their ratio exceeds 8.
+    /// Whether the values that are tested in the range are spaced evenly on a logarithmic scale. This is the case if
+    /// both ends are positive and their ratio exceeds 8.
     pub is_log: bool,
     /// Whether all values of the range must be whole numbers.
     pub is_whole: bool,
@@ -16,8 +16,9 @@ pub struct Span {
 
 /// Values are spaced logarithmically if the ratio of the two ends of the range exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Approximate number of rounding steps per allowed gap. Tested values are rounded to multiples of such a step, and the
-/// gap is the largest undecided gap that the answer may contain.
+/// Tested values are rounded to multiples of a step. This number is approximately the ratio of the allowed gap to the
+/// step. The allowed gap is the largest one that may remain between a value that meets the target and a value that
+/// misses it.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {

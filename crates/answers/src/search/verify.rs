@@ -39,8 +39,9 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// Not an end. The range covers the whole explored range, or is a single listed value, so it has no ends to verify.
-    /// The value with the smallest absolute score is verified instead, because it is the least certain one.
+    /// No end of the range, but one of its values. It is verified if the range covers the whole explored range, or is a
+    /// single listed value, and so has no ends. It is the value with the smallest absolute score, because this value is
+    /// the least certain one.
     Weakest,
 }
 
@@ -112,7 +113,7 @@ fn place_of(end: &End) -> usize {
 
 /// Requests for the fresh trials that verify the end `end` of a range. If the range meets the target, trials of all
 /// cells of the study are requested. If the range misses the target, only trials of the cell with the smallest score
-/// are requested. `part` is the share of these trials for which there is enough time.
+/// are requested. `part` is the share of the requested trials that the time budget allows, at most 1.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];

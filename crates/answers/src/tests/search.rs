@@ -1,4 +1,5 @@
-//! Tests of the search. The curves of rms errors cross the target at known values, and have the noise of real trials.
+//! Tests of the search. The rms error varies with the searched value along given curves, so the values at which it
+//! crosses the limit of the target are known. Simulated trials add noise to it.
 
 use std::collections::HashMap;
 use std::convert::Infallible;
@@ -70,7 +71,8 @@ impl Trial for Noisy {
     }
 }
 
-/// Scale of the errors and share of failed trials, as a function of the searched value.
+/// Function of the searched value. It returns the standard deviation of the errors, and the probability that a trial
+/// fails.
 type Curve = fn(f64) -> (f64, f64);
 
 /// Rms error of [`Noisy`] trials as a function of the searched value. The target is an rms error of at most 1 with at
@@ -158,8 +160,8 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// For each range that the search found, whether it meets or misses the target. The second result is true if the curve
-/// agrees at both ends of every range.
+/// For each range that the search found, whether it meets or misses the target. The second result is true if the
+/// noiseless curve confirms this at both ends of every range.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;
@@ -261,8 +263,8 @@ fn the_worst_cell_decides() {
     let misses = |looked: &&TestedValue| looked.side == Some(Side::Misses);
     let mut missing = found.tested.iter().filter(misses);
     assert!(missing.all(|looked| looked.worst == 2));
-    // Cell 1 cannot change the decision, because the score of cell 2 is always worse. So the search must not run more
-    // trials of cell 1.
+    // Cell 2 alone decides whether a value meets the target, because its score is always worse than the score of cell
+    // 1. So the search must not run more trials of cell 1.
     let easy = curve
         .known
         .iter()
