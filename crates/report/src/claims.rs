@@ -53,8 +53,8 @@ pub struct Score {
     /// The measured value that the scorecard shows beside the paper's value `published`. Empty if the claim is not
     /// testable.
     pub headline: String,
-    /// All numbers that the claim's checks compute from the tables, as sentences with units. Empty if the claim is not
-    /// testable.
+    /// Sentences with all numbers that the claim's checks compute from the tables, and their units. Empty if the claim
+    /// is not testable.
     pub measured: String,
     /// Whether the claim holds, differs or cannot be tested.
     pub verdict: Verdict,

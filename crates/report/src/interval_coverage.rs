@@ -15,7 +15,7 @@ pub(crate) const STATED: [(Statistic, f64); 3] = [
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Estimator {
-    /// Text that names the kinds of the scene, the estimator and the sensor.
+    /// Text that names the kind of the scene, the kind of the estimator and the kind of the sensor.
     pub(crate) name: String,
     /// For each study with intervals of this estimator: the index of the study, and the coverage in each row of its
     /// table.
@@ -72,7 +72,8 @@ fn name(study: &Study, row: usize) -> Option<String> {
 }
 
 /// The `kind` of the part of the scene at `path`, such as `scene.sensor`, for the table row `row`. If the study sweeps
-/// this part as a whole, its label in the row is returned; `None` if the study states neither.
+/// this part as a whole, so that no kind is stated, the label of the part in the row is returned. `None` if the study
+/// states neither a kind nor a label.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))

@@ -13,7 +13,7 @@ use palpate_study::label::{self, with_unit};
 use palpate_study::number::{self, finite, grouped};
 use palpate_study::{Quantity, Statistic};
 
-/// The page reports 95 % intervals as too narrow if their coverage is below this number.
+/// The page reports 95 % intervals as too narrow if less than this share of them contains the true value.
 const MIN_COVERAGE: f64 = 0.90;
 
 /// Section about the coverage of the intervals of each estimator; `None` if the studies have no intervals.
@@ -154,7 +154,8 @@ fn answer(answer: &Answer) -> Value {
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
 /// The table `peers.csv`, which compares palpate with other programs. The column of verdicts is moved to the second
-/// place. If all rows were measured on the same machine, the machine's name is returned separately.
+/// place. If all rows were measured on the same machine, the name of the machine is removed from the rows and returned
+/// separately.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
     let machine = take_constant(&mut parts, "machine");

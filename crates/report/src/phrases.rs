@@ -42,7 +42,8 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     }
 }
 
-/// The sentence "For `shared`: `then`." The settings in `shared` are the same for all points of a plot.
+/// The sentence "For `shared`: `then`." Here `shared` are settings that are the same for all points of a plot, and
+/// `then` is the rest of the sentence.
 pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     let shared = match shared {
         [] => String::new(),

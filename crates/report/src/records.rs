@@ -70,9 +70,9 @@ impl Records {
         self.header.iter().position(is_it)
     }
 
-    /// Reads a file like [`Self::read`]. The first `ordered` names must have the same order in the file. This is
-    /// necessary because all columns between `cell` and `quantity` are read as swept fields, and all columns after
-    /// `unit` as statistics.
+    /// Reads a file like [`Self::read`]. The first `ordered` names must have the same order in the file. The order
+    /// matters, because the columns of `cells.csv` between `cell` and `quantity` are read as swept fields, and the
+    /// columns after `unit` as statistics.
     pub(crate) fn read_in_order(
         files: &Files,
         file: &str,
@@ -102,8 +102,8 @@ impl Records {
         &self.header
     }
 
-    /// Converts an index among the columns that were requested when the file was read to an index in the header of the
-    /// file.
+    /// Index, in the header of the file, of a column that was requested when the file was read. `column` is its index
+    /// among the requested columns.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }

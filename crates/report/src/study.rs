@@ -214,8 +214,8 @@ impl Study {
     }
 }
 
-/// Values of the field at `path` in `sweep`, one of the study's sweeps; empty if this sweep does not vary the field. A
-/// sweep may vary one field alone, or several fields together.
+/// Values of the field at `path` in `sweep`, which is one sweep of the study. A sweep varies one field, or several
+/// fields together. The list is empty if this sweep does not vary the field at `path`.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();

@@ -1,5 +1,6 @@
 //! Measured speed and accuracy of models. They are in the tables `ladders.csv`, `rungs.csv`, `answers.csv` and
-//! `stages.csv` of one folder. The optional table `promise.csv` states how well the model `auto` chooses.
+//! `stages.csv` of one folder. The model `auto` chooses a model for each scene; the optional table `promise.csv` states
+//! how good its choices are.
 
 use crate::records::Records;
 use crate::{Files, ReportError};
@@ -9,8 +10,8 @@ use palpate_study::number::finite;
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
     pub(crate) auto_models: Vec<AutoModel>,
-    /// Whether the instructions of every model were counted. If so, the costs of models are numbers of instructions;
-    /// otherwise, they are times.
+    /// Whether the table states, for every model, the number of processor instructions of one evaluation. If so, this
+    /// number is the cost of the model; otherwise, the cost is a time.
     pub(crate) counted: bool,
     pub(crate) machine: String,
 }
@@ -46,7 +47,7 @@ pub(crate) struct Rung {
     pub(crate) error: f64,
     /// Standard error of `error`; 0 if the error was not estimated from trials.
     pub(crate) error_std: f64,
-    /// Number of instructions, if they were counted; otherwise the median time in ns.
+    /// Number of processor instructions, if they were counted; otherwise the median time in ns.
     pub(crate) cost: f64,
     /// Whether the rung is on the Pareto front: no other rung has both a smaller error and a smaller cost.
     pub(crate) on_front: bool,
@@ -195,10 +196,10 @@ pub(crate) struct AutoModel {
     pub(crate) scenes: usize,
     /// Number of scenes on which the test succeeds.
     pub(crate) successes: usize,
-    /// Number of scenes on which at least one model besides the chosen model meets the tolerance.
+    /// Number of scenes on which the error of at least one model besides the chosen model is within the tolerance.
     pub(crate) with_rivals: usize,
-    /// Number of instructions of the chosen model, divided by that of the cheapest model within the tolerance: the
-    /// largest such ratio over all scenes. `None` if `promise.csv` does not state it.
+    /// Largest ratio over all scenes: number of instructions of the chosen model, divided by the number of instructions
+    /// of the cheapest model whose error is within the tolerance. `None` if `promise.csv` does not state it.
     pub(crate) largest_ratio: Option<f64>,
 }
 

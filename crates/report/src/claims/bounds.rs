@@ -3,7 +3,8 @@
 use super::row::Row;
 use palpate_study::number;
 
-/// A bound on a number. A number that differs from a limit of the bound only by rounding counts as equal to the limit.
+/// A bound on a number. If a number differs from a limit of the bound only by rounding errors, it counts as equal to
+/// the limit.
 #[derive(Clone, Copy)]
 pub(super) enum Bound {
     AtLeast(f64),

@@ -36,8 +36,8 @@ pub(super) struct Check {
     /// Computes the checked values from the rows of the table. Each value is returned with the row from which it was
     /// computed. If a value was computed from a group of rows, it is returned with one row of the group.
     pub(super) values: Values,
-    /// Returns a name for the value that was computed from a row of the table. All values with the same name are
-    /// compared and printed as one range. With `None`, each value is compared by itself.
+    /// Returns a name for the value that was computed from a row of the table. All values with the same name form one
+    /// range: the range is compared with the bound and printed. With `None`, each value is compared by itself.
     pub(super) name: Option<fn(&Row<'_>) -> String>,
     pub(super) merge: Option<fn(&[f64]) -> f64>,
     /// Selects the rows of the table whose values are compared with the bound; `None` selects all rows. The values of

@@ -119,9 +119,9 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios y₂/y₁. Here y₁ and y₂ are the values `y` of two successive table rows of a group,
-    /// sorted by `x`. The rows of a group differ only in swept fields whose paths begin with one of the texts in
-    /// `free`.
+    /// Adds a check of the ratios y₂/y₁. The rows of a group of table rows are sorted by `x`, and y₁ and y₂ are the
+    /// values of `y` in two successive rows. The rows of a group differ only in swept fields whose paths begin with one
+    /// of the texts in `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],

@@ -21,8 +21,8 @@ fn pitch(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.sensor.pitch")? / probe_radius(row)?)
 }
 
-/// The rms error in a row of the table. `None` if trials failed, because the rms error of the remaining trials is too
-/// small.
+/// The rms error in a row of the table. `None` if any trial failed: the rms error of the successful trials alone would
+/// be too small.
 fn complete_error(row: &Row<'_>) -> Option<f64> {
     rms_error(row).filter(|_| row.statistic("failures") == Some(0.0))
 }
@@ -31,8 +31,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the error in a row of the table is a mean over random offsets of the pads. If no row of the study has random
-/// offsets, the result is true for all rows.
+/// Whether the trials of a table row have random offsets of the pads, so that its error is a mean over these offsets.
+/// If no row of the study has random offsets, the result is true for all rows.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))
@@ -40,7 +40,7 @@ fn is_statistical(row: &Row<'_>) -> bool {
 
 impl Claim {
     /// Adds a check that the error increases with `x`. The error must increase in at least 90 % of the steps between
-    /// successive values of `x`. Steps without a change are ignored.
+    /// successive values of `x`. Steps in which the error does not change are ignored.
     fn growth(self, free: &'static [&'static str], x: fn(&Row<'_>) -> Option<f64>) -> Self {
         self.steps(free, x, complete_error)
             .when(is_statistical)
@@ -101,8 +101,8 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors of the estimate from the shortest and from the longest roll in a group of table rows. `None` if both rolls
-/// have the same length or the same error.
+/// Rms errors of the estimates from the shortest and from the longest roll in a group of table rows. `None` if both
+/// rolls have the same length or the same error.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {
         [first, .., last] if !near(first.0, last.0) && !near(first.1, last.1) => {

@@ -78,8 +78,8 @@ fn share(row: &Row<'_>) -> Option<f64> {
 }
 
 /// Largest principal curvature of an object. If the true curvatures are the same in the whole patch, the table states
-/// them, and the result is computed from them. Otherwise, the result is 1/radius, or 2|a| in the middle of a saddle z =
-/// a (x² − y²). `None` if the curvature is 0 or cannot be computed.
+/// them, and the result is computed from them. Otherwise, the result follows from the config: 2|a| for a saddle z = a
+/// (x² − y²), at its centre, and 1/radius for all other objects. `None` if the curvature is 0 or cannot be computed.
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {
@@ -275,8 +275,9 @@ fn turned_cylinder() -> Claim {
         .named(method)
         .merged(geometric_mean)
         .comparing(is_two_pass)
-        // The error on the turned cylinder, divided by that on the straight one, must be at least 1.1. A bound of 1
-        // would be too low, because an rms error over a few hundred trials has an uncertainty of a few percent.
+        // The rms error on the turned cylinder, divided by the rms error on the cylinder that is not turned, must be at
+        // least 1.1. A bound of 1 would be too low: each rms error is computed from a few hundred trials and has a
+        // standard error of a few percent, so the ratio could exceed 1 by chance.
         .bound(AtLeast(1.1))
         .says("the rms error of K on the turned cylinder is {list} times that on the straight one")
         .headline("{range} × the error")

@@ -27,8 +27,8 @@ fn gaussian_profile() -> Claim {
             && is_kind(row, "scene.model", "half-space")
     })
     .rows(|row| row.statistic("mean"))
-    // Name the swept fields on which R² depends. The layout of the markers determines how much each part of the
-    // displacement profile counts, and the estimator determines which markers are fitted.
+    // Name the swept fields on which R² depends. The layout determines how many markers are in each part of the
+    // displacement profile, so how much this part counts in R². The estimator determines which markers are fitted.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()
@@ -184,7 +184,8 @@ fn effective_radius() -> Claim {
 
 // ---- Regimes of contact, as a function of the relative curvature
 
-/// A relative curvature counts as zero if its ratio to the sensor's curvature is below this number.
+/// A relative curvature counts as zero if its absolute value, divided by the curvature of the sensor's surface, is at
+/// most this number.
 const ZERO: f64 = 1e-9;
 
 fn relative_curvature(row: &Row<'_>) -> Option<f64> {
@@ -199,9 +200,9 @@ fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     Some(sensor * relative.or_else(|| Some(1.0 / sensor + object()?))?)
 }
 
-/// 1 if the sensor of the table row can sense the object of this row, otherwise 0. `None` if the row does not state the
-/// coverage although not all trials failed. A sensor can sense an object if at most 10 % of the trials fail and at
-/// least 90 % of the 95 % intervals contain the true value.
+/// 1 if the sensor of the table row can sense the object of this row, otherwise 0. `None` if some trials succeeded but
+/// the row does not state the coverage of the intervals. A sensor can sense an object if at most 10 % of the trials
+/// fail and at least 90 % of the 95 % intervals contain the true value.
 fn sensed(row: &Row<'_>) -> Option<f64> {
     let failed = row.failed(|_| true)?;
     match row.statistic("coverage95") {

@@ -80,8 +80,9 @@ fn relative_curvature() -> Claim {
         .only(size, AtMost(5.0))
         .bound(AtMost(2.0))
         .says("it is {range} × the noise for R₂ ≤ 5 R₁")
-        // Let n be the amplitude of the uniform noise. Its standard deviation is n/√3. The mean over four probes per
-        // direction has half of this standard deviation, n/√12. So the error is divided by n/√12.
+        // Let n be the amplitude of the uniform noise. The standard deviation of the noise is n/√3. Four probes roll
+        // along each direction, so the noise of their mean has the standard deviation n/√12. Compute the ratio of the
+        // rms error to its predicted value, n/√12 (1 + R₂/R₁).
         .rows(|row| Some(rms_error(row)? * 12f64.sqrt() / (noise(row)? * (1.0 + size(row)?))))
         .when(has_eight_uniform_probes)
         .only(noise, AtMost(0.01))
@@ -233,7 +234,8 @@ fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
 
-/// Slope up to which `is_below` returns true, found by bisection.
+/// Largest slope for which `is_below` returns true, found by bisection. `is_below` must return true for all slopes
+/// below a limit, and false above it.
 fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..200 {
@@ -261,8 +263,8 @@ fn crossing() -> f64 {
 
 // ---- Sharp objects, whose contact stays on one pad
 
-/// Share of the trials of a table row in which the contact stays on one pad. Such a trial gives only an upper bound on
-/// the object's radius. `None` if the row has no trials.
+/// Share of the trials of a table row in which the contact stays on one pad. Such a trial does not give a radius of the
+/// object, but only an upper bound on it. `None` if the row has no trials.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
@@ -351,7 +353,8 @@ fn edge() -> Claim {
 
 // ---- Comparison of a wrist force sensor with pads
 
-/// The errors of a wrist sensor and of pads count as similar if their ratio is at most this number.
+/// The rms errors of a wrist sensor and of pads count as similar if the larger one, divided by the smaller one, is at
+/// most this number.
 const ALIKE: f64 = 1.5;
 
 /// Number after `word` in the label of a sensor, such as 0.5 in the label `pads 0.5 mm` for the word `pads `. `None` if

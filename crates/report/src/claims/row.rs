@@ -112,7 +112,8 @@ pub(super) fn probe_radius(row: &Row<'_>) -> Option<f64> {
     row.number("scene.probe.radius")
 }
 
-/// Radius of the object divided by the radius of the probe. The 1996 paper calls the inverse of this ratio RCR.
+/// Radius of the object divided by the radius of the probe. The inverse of this ratio is the relative curvature, RCR in
+/// the 1996 paper.
 pub(super) fn size(row: &Row<'_>) -> Option<f64> {
     Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
 }

@@ -42,8 +42,8 @@ const HUES: [(&str, &str); 2] = [
     ("mean_hue_change", "mean hue"),
 ];
 
-/// Straight lines of a hue over the indentation, one line for each combination of the other swept fields. Only markers
-/// without tangential displacement are used.
+/// Straight lines that are fitted to a measured hue as a function of the indentation, one line for each combination of
+/// the other swept fields. Only markers without tangential displacement are used.
 fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     through(
         unmoved(rows, quantity),
@@ -53,8 +53,8 @@ fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Straight lines of the true hue (without pixels and noise) over the indentation, one line for each combination of the
-/// other swept fields.
+/// Straight lines that are fitted to the true hue (without pixels and noise) as a function of the indentation, one line
+/// for each combination of the other swept fields.
 fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     let exact = |row: &Row<'_>| Some((row.statistic("truth")?, 0.0));
     through(
@@ -70,8 +70,8 @@ fn unmoved<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<Row<'a>> {
     rows.iter().filter(is_unmoved).copied().collect()
 }
 
-/// Straight lines of a marker's centroid over its tangential displacement, one line for each indentation and each
-/// combination of the other swept fields.
+/// Straight lines that are fitted to the shift of a marker's centroid in the image as a function of the tangential
+/// displacement. There is one line for each indentation and each combination of the other swept fields.
 fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     let shifts = rows.iter().filter(|row| row.quantity() == "centroid_shift");
     through(
@@ -191,9 +191,10 @@ fn is_rigid(row: &Row<'_>) -> bool {
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// For each line that is fitted to hues, returns the larger of two relative deviations from the published slopes. The
-/// first is the deviation of this line from the slope of the hue. The second is the smallest deviation from the slope
-/// of the centroid, among all centroid lines of the same sensor.
+/// Compares fitted slopes with the two slopes that the paper states, for the hue and for the centroid. For each line
+/// that is fitted to hues, returns the larger of two relative deviations. The first is the deviation of its slope from
+/// the published slope of the hue. The second is the deviation of a centroid line of the same sensor from the published
+/// slope of the centroid, namely of the line with the smallest deviation.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -345,8 +346,8 @@ struct StraightLine {
 }
 
 impl StraightLine {
-    /// Fits a line to `readings` with equal weights. `None` for fewer than three different x, because a line fits any
-    /// two points.
+    /// Fits a line to `readings` with equal weights. `None` for fewer than three different x, because a line through
+    /// two points always fits exactly.
     fn through(readings: &[Reading]) -> Option<Self> {
         let mut places: Vec<f64> = readings.iter().map(|reading| reading.x).collect();
         places.sort_by(f64::total_cmp);

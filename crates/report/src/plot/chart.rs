@@ -19,7 +19,7 @@ use plotters::style::text_anchor::HPos;
 const GAP: i32 = 90;
 const PANEL_HEIGHT: i32 = 1170;
 /// Largest width of a row of panels, in drawing units (1/3 px). If long names below the x axis need space, panels are
-/// widened up to this width.
+/// widened until their row has this width.
 const LARGEST_WIDTH: i32 = 4500;
 /// Gap between neighbouring names of values below the x axis, in drawing units (1/3 px).
 const BESIDE: i32 = 36;
@@ -93,8 +93,8 @@ impl Chart<'_> {
         (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
     }
 
-    /// Number of panels per row. It is chosen so that the names below the x axes fit, and that all rows have nearly the
-    /// same number of panels.
+    /// Number of panels per row, chosen to meet two conditions: the names below the x axes fit, and all rows have
+    /// nearly the same number of panels.
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
@@ -261,8 +261,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws a vertical error bar at `x`, between the two `ends`. `hidden` is the height of the point's marker, in drawing
-/// units (1/3 px). A bar that the marker would cover completely is not drawn. An end outside the panel has no cap
+/// Draws a vertical error bar at `x`, between the two `ends`. A bar that the marker of the point would cover completely
+/// is not drawn; `hidden` is the height of this marker, in drawing units (1/3 px). An end outside the panel has no cap
 /// (short cross line).
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;

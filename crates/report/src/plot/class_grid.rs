@@ -113,9 +113,9 @@ pub(crate) struct Band {
     pub(crate) y: (usize, usize),
 }
 
-/// Covers the grid with a small number of rectangles, each of one class. First, neighbouring squares of the same class
-/// are joined along y. Then, neighbouring columns with equal classes are joined along x. `classes` are sorted by x,
-/// then by y.
+/// Covers the grid of squares around the points of a map with a small number of rectangles. All squares in a rectangle
+/// have the same class. First, neighbouring squares of the same class are joined along y. Then, neighbouring columns
+/// with equal classes are joined along x. `classes` are sorted by x, then by y.
 pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     let mut start = 0;

@@ -90,8 +90,8 @@ struct MapPanel<'a> {
     is_truth: bool,
 }
 
-/// The panels of a row of the figure. The first column shows the map of the true classes. It is empty if the row has no
-/// such map.
+/// The panels of a row of the figure. The first column of the row shows the map of the true classes; this column is
+/// empty if the row has no such map.
 fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     let truth = row.truth.map(|map| MapPanel {
         column: 0,
@@ -254,8 +254,8 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let corner = |(i, j): (usize, usize)| (x[i], y[j]);
     let classes = if map.is_truth { truth } else { estimated };
     let reach = [panel.x_range(), panel.y_range()].map(|range| OVERLAP * (range.end - range.start));
-    // Neighbouring rectangles overlap. Draw them in the order of increasing x and y, so that each covers the overlap of
-    // the previous one.
+    // Neighbouring rectangles overlap. Draw them in the order of increasing x and y, so that each rectangle covers its
+    // overlap with the previous one.
     panel.draw_series(bands(*side, classes).into_iter().map(|band| {
         let (x, y) = corner((band.x.1, band.y.1));
         let corners = [corner((band.x.0, band.y.0)), (x + reach[0], y + reach[1])];
@@ -353,9 +353,10 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     rows_of_cells
 }
 
-/// Returns the swept field whose values are side by side in a row of panels. Of the fields with at most [`MAX_PER_ROW`]
-/// values, it is the field with the most values; if there are several, it is the last one. If all fields have more
-/// values, the last field is returned. `None` if no field varies.
+/// Returns the swept field whose values are side by side in a row of panels. It is the field with the most values,
+/// among the fields with at most [`MAX_PER_ROW`] values; if several fields have the same number of values, it is the
+/// last of them. If all fields have more than [`MAX_PER_ROW`] values, the last field is returned. `None` if no field
+/// varies.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

@@ -19,8 +19,8 @@ use plotters::style::Color;
 const MAX_SURFACES: usize = 6;
 /// Side length of the coloured squares in the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 54;
-/// Share of ink (the dark colour of text) in the colour of the lines between the squares of a surface, from 0 to 1. The
-/// rest is the colour of the square.
+/// The lines between the squares of a surface have a mixture of two colours: the dark colour of text (ink), and the
+/// colour of the square. This is the share of ink, from 0 to 1.
 const LINE_INK: f64 = 0.25;
 
 /// A fitted surface: the positions of the points in the map of one cell.

@@ -38,7 +38,8 @@ pub(crate) struct Contacts {
     /// Root-mean-square distance between readings and true contacts. `None` if all readings equal the contacts, or if
     /// the numbers of readings and contacts differ.
     pub(crate) off: Option<f64>,
-    /// Whether the centre of a fingertip differs from its contact point, as for a fingertip with a radius above 0.
+    /// Whether the centre of at least one fingertip differs from its contact point, as for a fingertip with a radius
+    /// above 0.
     pub(crate) tips_apart: bool,
 }
 

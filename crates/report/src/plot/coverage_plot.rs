@@ -12,9 +12,9 @@ use crate::interval_coverage::{Estimator, STATED};
 /// Range of the x axis, which shows the stated coverage in percent.
 const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 
-/// Draws the measured coverage, that is, the share of intervals that contain the true value. Each point is the median
-/// coverage over the cells of all studies with the estimator. The bar of the point extends from the 5 % to the 95 %
-/// quantile over these cells.
+/// Draws, for each estimator, the measured coverage: the share of intervals that contain the true value. Each point is
+/// the median coverage over the cells of all studies with this estimator. The bar of the point extends from the 5 % to
+/// the 95 % quantile over these cells.
 pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
     let words = Words::new(
         "calibration-of-intervals",

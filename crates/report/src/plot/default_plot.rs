@@ -13,12 +13,12 @@ const MIN_LOG_RATIO: f64 = 8.0;
 
 /// The default plot. It shows the relative rms error of the object's curvature over the first swept field. It has one
 /// line per value of the second swept field, and one panel per value of the third. For every further field, only the
-/// first value is plotted. A field that does not vary independently of the earlier fields is ignored. The result is
+/// first value is plotted. A field is ignored if the values of the earlier fields determine its value. The result is
 /// `None` if no field is swept, or if no statistic has a value.
 ///
 /// If the study does not estimate the object's curvature, the plot shows the mean curvature, or else the first
-/// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not estimated, the plot
-/// shows the mean.
+/// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not an estimate, or if
+/// the table contains no errors of it, the plot shows the mean.
 pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     let table = study.cells();
     let is_first = |first: &&Quantity| table.quantities().values().contains(&first.name.to_owned());

@@ -125,8 +125,9 @@ pub struct Stretch {
 }
 
 const MEETS: Colour = Colour(190, 220, 242);
-/// Background colour where it is undecided whether values meet the target. This grey is lighter or darker than the
-/// other background colours, so readers can distinguish it even in a grey print.
+/// Background colour where it is undecided whether values meet the target. This grey is darker than the white of values
+/// that miss the target, and lighter than the blue of values that meet it. So readers can distinguish the three colours
+/// even in a grey print.
 const OPEN: Colour = Colour(226, 226, 226);
 const MISSES: Colour = WHITE;
 /// Width of the line that shows the target's limit, in drawing units (1/3 px).
@@ -144,8 +145,8 @@ const BEST_SIZE: f64 = 36.0;
 /// Half the width of the background area of a single tested value, relative to the width of the panel. An area without
 /// width would not be visible.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of the background area of one value of the other field, relative to the width of the panel. It is
-/// used if the other field has only one value, or names as values.
+/// Half the width, relative to the width of the panel, of the background area at one value of the field that is plotted
+/// beside the searched field. It is used if this other field has only one value, or if its values are names.
 const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
@@ -383,7 +384,8 @@ struct Bands<'a> {
     is_along_x: bool,
 }
 
-/// Ranges of the searched field at one value of the other field.
+/// A column of the map: the ranges of the searched field at one value of the other field, which is plotted along the
+/// second axis.
 struct Column {
     at: f64,
     /// For each range, whether its values meet the target (true) or miss it.
@@ -412,15 +414,16 @@ impl Bands<'_> {
         [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
     }
 
-    /// Whether areas and contours connect two columns. The values of both fields must be numbers. In both columns, the
-    /// ranges that meet and those that miss the target must have the same order. `is_named` states whether the values
-    /// of the other field are names.
+    /// Whether areas and contours connect two neighbouring columns of the map. Two conditions must be met: the values
+    /// of both fields are numbers, and both columns have the same sequence of ranges that meet and ranges that miss the
+    /// target. `is_named` states whether the values of the other field are names.
     fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }
 
-    /// Background areas of all columns. If a column and its neighbour have ranges in the same order, the areas connect
-    /// both columns. Otherwise, the areas of a column end halfway to its neighbour.
+    /// Background areas of all columns of the map. If a column and its neighbour have the same sequence of ranges that
+    /// meet and miss the target, the areas connect both columns. Otherwise, the areas of a column end halfway to its
+    /// neighbour.
     fn grounds(&self, columns: &[Column], is_named: bool) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let mut grounds = Vec::new();
         let pairs = columns.windows(2);
@@ -482,8 +485,9 @@ impl Bands<'_> {
         }
     }
 
-    /// Contours on which the target is just met. A contour connects neighbouring columns if their ranges that meet and
-    /// miss the target have the same order. At each column, a bar shows the range of undecided values.
+    /// Contours on which the target is just met. A contour connects neighbouring columns if both have the same sequence
+    /// of ranges that meet and ranges that miss the target. At each column, a bar shows the range of values for which
+    /// this is undecided.
     fn contours(&self, columns: &[Column], is_named: bool) -> Vec<Line> {
         let crossings = |column: &Column| -> Vec<[f64; 2]> {
             let sides = column.sides.windows(2);

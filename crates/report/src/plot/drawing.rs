@@ -16,12 +16,12 @@ use std::io;
 const DETAIL: u32 = 3;
 /// Ratio of a font size to the em (the nominal height of the font) in the SVG backend of the plotters library.
 const EM: f64 = 1.24;
-/// Distance by which text is moved down, in ems, so that capital letters and digits are centred vertically. Without it,
-/// the SVG backend centres lower-case letters.
+/// Distance by which text is moved down so that capital letters and digits are centred vertically, in ems (an em is the
+/// nominal height of the font). Without it, the SVG backend centres lower-case letters.
 const SINK: f64 = 0.09;
 /// Distance between lines of text, as a multiple of the font size.
 pub(crate) const LEADING: f64 = 1.35;
-/// Height of lower-case letters, in ems.
+/// Height of lower-case letters without ascenders, such as x, in ems (the nominal height of the font).
 #[cfg(feature = "png")]
 const X_HEIGHT: f64 = 0.52;
 /// Limit of the memory for drawing one image, bytes.
@@ -93,8 +93,8 @@ enum Form {
     Line(Vec<BackendCoord>, u32),
     Polygon(Vec<BackendCoord>),
     Disc(BackendCoord, u32),
-    /// A line of text, its anchor point, the em of its font, and the share of the text's width that is to the left of
-    /// the anchor. The anchor is at half the text's height.
+    /// A line of text, its anchor point, the em (nominal height) of its font, and the share of the text's width that is
+    /// to the left of the anchor. Vertically, the anchor is in the middle of the text.
     Text(String, BackendCoord, f64, f64),
 }
 

@@ -7,7 +7,8 @@ use super::sheet::Point;
 pub(super) const NAME: i32 = 45;
 /// Possible distances between a point and its label, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
-/// A label gets a line to its point if it is farther from the point than this distance, in drawing units (1/3 px).
+/// If the distance between a label and its point is larger than this, a line (leader) connects them; in drawing units
+/// (1/3 px).
 const MAX_WITHOUT_LEADER: i32 = 60;
 /// Number of [`DISTANCES`], from the smallest, that are tried for the label of a point that is not on the Pareto front.
 const BESIDE: usize = 2;
@@ -20,7 +21,7 @@ const POINT: i32 = 18;
 /// Penalty for each other label that a label covers, and for each leader that it covers. A leader is the line from a
 /// label to its point. Penalties are added to the distance of a label from its point, and have the same unit.
 const HIDES_NAME: i32 = 3_000_000;
-/// Penalty for each other label that the leader of a label crosses.
+/// Penalty for each other label that the leader of a label crosses. A leader is the line from a label to its point.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
 /// Penalty for each point on the Pareto front that a label covers.
 const HIDES_POINT: i32 = 300_000;
@@ -126,7 +127,8 @@ pub(super) fn place(
 }
 
 /// Returns `distance`, and the rectangle of a label at this distance from its point. `at` is the index of the direction
-/// from the point to the label, counted counterclockwise; direction 0 is to the right.
+/// from the point to the label. The directions are equally spaced and numbered counterclockwise from 0, which is to the
+/// right.
 fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, Bounds) {
     let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
     let (sine, cosine) = libm::sincos(angle);

@@ -24,7 +24,8 @@ pub(crate) fn width(text: &str, em: i32) -> i32 {
 }
 
 /// Computes the position of each letter of a text. For each letter, calls `place` with the font, the letter, and the
-/// distance from the start of the text in ems. Returns the width of the text in ems.
+/// distance of the letter from the start of the text. Returns the width of the text. Both lengths are in ems (the
+/// nominal height of the font).
 fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     let mut end = 0.0;
     let mut before = None;
@@ -44,9 +45,9 @@ fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     end
 }
 
-/// Calls `pixel` for each pixel of a text, with the position of the pixel and the share of it that the text covers (0
-/// to 1). The anchor (`x`, `base`) is on the base line of the text. The share `before` of the text's width is to the
-/// left of the anchor.
+/// Calls `pixel` for each pixel of a text, with the position of the pixel and with the share of its area that the text
+/// covers (0 to 1). The anchor (`x`, `base`) is on the base line of the text. The share `before` of the text's width is
+/// to the left of the anchor.
 #[cfg(feature = "png")]
 pub(crate) fn pixels(
     text: &str,

@@ -22,8 +22,8 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
 /// trials.
 const MAX_FAILED: f64 = 0.05;
 
-/// Points that cannot be drawn. For each reason why they cannot be drawn, the map contains the number of such points
-/// and the series to which they belong.
+/// Points that cannot be drawn. The key is the reason. The value contains the number of points with this reason, and
+/// the series to which they belong.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
 struct Lines<'a> {

@@ -25,8 +25,8 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of the symbol beside each text of the key (legend), in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
-/// Upper end of the axis of relative errors (no unit). A model with a larger error is useless. Its point is drawn at
-/// this end of the axis, with an arrow above it.
+/// Upper end of the axis of relative errors (no unit). The exact size of a larger error does not matter, because the
+/// model is useless. The point of such a model is drawn at this end of the axis, with an arrow above it.
 const MAX_ERROR: f64 = 10.0;
 
 /// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
@@ -50,8 +50,8 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
     let y = Scale::around(Spacing::Log, rungs().map(drawn_error));
     let y = y.with_ticks(5).without_minor();
-    // `error_of` consists of parts that are separated by semicolons. The first part names the quantity of the error,
-    // and the others are remarks.
+    // `error_of` consists of parts that are separated by semicolons. The first part names the quantity whose error is
+    // plotted; the other parts are remarks.
     let mut parts = ladder.error_of.split("; ");
     let error_of = parts.next().unwrap_or_default();
     let remarks = parts.map(|remark| phrases::sentence(&[], remark));
@@ -86,8 +86,8 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let left = EDGE + y.widest() + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
     sheet::figure(words, WIDTH, |sheet| {
-        // The figure needs a legend only if there are several families of models and one of them has several models.
-        // Otherwise, the labels of the points suffice.
+        // Models of a family differ only in settings and have the same colour. The figure needs a legend only if there
+        // are several families and one of them has several models. Otherwise, the labels of the points suffice.
         if (2..choices).contains(&families.len()) {
             sheet.key(SAMPLE, &key)?;
         }

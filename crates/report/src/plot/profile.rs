@@ -194,8 +194,8 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// Style of the series whose label is `name`. If the series differ in only one field, `name` may also be the value of
-/// this field.
+/// Style of the series whose label is `name`. If the series differ in only one swept field, `name` may also be the
+/// value of this field.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
     let found = series.iter().find(is_it);

@@ -111,8 +111,8 @@ impl Points {
         sets.map(|(_, set)| set.clone()).collect()
     }
 
-    /// Label and style of each set of points, for the legend. If sets with the same label have different colours, the
-    /// legend shows a neutral colour.
+    /// Label and style of each set of points, for the legend. If several sets have the same label but different
+    /// colours, the legend shows one neutral colour for them.
     pub(crate) fn legend(&self) -> Vec<(String, Style)> {
         let mut entries: Vec<(String, Style)> = Vec::new();
         for (_, set) in &self.sets {

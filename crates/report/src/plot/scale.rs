@@ -229,7 +229,7 @@ impl Scale {
         }
     }
 
-    /// All products of a number in `digits` and a power of ten that are within the range of the axis.
+    /// All numbers within the range of the axis that are a digit in `digits` times a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -256,8 +256,9 @@ impl Scale {
             let shown = exponents.iter().filter(|e| e.rem_euclid(step) == 0);
             return shown.map(tick).collect();
         }
-        // An axis of less than three decades gets ticks at the products of these digits and powers of ten. Use the
-        // first of these lists, from the finest to the coarsest, that gives a suitable number of ticks.
+        // An axis of less than three decades gets ticks at the products of these digits and powers of ten. The lists of
+        // digits are sorted from the finest to the coarsest ticks. Use the first list that gives a suitable number of
+        // ticks.
         let choices: [&[i32]; 3] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5], &[1, 3]];
         let mut choices = choices.map(|digits| self.digits(digits)).into_iter();
         let found = choices.find(|values| (2..=about.max(3)).contains(&values.len()));
@@ -343,7 +344,7 @@ fn power(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::MAX)
 }
 
-/// The number of the form 1, 2 or 5 × 10ⁿ whose ratio to `width` is nearest to 1.
+/// The number of the form 1 × 10ⁿ, 2 × 10ⁿ or 5 × 10ⁿ whose ratio to `width` is nearest to 1.
 pub(crate) fn round_step(width: f64) -> f64 {
     let ten = libm::pow(10f64, libm::log10(width).floor());
     let ratio = width / ten;

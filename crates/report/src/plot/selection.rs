@@ -201,8 +201,8 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // If a statistic is plotted along x, rows without a value of this statistic are not drawn, so they are not
-        // checked.
+        // If x is a statistic instead of a swept field, rows without a value of this statistic are not drawn. So they
+        // need not differ from other rows, and are not checked.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {

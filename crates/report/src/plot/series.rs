@@ -305,8 +305,8 @@ impl Mark {
         let along = |start: i32, end: i32| {
             PLACES.map(|share| start + (share * f64::from(end - start)) as i32)
         };
-        // `ends` are the ends of the reference line. `places` are possible positions of its label, in pairs on both
-        // sides of the line.
+        // `ends` are the ends of the reference line. `places` are possible positions of its label. Each entry is a pair
+        // of positions: one on each side of the line.
         let (ends, places) = if self.on_x {
             let heights = along(down.end - half, down.start + half);
             let beside = heights.map(|y| [(x + 18, y), (x - 18 - wide, y)]);
@@ -345,9 +345,9 @@ impl Mark {
 }
 
 impl Content {
-    /// Measures how much of the drawn data a label would cover. The label covers the box with the pixel ranges `across`
-    /// and `down`. Each point in the box adds 3 to the result. Each line segment is sampled at 21 positions, and each
-    /// of them in the box adds 1.
+    /// Measures how much of the drawn data a label would cover (no unit). The label covers the box with the pixel
+    /// ranges `across` and `down`. Each data point in the box adds 3 to the result. Each line segment is sampled at 21
+    /// positions, and each of them in the box adds 1.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

@@ -90,8 +90,8 @@ impl View {
             [0.0, 0.0, 0.0, 1.0],
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
-        // The plotters library draws the labels of an axis on the side that faces away from the middle of the drawing
-        // area. So the choice of this area also determines on which side of the box the labels are.
+        // The plotters library draws the labels of an axis on the side of the box that faces away from the middle of
+        // the drawing area. So the choice of the drawing area also determines where the labels are.
         let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
             ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;

@@ -205,8 +205,8 @@ mod tests {
                 lightness(shown(colour)) > lightness(DARK) + 38.0,
                 "{colour:?}"
             );
-            // A pale colour must be less prominent on both kinds of pages: lighter on a white page, and darker on a
-            // dark page.
+            // A pale colour must have less contrast with the page than the full colour. So on a dark page, it must be
+            // darker than the full colour.
             let pale = shown(pale(colour));
             if COLOURS.contains(&colour) {
                 assert!(lightness(pale) < lightness(shown(colour)), "{colour:?}");

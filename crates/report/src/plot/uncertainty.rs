@@ -18,7 +18,7 @@ pub(crate) fn normal(value: f64, error: f64) -> [f64; 2] {
 ///
 /// If a trial observes several points of a patch, the errors at these points are not independent. Therefore the
 /// intervals of rms errors, mean absolute errors and shares of points count each trial once. The intervals of other
-/// statistics are too wide, because they assume that all points of a trial have the same error.
+/// statistics are too wide: they are computed as if all points of a trial had the same error.
 pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]> {
     let statistic = Statistic::named(name)?;
     let of = |statistic: Statistic| table.statistic(row, statistic.name());
@@ -125,8 +125,9 @@ mod tests {
     use super::*;
     use crate::Files;
 
-    /// The interval of the statistic `of` in a table with one row; `None` if it has no interval. `columns` are the
-    /// statistics in this row. By default, the row has 100 trials.
+    /// The interval of the statistic `of` in a table with one row; `None` if the statistic has no interval. `columns`
+    /// are the statistics in this row, with their values. If they do not contain the number of trials, the row has 100
+    /// trials.
     fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
         let names = Statistic::ALL.map(Statistic::name).join(",");
         let texts = Statistic::ALL.map(|statistic| {
@@ -192,8 +193,8 @@ mod tests {
     #[test]
     fn shares_stay_shares() {
         use Statistic as S;
-        // If p is the share of correct places, the mean square error is 1 − p. Its standard error is twice the rms
-        // error times the standard error of the rms error.
+        // If p is the share of correctly classified points, the mean square error is 1 − p. The standard error of the
+        // mean square error is twice the rms error times the standard error of the rms error.
         let right = [(S::Mean, 0.91), (S::RmsError, 0.3), (S::RmsErrorStd, 0.01)];
         is(found("class", &right, S::Mean), 0.91, 1.96 * 0.006);
         let all = found("class", &[(S::Coverage95, 1.0)], S::Coverage95).unwrap();

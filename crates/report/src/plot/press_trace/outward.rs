@@ -1,14 +1,15 @@
 //! Computes, for each marker, the direction along the skin away from the contact. The tables state only the distance
 //! of each marker from the contact, so the position of the contact is fitted to these distances.
 
-/// Number of equal steps of the skin's curvature in the coarse search, the first of two searches for this curvature.
+/// The curvature of the skin is found by a coarse and a fine search. This is the number of equal steps of the curvature
+/// in the coarse search.
 const STEPS: u32 = 60;
 /// Number of golden-section steps in the fine search for the skin's curvature. The fine search starts from the
 /// curvature that fits best in the coarse search.
 const REFINEMENTS: u32 = 60;
-/// Upper end of the search for the skin's curvature: the curvature, multiplied by the largest distance of a marker from
-/// the contact or from the apex (no unit). It must be less than π, because for π this distance would be half a great
-/// circle.
+/// Upper end of the search for the curvature of the skin, which is fitted as a sphere. The curvature is multiplied by
+/// the largest distance of a marker from the contact or from the apex (no unit). The product must be less than π,
+/// because for π this distance would be half a great circle.
 const ROUNDEST: f64 = 3.1;
 /// Regularisation of the least-squares fit: the trace of the matrix of the normal equations, multiplied by this number,
 /// is added to the diagonal of this matrix. The solution is then unique, even if the positions do not determine all
@@ -21,9 +22,9 @@ const AT_CONTACT: f64 = 1e-6;
 /// Unit vector along the skin away from the contact, for each marker; `None` at the contact.
 ///
 /// `places` are the positions of the markers along the skin: (x, y) is the point at the distance √(x² + y²) from the
-/// apex in the direction (x, y). `distances` are the distances of the markers from the contact along the skin. The skin
-/// is a sphere of unknown radius. The components of the result are along two axes in the skin at the marker: the axes
-/// at the apex, parallel-transported along the meridian to the marker.
+/// apex of the skin, in the direction (x, y). `distances` are the distances of the markers from the contact along the
+/// skin. The skin is a sphere of unknown radius. The components of the result are along two axes in the skin at the
+/// marker: the axes at the apex, parallel-transported along the meridian to the marker.
 pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64; 2]>> {
     let lengths = places.iter().map(|[x, y]| libm::hypot(*x, *y));
     let size = lengths.chain(distances.iter().copied()).fold(0.0, f64::max);
