@@ -1,6 +1,6 @@
-//! Statistics of a cell's trials, collected in batches. The grouped jackknife estimates their standard errors: it
-//! leaves out one batch after another, computes each statistic from the remaining batches, and uses the scatter of the
-//! results.
+//! Statistics of a cell's trials, collected in batches. The grouped jackknife estimates the standard error of each
+//! statistic: it leaves out one batch after another, computes the statistic from the remaining batches, and derives the
+//! standard error from the scatter of these results.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -14,8 +14,9 @@ use crate::runner::Runner;
 use crate::summary::CellStatistics;
 use crate::trial_record::Record;
 
-/// Number of batches into which the trials of a cell are divided. With 32 batches, Student's t distribution is nearly
-/// normal. With more batches, each batch of a cell with only 100 trials would contain too few trials.
+/// Number of batches into which the trials of a cell are divided. With 32 batches, the standard error has 31 degrees of
+/// freedom, so Student's t distribution is nearly normal. With more batches, a batch of a cell with only 100 trials
+/// would contain too few trials.
 const BATCHES: u64 = 32;
 
 /// Statistics of the trials of one cell, in 32 batches of equal size.
@@ -47,8 +48,8 @@ pub struct Batches {
     batches: Vec<Partial>,
     first: u64,
     next: u64,
-    /// The quantities whose statistics are stored. `None` if the statistics and histograms of all quantities are
-    /// stored.
+    /// The quantities whose statistics are stored; all others are dropped to save memory. `None` if the statistics and
+    /// histograms of all quantities are stored.
     stored: Option<Stored>,
 }
 
@@ -70,8 +71,8 @@ pub struct Growth<'a, T: ?Sized> {
     pub trials: u64,
 }
 
-/// Value of a statistic over all trials. For each batch, this struct also contains the value over all trials outside of
-/// the batch.
+/// Estimated value of a statistic, computed from all trials of a cell. For each batch of trials, this struct also
+/// contains the value that results if the batch is left out. The scatter of these values gives the standard error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Value over all trials.
@@ -79,8 +80,8 @@ pub struct Estimate {
     /// For each batch, the value of the statistic over all trials outside of this batch; empty if the experiment is not
     /// random.
     without: Vec<f64>,
-    /// Standard deviation of an error that the statistic has in addition to its scatter between batches; see
-    /// [`Self::with_resolution`].
+    /// Standard deviation of an additional error of the statistic that is equal in all batches, so that their scatter
+    /// does not show it; see [`Self::with_resolution`].
     resolution: f64,
 }
 
@@ -154,8 +155,8 @@ impl Batches {
 }
 
 impl Estimate {
-    /// The estimate of `function` of this statistic, for example its logarithm; `None` if one of the function's values
-    /// is not finite.
+    /// Applies `function`, for example the logarithm, to this statistic. Returns the estimate of the result, with its
+    /// own standard error. `None` if one of the function's values is not finite.
     pub fn map(&self, function: impl Fn(f64) -> f64) -> Option<Self> {
         let finite = |value: f64| Some(function(value)).filter(|value| value.is_finite());
         let without: Option<Vec<f64>> = self.without.iter().map(|one| finite(*one)).collect();
@@ -256,7 +257,8 @@ impl Runner {
             let (trial, grown) = (growth.trial, growth.batches);
             let stored = grown.stored.as_ref();
             let done = grown.next - grown.first;
-            // An experiment that is not random has one trial, which is in the first batch.
+            // All trials of an experiment that is not random would be equal. So it has only one trial, which is in the
+            // first batch.
             let (count, each) = match trial.is_random() {
                 true => (
                     grown.batches.len(),

@@ -1,4 +1,5 @@
-//! Experiments, the cells and tasks that repeat them, and the rule that ends the trials of a cell early.
+//! Defines experiments, the cells and tasks that repeat an experiment in many trials, and the rule that ends the trials
+//! of a cell early.
 
 use std::ops::Range;
 
@@ -94,7 +95,7 @@ pub struct StoppingRule {
     /// error is computed from the scatter between trials, so the observations within one trial count as a single
     /// observation.
     pub relative_standard_error: f64,
-    /// Smallest number of trials of a cell. The rule never ends a cell earlier.
+    /// Smallest number of trials after which the rule may end a cell.
     pub min_trials: u64,
 }
 

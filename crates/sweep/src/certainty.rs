@@ -1,5 +1,6 @@
-//! Scores of statements such as "the estimated quantity is at most the limit". A score z states how probable the
-//! statement is: its probability is Φ(z), where Φ is the distribution function of the standard normal distribution.
+//! Scores of statements such as "the estimated quantity is at most the limit". A score z expresses a probability: the
+//! statement is true with the probability Φ(z), where Φ is the distribution function of the standard normal
+//! distribution.
 
 use palpate_statistics::{CERTAIN, NORMAL_95};
 
@@ -83,8 +84,8 @@ mod tests {
 
     #[test]
     fn students_t_has_the_normal_score_of_its_probability() {
-        // Each entry contains the degrees of freedom, a number t, and the probability P(T > t) of Student's
-        // distribution from published tables.
+        // Each entry contains the degrees of freedom, a number t, and the probability P(T > t) for a variable T with
+        // Student's distribution. The probabilities are from published tables.
         for (degrees, t, probability) in [
             (31.0, 1.695_519, 0.05),
             (31.0, 2.039_513, 0.025),

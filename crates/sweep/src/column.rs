@@ -13,7 +13,8 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// If a successful trial made more than one observation, the observations are replaced by their sums, to save memory.
+/// If a successful trial made more than one observation of the quantity, these observations are replaced by their sums,
+/// to save memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
@@ -21,8 +22,8 @@ pub(crate) struct Column {
     truths: Vec<f64>,
     /// Standard deviations that the trials reported; [`UNREPORTED`] for an observation without a standard deviation.
     stds: Vec<f64>,
-    /// Coverage of the observations for which the trial itself reported it. Each entry contains the index of the
-    /// observation, and whether its 50, 80 and 95 % intervals contain the true value.
+    /// Observations for which the trial itself reported whether its intervals contain the true value. Each entry
+    /// contains the index of the observation, and this report for the 50, 80 and 95 % intervals.
     verdicts: Vec<(usize, [bool; 3])>,
     /// Number of stored observations that belong to successful trials. Later observations belong to the trial that is
     /// running.
@@ -110,7 +111,8 @@ impl Column {
         self.keep_each();
     }
 
-    /// Computes the sums of all observations, adds their errors to the histogram, and empties the column.
+    /// Computes the sums of all stored observations, adds their errors to the histogram, and then removes the
+    /// observations.
     pub(crate) fn sum_up(&mut self, histogram: &mut Histogram) -> Sums {
         let mut sums = Sums::default();
         let mut start = 0;

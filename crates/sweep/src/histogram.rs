@@ -1,5 +1,6 @@
-//! A histogram whose bins are defined by the bits of floating-point numbers. Bins have about the same relative width at
-//! all magnitudes, and histograms are merged by integer addition.
+//! A histogram whose bins are defined by the bits of floating-point numbers. The width of a bin, relative to the
+//! numbers in it, is about the same at all magnitudes. Two histograms are merged by adding their counts, which are
+//! integers.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -29,7 +30,7 @@ pub(crate) struct Histogram {
     /// A list with the bin of each value. It is used for up to [`FEW`] values; for more values, the list is empty, and
     /// the counts per bin are stored instead.
     few: Vec<Bin>,
-    /// Octave of the first page in `pages`, as the exponent bits of its numbers.
+    /// Octave of the first entry in `pages`: the exponent bits of the floating-point numbers in this octave.
     first: usize,
     /// Counts per bin, with one page for each octave from the octave `first` on; `None` for an octave without values.
     pages: Vec<Option<Box<Page>>>,
@@ -120,9 +121,10 @@ impl Histogram {
         }
     }
 
-    /// Quantiles for probabilities p from 0 to 1; `None` without numbers. The n numbers are sorted, and the smallest
-    /// has the position 0. A quantile is interpolated linearly between them at the position `p (n − 1)`. Each sorted
-    /// number has a relative error of at most 0.4 %.
+    /// Quantiles for probabilities p from 0 to 1; `None` without numbers. The n numbers are sorted and have the
+    /// positions 0 to n − 1. A quantile is interpolated linearly at the position `p (n − 1)`, between the two numbers
+    /// that are nearest to it. Each number is replaced by the middle of its bin, so it has a relative error of at most
+    /// 0.4 %.
     pub(crate) fn quantiles<const N: usize>(&self, probabilities: [f64; N]) -> Option<[f64; N]> {
         let ranked = Ranked::new(self);
         let most = ranked.count().checked_sub(1)?;
@@ -208,8 +210,8 @@ impl<'a> Ranked<'a> {
     }
 }
 
-/// The operation that adds `values` to the counts per bin of `histogram`. The crate `pulp` requires a struct to run an
-/// operation with vector instructions.
+/// The operation that adds `values` to the counts per bin of `histogram`. It is a struct, because the crate `pulp`
+/// requires this for operations with vector instructions.
 struct Count<'a> {
     histogram: &'a mut Histogram,
     values: &'a [f64],

@@ -2,14 +2,14 @@
 //!
 //! A [`Cell`] is one grid point of a study, that is, one combination of the swept values. Its [`Trial`] is a function
 //! that records an [`Observation`] of each quantity. The function is called with the trial numbers 0, 1, 2 and so on.
-//! [`Runner::run`] repeats the trials of all cells and returns a [`Summary`] of every quantity in every cell. This
-//! crate does not depend on the physics in a trial.
+//! [`Runner::run`] runs the trials of all cells and returns a [`Summary`] of every quantity in every cell. This crate
+//! does not depend on the physics in a trial.
 //!
 //! Guarantees, for trials that depend only on their number:
 //!
-//! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`], and the sums
-//!   of a cell's blocks are added in the order of the blocks. All other results of blocks are integers, or smallest and
-//!   largest values, which can be merged in any order.
+//! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`] trials, and
+//!   the sums of a cell's blocks are added in the order of the blocks. All other results of a block are integers, or
+//!   smallest and largest values. The order in which they are merged does not matter.
 //! - Memory does not grow with the number of trials.
 //! - No number in a result is NaN or infinite. An undefined statistic is `None`.
 //!

@@ -3,11 +3,11 @@
 
 /// Count, mean and sum of squared deviations of some finite numbers.
 ///
-/// Deviations are measured from the first number. Otherwise a small scatter around a large mean would be lost by
-/// rounding. The remaining rounding error grows at most in proportion to the count of numbers. Very large or very small
-/// numbers are stored in units of a power of two, so that their squares neither overflow nor underflow. Parts are
-/// merged by the formula of Chan, Golub and LeVeque (1983). A different order of merging changes the last bits of the
-/// result.
+/// The mean and the deviations are computed from the differences from the first number. Otherwise a small scatter
+/// around a large mean would be lost by rounding. The remaining rounding error grows at most in proportion to the count
+/// of numbers. Very large or very small numbers are stored in units of a power of two, so that their squares neither
+/// overflow nor underflow. Parts are merged by the formula of Chan, Golub and LeVeque (1983). A different order of
+/// merging changes the last bits of the result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
@@ -63,8 +63,8 @@ impl Moments {
         }
     }
 
-    /// Moments of the absolute values of the numbers whose moments `self` contains. `mean` is the mean of the absolute
-    /// values.
+    /// Moments of the absolute values of some numbers. `self` contains the moments of the numbers themselves, and
+    /// `mean` is the mean of their absolute values.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
         let excess = (signed - mean) * (signed + mean) * self.count as f64;
@@ -137,8 +137,8 @@ impl Moments {
 
 /// Number of partial sums that are computed independently, so that the compiler can use vector instructions.
 pub(crate) const LANES: usize = 8;
-/// Largest absolute exponent of the unit 2^exponent. Up to this limit, units are normal floats, and no square of a
-/// scaled number overflows or underflows.
+/// Largest absolute exponent of the unit 2^exponent. For exponents up to this limit, the unit is a normal (not
+/// subnormal) float, and no square of a number in this unit overflows or underflows.
 const MAX_EXPONENT: i32 = 1000;
 /// Numbers with absolute values from 2^−200 to 2^200 need no scaling. The fourth powers of such numbers are normal
 /// floats, and so are sums of up to 2^60 of these powers.

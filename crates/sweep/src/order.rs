@@ -1,5 +1,5 @@
-//! Estimates the probability that the results of two experiments are in the right order, the order of their true
-//! values. The results are estimates of single trials, or means over several trials.
+//! Estimates the probability that the results of two experiments are in the right order, that is, in the order of their
+//! true values. The results are estimates of single trials, or means over several trials.
 
 use std::ops::Range;
 
@@ -36,8 +36,8 @@ pub struct Order {
 pub enum Repeats {
     /// The number of trials, estimated from the means of groups of trials.
     Found(u64),
-    /// An approximate number of trials. Too few trials were run to form groups of this number of trials, so the number
-    /// is computed as if the means were normally distributed.
+    /// An approximate number of trials. Too few trials were run to form enough groups of this size, so the number is
+    /// computed as if the means were normally distributed.
     About(u64),
     /// No number of averaged trials gives the required probability: the means over all trials are in the wrong order,
     /// all estimates are equal, or no trial succeeded.
@@ -48,8 +48,9 @@ pub enum Repeats {
 
 /// The means of groups of several trials are used only if at least this number of groups can be formed.
 const GROUPS: usize = 256;
-/// Weight of an estimated variance in [`interval`]: the variance has half of its full weight if `uncertain` equals this
-/// number. The more trials support the variance, the larger are `uncertain` and the weight.
+/// Defines the weight of an estimated variance in [`interval`]. The weight is u/(u + this number), where u
+/// (`uncertain`) is a number of trials: the more trials support the variance, the larger are u and the weight. At u
+/// equal to this number, the weight is one half.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials to average that [`repeats`] returns. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
@@ -117,13 +118,14 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
 }
 
 /// Probability that an estimate of experiment `low` is below an estimate of experiment `high`, over all pairs of
-/// trials. The two experiments must have drawn different random numbers. A pair with equal estimates counts as half in
-/// the right order. So the probability is one half if the experiments cannot be distinguished. A pair with a failed
-/// trial counts as in the wrong order. If `limit` is given, the result is the probability that both estimates are above
-/// `limit`, for example that both experiments classify more than half of the points correctly.
+/// trials. The two experiments must have drawn different random numbers. A pair with equal estimates counts as half a
+/// pair in the right order. So the probability is one half if the experiments cannot be distinguished. A pair with a
+/// failed trial counts as in the wrong order. If `limit` is given, the result is the probability that both estimates
+/// are above `limit`, for example that both experiments classify more than half of the points correctly.
 ///
 /// The probability is Mann and Whitney's statistic, and its variance is computed by the formula of Sen (1960). The 95 %
-/// interval is Wilson's interval for the number of independent trials that would have the same variance.
+/// interval is Wilson's interval. Its number of trials is the number of independent trials for which the estimated
+/// probability would have this variance.
 pub fn in_order(low: &[TrialMeans], high: &[TrialMeans], limit: Option<f64>) -> Order {
     order_of(&estimates(low), &estimates(high), limit)
 }
@@ -174,8 +176,8 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of trials to average, if it is above `most`. Then the trials that were run are too few to form groups of this
-/// size, so the number is computed as if the means were normally distributed.
+/// Number of trials to average, if it is larger than `most`, the largest number for which enough groups of trials can
+/// be formed. The number is computed as if the means were normally distributed.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -186,9 +188,10 @@ fn beyond(
     let (Some(one), Some(other)) = (Spread::of(one), Spread::of(other)) else {
         return Repeats::Never;
     };
-    // Each entry contains a distance, its standard deviation for single trials, and its standard error for all trials.
-    // Without a limit, the distance is between the two means; with a limit, it is from each mean to the limit. The
-    // distance is positive if the order is right.
+    // Each entry contains a distance that is computed from means over all trials, the standard deviation of this
+    // distance for single trials, and its standard error for all trials. Without a limit, it is the distance between
+    // the two means; with a limit, there is one entry for each mean, with its distance from the limit. The distance is
+    // positive if the order is right.
     let separations = match limit {
         None => vec![(
             other.mean - one.mean,
@@ -282,8 +285,9 @@ fn sorted(values: &[Option<f64>]) -> Vec<f64> {
 
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
-    // `sorted` contains the estimates of the successful trials of the other experiment. Returns the number of estimates
-    // below `value`, and the number of all estimates. An estimate equal to `value` counts as half an estimate below.
+    // `sorted` contains the estimates of the successful trials of one experiment, and `value` is an estimate of the
+    // other experiment. Returns the number of estimates in `sorted` that are below `value`, and the number of all
+    // estimates in it. An estimate equal to `value` counts one half.
     let half_and_above = |sorted: &[f64], value: f64| {
         let [below, up_to] = [
             sorted.partition_point(|other| *other < value),
@@ -367,7 +371,7 @@ fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [us
     }
     // `as_many` is the number of independent trials for which the estimated probability would have the variance
     // `variance`. It is at least `fewest`, the number of trials of the random experiment with fewer trials. If
-    // `uncertain` is small, the variance is inaccurate, so `as_many` stays near `fewest`.
+    // `uncertain` is small, the variance is inaccurate, so it gets a small weight, and `as_many` stays near `fewest`.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,
         (one, other) => one.min(other),

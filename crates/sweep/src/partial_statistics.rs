@@ -1,4 +1,4 @@
-//! Statistics of a part of a cell's trials: some consecutive trials.
+//! Statistics of some consecutive trials of a cell.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,8 @@ use crate::trial_record::{Record, TrialObservations};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
     histogram: Histogram,
-    /// Sums of each block, in the order of the blocks. [`Self::fold`] merges all of them into the first entry.
+    /// Sums over each block of consecutive trials, in the order of the blocks. [`Self::fold`] merges all of them into
+    /// the first entry.
     blocks: Vec<Sums>,
 }
 

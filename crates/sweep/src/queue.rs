@@ -7,14 +7,14 @@ use std::time::Duration;
 use crate::cell::BLOCK;
 use crate::cell::Task;
 
-/// Intended run time of a job. This time is long compared with the overhead of the queue, and short compared with a
-/// whole run.
+/// Intended run time of a job (the trials that a thread receives at once). This time is long compared with the overhead
+/// of the queue, and short compared with a whole run.
 pub const JOB: Duration = Duration::from_millis(4);
 const MAX_BLOCKS: u64 = 64;
-/// Largest number of jobs that may be handed out while the results of an earlier job are missing. The results of later
-/// jobs wait in memory for these missing results, so the limit restricts the memory.
+/// Largest number of jobs that may be handed out while the results of an earlier job are missing. Results are passed on
+/// in the order of the jobs, so the results of later jobs wait in memory. The limit restricts this memory.
 const AHEAD: u64 = 512;
-/// Limit that replaces [`AHEAD`] while the queue hands out a cell that a rule may end early.
+/// Limit that replaces [`AHEAD`] while the queue hands out trials of a cell that a stopping rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;
 
 /// The experiment of a cell, or the error with which its set-up failed. The first thread that needs the experiment sets

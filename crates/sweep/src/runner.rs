@@ -15,8 +15,9 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Function that returns the time since a computation began. The time must increase from call to call: some
-/// measurements are repeated until enough time has passed, and would never end with a constant time.
+/// Function that returns the time since a computation began. The time must increase from call to call. Some
+/// measurements are repeated until enough time has passed; if the function always returned the same time, they would
+/// never end.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. These settings do not change the results of the run.
@@ -146,8 +147,8 @@ impl Runner {
         self.install(|| all().map(&of).collect())
     }
 
-    /// Whether times may be measured. No times are measured if threads must run whole blocks. They are not measured on
-    /// a platform without threads either, because such a platform may have no clock.
+    /// Whether the runner may measure times. It may not if threads must run whole blocks
+    /// ([`RunOptions::whole_blocks`]), or if the platform has no threads, because such a platform may have no clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks
     }

@@ -115,8 +115,8 @@ const SUMS: usize = 12;
 /// otherwise be a function call.
 struct Parts<S: Simd> {
     simd: S,
-    /// Numbers that are subtracted from the terms of the sums. Each number is repeated in all lanes of a vector. The
-    /// numbers are the first estimate, the first error, and the absolute value and the square of the first error.
+    /// The first estimate, and below it the first error, its absolute value (`size`) and its square. The sums are sums
+    /// of differences from these four numbers. Each number is repeated in all lanes of a vector.
     estimate: S::f64s,
     error: S::f64s,
     size: S::f64s,
@@ -265,8 +265,8 @@ impl WithSimd for TotalsOf<'_> {
     }
 }
 
-/// Copies the [`LANES`] numbers out of the vectors. If a vector has several lanes, the last elements of `vectors` are
-/// unused.
+/// Copies the [`LANES`] numbers out of the vectors. If a vector of the processor has several lanes, fewer than
+/// [`LANES`] vectors contain all numbers, and the last elements of `vectors` are unused.
 #[inline(always)]
 fn lanes_of<S: Simd>(vectors: &[S::f64s; LANES]) -> [f64; LANES] {
     let mut lanes = [0.0; LANES];

@@ -2,8 +2,8 @@
 
 use crate::moments::{exponent, is_ordinary, largest, power_of_two, sum};
 
-/// Means and scatter of two numbers over the trials: the number of observations of a trial, and the sum of its squared
-/// errors.
+/// Means and scatter, over the trials, of two numbers: the number of observations of a trial, and the sum of the
+/// squared errors of these observations.
 ///
 /// The observations of one trial are not independent, so the standard error of a mean square is computed from the
 /// scatter between trials. If the fourth powers of errors would overflow or underflow, errors are stored in units of a
@@ -107,8 +107,9 @@ impl TrialSquares {
         self.square_count *= squared;
     }
 
-    /// Standard error of the rms error, to first order; `None` for fewer than two trials. The mean square error is a
-    /// ratio of two means over the trials, so the formula for the standard error of a ratio is used.
+    /// Standard error of the rms error, to first order; `None` for fewer than two trials. The mean square error is the
+    /// mean sum of squared errors of a trial, divided by the mean number of observations of a trial. So the formula for
+    /// the standard error of a ratio of two means is used.
     pub(crate) fn std_of_rms(&self) -> Option<f64> {
         let freedom = self.trials.checked_sub(1).filter(|&freedom| freedom > 0)?;
         let mean_square = self.square / self.count;

@@ -25,7 +25,7 @@ pub trait Sweep: Sync {
     /// Number of tasks of the sweep.
     fn tasks(&self) -> u64;
 
-    /// The task with this index.
+    /// The task with the index `number`, counted from 0.
     fn task(&self, number: u64) -> Task;
 
     /// Sets up the experiment of a cell before the first trial of the cell is run. This function may be called on any
@@ -180,7 +180,7 @@ struct Line<'a, S: Sweep> {
     /// Results that must wait for the results of an earlier job. The key is the number of the job that computed the
     /// results.
     waiting: BTreeMap<u64, Vec<Ran<S>>>,
-    /// Number of the job whose results will be passed on next.
+    /// Number of the job whose results will be passed to `take` next.
     head: u64,
     open: Option<Open>,
     /// Number of tasks whose results have been passed to `take`.
@@ -301,9 +301,9 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece of a task. If the sweep writes a row per trial, the rows are appended to `text`. If
-    /// the piece is the whole task, a stopping rule may end the task early, so `ran` is set to the number of trials
-    /// that were run.
+    /// Runs the trials of a piece of a task (consecutive trials of the task). If the sweep writes a row per trial, the
+    /// rows are appended to `text`. If the piece is the whole task, a stopping rule may end the task early; then `ran`
+    /// is set to the number of trials that were run.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,

@@ -44,8 +44,8 @@ impl CellStatistics {
 /// ratio. A statistic is `None` if it is undefined or too large for `f64`. Without observations, all statistics are
 /// undefined. The rounding error of means, rms values and standard deviations is at most 1e-13 of the mean absolute
 /// value of the estimates or errors from which they are computed, for numbers of any size. For standard deviations, the
-/// rounding error is also at most 1e-12 of the result. Results below 1e-308 have fewer digits, because they are
-/// multiples of the smallest double.
+/// rounding error is also at most 1e-12 of the result. Results below 1e-308 have fewer significant digits, because such
+/// doubles are small multiples of the smallest positive double.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};

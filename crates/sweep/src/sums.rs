@@ -17,8 +17,8 @@ pub(crate) struct Sums {
     pub(crate) errors: Moments,
     magnitude: f64,
     pub(crate) squares: TrialSquares,
-    /// Moments, over the trials, of the mean estimate of a trial (index 0) and of the mean absolute error of a trial
-    /// (index 1).
+    /// Mean and standard deviation (moments), over the trials, of two numbers: the mean estimate of a trial (index 0),
+    /// and the mean absolute error of a trial (index 1).
     pub(crate) by_trial: [Moments; 2],
     reported: u64,
     std: f64,
@@ -63,8 +63,8 @@ impl Sums {
         }
     }
 
-    /// Converts sums over observations that are all from a single trial. For standard errors, all these observations
-    /// then count as one trial.
+    /// Converts sums over observations that are all from a single trial. In standard errors, these observations then
+    /// count as one trial instead of as independent observations.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -141,9 +141,9 @@ impl Sums {
     }
 }
 
-/// Mean of some numbers. `plain` is their sum divided by their count, and is returned if it is finite. If the sum
-/// overflowed, `plain` is not finite. In this case, `of_shares` computes the mean in another way: it divides each
-/// number by the count before it adds them.
+/// Mean of some numbers. `plain` is their sum divided by their count. It is returned if it is finite. If it is not
+/// finite because the sum overflowed, `of_shares` computes the mean: it divides each number by the count before it adds
+/// them.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,

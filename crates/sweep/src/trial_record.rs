@@ -87,7 +87,7 @@ impl Observations<'_> {
         self.estimates.len().min(stds)
     }
 
-    /// Number of observations before the first invalid one, among the first `count` observations.
+    /// Among the first `count` observations, the number of observations before the first invalid one.
     pub(crate) fn sound(&self, count: usize) -> usize {
         let estimates = &self.estimates[..count];
         let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);
@@ -136,9 +136,9 @@ impl Record {
     /// Records an observation of a quantity, whose index must be below `Trial::quantities()`. A trial may record any
     /// number of observations.
     ///
-    /// An invalid observation makes the trial fail. The kind of failure is `not-finite` for an error or a standard
-    /// deviation that is not finite, `negative-std` for a negative standard deviation, and `unknown-quantity` for an
-    /// unknown quantity.
+    /// An invalid observation makes the trial fail. The kind of failure is `not-finite` if the error or the standard
+    /// deviation is not finite, `negative-std` if the standard deviation is negative, and `unknown-quantity` if the
+    /// index of the quantity is too large.
     ///
     /// ```
     /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};

@@ -20,8 +20,8 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
         cells.study(&config("sphere", "claims = [1]"))
     };
     differs(&table(|_| 0.1), &["0 of 2 steps"]);
-    // The error grows in both steps to a lower relative curvature, but it is 1.1 times as large as predicted. So the
-    // claim differs.
+    // The error grows with the radius of the object, as the claim states, but it is 1.1 times as large as predicted. So
+    // the claim must differ.
     differs(
         &table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()),
         &["1.1 × the predicted"],
@@ -146,7 +146,8 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     cells.study(&config("sphere", claims))
 }
 
-/// Relative error of the curvature estimate from a roll whose measured contact shift is rounded to whole pads.
+/// Relative error of the curvature estimate from a roll, if the measured shift of the contact on the probe is rounded
+/// to whole pads.
 fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
     0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
 }
@@ -189,8 +190,8 @@ fn pad_claims_differ_for_the_opposite() {
     differs(&scores[1], &["in 0 of 24"]);
     let study = pads("claims = [8]", |_, _, _| 0.26);
     differs(&study, &["26 % (random offsets"]);
-    // The claim uses the ratio of the errors of the longest and the shortest roll. One object must be ignored here: the
-    // error of its shortest roll is 0, so the ratio is undefined.
+    // Claim 7 uses the rms error of the longest roll, divided by that of the shortest roll. For one object, the error
+    // of the shortest roll is 0 here, so the ratio is undefined, and the claim must ignore this object.
     let study = pads("claims = [7]", |pitch, radius, rate| {
         if rate < 0.15 && radius == 1.0 {
             0.0

@@ -66,8 +66,8 @@ fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
 
 // ---- Claim 16: convergence of the effective radius
 
-/// A study with all objects, estimators and indentations. `made` returns the median and the scatter of the paper's
-/// estimates at an indentation, both relative to the true value; `None` if there are no estimates.
+/// A study with all objects, estimators and indentations. `made` returns the median and the scatter of the estimates of
+/// the paper's method at an indentation, both relative to the true value; `None` if there are no estimates.
 fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> Study {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.estimator");
     for (object, _, radius) in OBJECTS {

@@ -24,7 +24,7 @@ fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f
             for shift in [0.0, 0.5, 1.0] {
                 let place = format!("{object},{depth},{shift}");
                 // Claims about the hue must ignore markers that are displaced along the skin. So the test gives such
-                // markers absurd hues.
+                // markers hues that contradict the claims.
                 let wild = mean(100.0 * shift);
                 let read = if shift == 0.0 { hue(at, depth) } else { wild };
                 cells.push_of(&place, "hue_change,1/mm", read, "");
@@ -70,8 +70,9 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
         }
     };
     differs(&of_lines(&lines(straight, sagging)), &["shifts is 0.98"]);
-    // Without scatter, the mean hues lie on a line, and the sum of their squared deviations from their mean is 0.0002.
-    // The scatter adds 3 × 0.005² to this sum, so R² is only 0.73.
+    // The mean hues at the three indentations lie on a line. The sum of their squared deviations from their average is
+    // 0.0002. The scatter of the single readings (standard deviation 0.005) adds 3 × 0.005² to this sum, so R² is only
+    // 0.73.
     let scattered = |_: usize, depth: f64| Numbers {
         std: Some(0.005),
         ..mean(0.025 * depth)

@@ -38,8 +38,8 @@ proptest! {
         }
     }
 
-    /// Tests that the order of the blocks does not matter. The same errors in another order must give equal quantiles,
-    /// and other statistics that are equal except for rounding errors.
+    /// Runs the same blocks of trials in another order. Quantiles must be equal, and all other statistics must be equal
+    /// except for rounding errors.
     #[test]
     fn blocks_in_any_order(errors in prop::collection::vec(-1e3..1e3_f64, 1..30), shift in 0..3_u64, power in -900..900) {
         let unit = 2f64.powi(power);

@@ -110,8 +110,9 @@ fn a_cancelled_run_starts_no_more_trials_and_returns_no_results() {
         let error = streamed(threads, &sweep, &cancelled).unwrap_err();
         assert!(matches!(error, SweepError::Cancelled), "{error}");
         let begun = begun.load(Ordering::Relaxed);
-        // A thread stops after its current trial, not after its block. The flag is set in trial 100, so a single thread
-        // starts exactly 100 trials; a second thread may start more before it reads the flag.
+        // If a run is cancelled, a thread stops after its current trial, not after its block. Trial 100 sets the flag
+        // that cancels the run. So a single thread starts exactly 100 trials; a second thread may start more before it
+        // reads the flag.
         assert!((100..1000 * BLOCK).contains(&begun), "{begun}");
         assert!(threads > 1 || begun == 100, "{begun}");
     }
@@ -166,7 +167,7 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
         let [alive, most] = counts.map(AtomicU64::into_inner);
         assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
         // Each thread keeps one experiment in memory. In addition, an experiment is kept while its trials are divided
-        // between two jobs. So only a few of the experiments exist at the same time.
+        // between two jobs. So much fewer experiments than cells exist at the same time.
         assert!((1..60).contains(&most), "{most}");
     }
 }

@@ -10,8 +10,8 @@ fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
 }
 
 /// Compares statistics with closed-form results, in units from 1e-320 to 1e300. The errors are 1, 2, … n units, and the
-/// true value is −4 units. In this unit, the errors have the mean (n + 1)/2, the mean square (n + 1)(2n + 1)/6 and the
-/// sample variance (divisor n − 1) n(n + 1)/12.
+/// true value is −4 units. In these units, the mean of the errors is (n + 1)/2, their mean square is (n + 1)(2n + 1)/6,
+/// and their sample variance (with the divisor n − 1) is n(n + 1)/12.
 #[test]
 fn sequences_in_any_unit_have_their_closed_forms() {
     for unit in [1e-320, 1e-300, 1e-150, 1.0, 1e300] {

@@ -46,8 +46,8 @@ fn rms_errors_scatter_as_stated() {
             .map(|(rms, _)| (rms - mean).powi(2))
             .sum::<f64>();
         let stated = found.iter().map(|(_, std)| std * std).sum::<f64>() / sets;
-        // The standard deviation of 400 numbers has a relative standard error of 3.5 %; the tolerance is four standard
-        // errors.
+        // `scattered` is the standard deviation of 400 rms errors. Its relative standard error is 3.5 %; the tolerance
+        // is four standard errors.
         let scattered = (square / (sets - 1.0)).sqrt();
         assert_relative_eq!(scattered, stated.sqrt(), max_relative = 0.14);
     }
@@ -77,7 +77,8 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
         );
     }
     // The expected standard error of the rms error is σ/√(2n) for n trials, where σ is the standard deviation of the
-    // errors. The accuracy of the estimated standard error is limited by the accuracy of the sample's fourth moment.
+    // errors. The estimated standard error is computed from the fourth powers of the errors, whose mean is less
+    // accurate. So the tolerance is doubled.
     let of_rms = std / (2.0 * trials as f64).sqrt();
     assert_relative_eq!(
         summary.rms_error_std.unwrap(),
@@ -194,7 +195,8 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
     let third = |thirds: f64| Some(thirds / 3.0);
     let (none, all) = (Some([false; 3]), Some([true; 3]));
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
-    // The half-width of the 50 % interval is less than one standard deviation.
+    // The half-width of the 50 % interval is less than one standard deviation, so no 50 % interval contains the true
+    // value.
     assert_eq!(coverages(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
     // The second and the third trial report whether their intervals contain the true value. The reported coverage
     // differs from the coverage that follows from the standard deviations, and must replace it.

@@ -121,8 +121,8 @@ fn an_experiment_that_is_not_random_has_one_trial() {
     }
 }
 
-/// An experiment with Gaussian errors at several places. In each trial, the errors are either the same at all places or
-/// independent.
+/// An experiment that observes a quantity at several places, with Gaussian errors. In each trial, the errors at all
+/// places are either equal or independent of each other.
 struct Places {
     places: u64,
     are_same: bool,
@@ -222,7 +222,8 @@ fn threads_that_share_a_cell_do_not_change_results() {
     for (places, max, error) in [
         (1, 1_000_000, 0.02),
         (1, 1_000_000, 0.5),
-        // Each trial has nine observations. They are added to the sums after each trial, not at the end of a block.
+        // Each trial has nine observations. The observations of a trial are added to the sums after this trial, not at
+        // the end of a block.
         (9, 1_000_000, 0.02),
         // The required standard error of the stopping rule is 0, so the rule never ends a cell. In these three cases,
         // the last trial of the cell is at the end of a block, within a later block, and within the first block.
@@ -254,8 +255,8 @@ fn equal_observations_of_a_trial_count_as_one() {
         trials(StoppingStatistic::RmsError, 16, true, 1.0, 0),
         8 * BLOCK
     );
-    // If the errors are independent, fewer trials are needed: with 16 observations in each of N trials, the relative
-    // standard error is 1/√(2 · 16 N).
+    // If the errors of a trial are independent, fewer trials are needed than if they are equal: with 16 observations in
+    // each of N trials, the relative standard error of the rms error is 1/√(2 · 16 N) instead of 1/√(2 N).
     assert_eq!(
         trials(StoppingStatistic::RmsError, 16, false, 1.0, 0),
         BLOCK
