@@ -75,8 +75,8 @@ impl<'a> CellTrials<'a> {
         }
     }
 
-    /// Results of all cells of the study if the searched field has the value `value`. They come from the fresh trials
-    /// if `is_fresh`, otherwise from the trials of the search.
+    /// Results of all cells of the study if the searched field has the value `value`. They come from the fresh trials,
+    /// which verify the answer, if `is_fresh` is true; otherwise from the trials of the search.
     pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self

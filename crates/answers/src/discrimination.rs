@@ -98,7 +98,7 @@ impl Object {
             (count > 0.0 && mean.is_finite()).then_some(mean)
         };
         // If the true values of all trials are exactly equal, use this value, because their mean could have a rounding
-        // error. They can differ in a press, where the true value can depend on the indentation of the trial.
+        // error. In a press, they can differ, because the true value can depend on the indentation of the trial.
         let first = found().next().map(|(_, truth)| *truth);
         let is_same = found().all(|(_, truth)| Some(*truth) == first);
         Self {

@@ -246,8 +246,8 @@ impl Region {
 
     /// Finds the tested value in `columns` (combinations of the grid's values) that comes nearest to meeting the
     /// target. It is the value with the best statistic; if too many trials fail at every value, it is the value with
-    /// the smallest share of failures. Returns its column, the value, and the result of the cell that decides whether
-    /// the value meets the target.
+    /// the smallest share of failures. Returns the column to which the value belongs, the value, and the result of the
+    /// cell that decides whether the value meets the target.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,

@@ -57,8 +57,8 @@ impl Region {
         lines
     }
 
-    /// Notes about two things: ends of ranges that fresh trials did not confirm, and searches that reached the limit of
-    /// time or trials.
+    /// Notes about ends of ranges that new trials did not confirm, and about searches that reached the limit of time or
+    /// of trials.
     fn notes(&self) -> Vec<String> {
         let narrowed: usize = self.columns.iter().map(|column| column.narrowed).sum();
         let ends = match narrowed {

@@ -54,7 +54,7 @@ pub(crate) trait Curves {
     /// Number of cells of the study, at least 1. All cells must meet the target.
     fn cells(&self) -> usize;
 
-    /// Scores for the requests, in the order of the requests.
+    /// Computes one pair of scores for each request, in the order of the requests.
     ///
     /// # Errors
     /// Reason why a score cannot be computed.
@@ -88,8 +88,8 @@ pub(crate) struct SearchResult {
     /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. It is undecided whether
     /// values between two ranges meet the target.
     pub(crate) runs: Vec<Run>,
-    /// Number of range ends that fresh trials did not confirm at the first attempt. Each such end was moved inwards, or
-    /// its range was dropped.
+    /// Number of range ends that fresh trials (trials that the search has not used) did not confirm at the first
+    /// attempt. Each such end was moved inwards, or its range was dropped.
     pub(crate) narrowed: usize,
     pub(crate) ended: EndReason,
 }

@@ -160,8 +160,9 @@ fn cells(study: &Study) -> u64 {
     cells.len() as u64
 }
 
-/// Smallest scale of a figure on the page. At this scale, the figure's text is 11 pixels high. On a screen that is too
-/// narrow for this scale, the reader scrolls the figure sideways.
+/// Smallest ratio of the displayed width of a figure on the page to its original width. At this ratio, the font size of
+/// the figure's text is 11 pixels. On a screen that is too narrow for this scale, the reader scrolls the figure
+/// sideways.
 const LEAST_SCALE: f64 = 0.61;
 
 pub(crate) fn least_width(figure: &Figure) -> f64 {

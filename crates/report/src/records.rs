@@ -7,8 +7,8 @@ use palpate_study::number::finite;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Contents of a CSV file, as texts. All columns have different names. `places` are the indices, in the header, of the
-/// columns that were requested when the file was read.
+/// Contents of a CSV file, as texts. All columns have different names. Some columns were requested when the file was
+/// read; `places` are the indices of these columns in the header.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,

@@ -82,8 +82,8 @@ pub struct Task {
 
 /// Rule that ends the trials of a cell when a statistic of a quantity is precise enough.
 ///
-/// The rule is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers. Therefore the number of
-/// trials of a cell depends only on the results of its trials, not on the number of threads.
+/// The rule is applied after 1, 2, 4, 8 … blocks of [`BLOCK`] trials, in the order of the trial numbers. Therefore the
+/// number of trials of a cell depends only on the results of its trials, not on the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
     /// Index of the quantity whose statistic is tested. The index is the place of the quantity among the quantities of

@@ -353,9 +353,9 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
 }
 
 /// Computes the 95 % interval of a probability from its variance and from the numbers of trials of the two experiments.
-/// Every trial of one experiment forms a pair with every trial of the other. `uncertain` is the smaller of two numbers:
-/// the number of trials with at least one pair in the right order, and the number of trials with at least one pair in
-/// the wrong order. If `uncertain` is small, the variance is inaccurate.
+/// Every trial of one experiment forms a pair with every trial of the other. `uncertain` is the smaller of two numbers
+/// of trials: trials with at least one pair in the right order, and trials with at least one pair in the wrong order.
+/// If `uncertain` is small, the variance is inaccurate.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,

@@ -121,8 +121,9 @@ impl Partial {
     }
 }
 
-/// Observations of some consecutive trials within a block. The sums are computed only when all trials of the block are
-/// complete, so the result does not depend on the division of a block into slices.
+/// Observations of some consecutive trials within a block, the group of trials whose sums are computed together. The
+/// sums are computed when all trials of the block are complete. So the result does not depend on how a block is divided
+/// into slices.
 #[derive(Debug, Default)]
 pub(crate) struct Slice {
     trials: u64,

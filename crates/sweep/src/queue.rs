@@ -86,8 +86,8 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
     }
 
     /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits while too many jobs
-    /// have no results yet. If `has_clock` is true, the number of trials in a job follows from the measured time per
-    /// trial.
+    /// that were handed out have not returned their results. If `has_clock` is true, the number of trials in a job
+    /// follows from the measured time per trial.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
         while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.max_ahead() {

@@ -107,7 +107,7 @@ impl Runner {
         NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN)
     }
 
-    /// Calls `check` on the worker threads with the numbers from 0 to `count` − 1. If some calls fail, returns the
+    /// Calls `check` once for each number from 0 to `count` − 1, on the worker threads. If some calls fail, returns the
     /// error of the call with the smallest number.
     ///
     /// ```

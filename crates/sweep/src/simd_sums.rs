@@ -59,8 +59,8 @@ pub(crate) struct Observed<'a> {
     pub(crate) stds: &'a [f64],
 }
 
-/// Sums over the observations of one quantity. If the observed numbers are so large or small that their squares
-/// overflow or underflow, the sums of squares are invalid.
+/// Sums over the observations of one quantity. If squares of the observed numbers overflow or underflow, the sums of
+/// squares are invalid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
     /// Smallest and largest true value.

@@ -74,8 +74,8 @@ impl Sums {
         }
     }
 
-    /// Replaces the coverage of an observation by the coverage `holds` that the trial reports itself. The replaced
-    /// coverage was computed from `error` and `std`.
+    /// Replaces the coverage of an observation: whether its 50, 80 and 95 % intervals contain the true value. The
+    /// previous coverage was computed from `error` and `std`; the trial itself reports `holds` instead.
     pub(crate) fn replace_coverage(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.intervals += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));

@@ -107,7 +107,7 @@ impl Observations<'_> {
     }
 }
 
-/// Recorder of observations. Each [`Trial`](crate::Trial) adds the observations that it makes.
+/// Collects the observations of trials. Each [`Trial`](crate::Trial) adds the observations that it makes.
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,

@@ -105,7 +105,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
     }
 }
 
-/// Requests the scores `asks` from the curves, and stores the scores in `points`.
+/// Computes the scores that `asks` requests, and stores them in `points`.
 fn request<C: Curves + ?Sized>(
     curves: &mut C,
     points: &mut Points,

@@ -15,7 +15,7 @@ pub enum Side {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     pub(super) points: Vec<Point>,
-    /// Number of tests so far. All requests for one value in the same round count as one test.
+    /// Number of tests so far. All requests for one value in the same round of trials count as one test.
     pub(super) looks: usize,
 }
 

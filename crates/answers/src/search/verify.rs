@@ -45,8 +45,9 @@ enum Kind {
     Weakest,
 }
 
-/// Verifies the ends of all ranges. If fresh trials do not confirm an end, the end is moved inwards and verified there.
-/// Returns the verified ranges, and the number of ends that were moved or dropped.
+/// Verifies the ends of all ranges with fresh trials (trials that the search has not used). If they do not confirm an
+/// end, the end is moved inwards and verified there. Returns the verified ranges, and the number of ends that were
+/// moved or dropped.
 pub(super) fn verify<C: Curves + ?Sized>(
     curves: &mut C,
     points: &Points,
@@ -112,8 +113,8 @@ fn place_of(end: &End) -> usize {
 }
 
 /// Requests for the fresh trials that verify the end `end` of a range. If the range meets the target, trials of all
-/// cells of the study are requested. If the range misses the target, only trials of the cell with the smallest score
-/// are requested. `part` is the share of the requested trials that the time budget allows, at most 1.
+/// cells of the study are requested. If the range misses the target, only trials of the cell that misses it most
+/// clearly are requested. `part` is the share of the requested trials that the time budget allows, at most 1.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];

@@ -1,5 +1,5 @@
-//! Tests of the search. The rms error varies with the searched value along given curves, so the values at which it
-//! crosses the limit of the target are known. Simulated trials add noise to it.
+//! Tests of the search. The true rms error is a given function of the searched value, so it crosses the limit of the
+//! target at given values. Simulated trials add noise to it.
 
 use std::collections::HashMap;
 use std::convert::Infallible;

@@ -54,8 +54,8 @@ impl Claim {
         }
     }
 
-    /// Sets the config fields that must have a numeric value in every row of the table to which the claim applies.
-    /// `numbers` contains the paths of these fields.
+    /// Requires a numeric value of some config fields in every table row to which the claim applies. `numbers` contains
+    /// the paths of these fields.
     pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
         Self { numbers, ..self }
     }
@@ -255,8 +255,8 @@ impl Claim {
         self.last(|check| check.headline = headline)
     }
 
-    /// Tests the claim with the tables of a study. Returns an error that names the rows or numbers that the study
-    /// lacks.
+    /// Tests the claim with the tables of a study. Returns an error if the tables lack rows or numbers; the error names
+    /// them.
     pub(super) fn finding(&self, study: &Study) -> Result<Finding, String> {
         let rows: Vec<Row<'_>> = Row::all(study).filter(|row| (self.rows)(row)).collect();
         if rows.is_empty() {

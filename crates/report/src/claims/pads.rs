@@ -114,7 +114,7 @@ fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
 
 fn longer_rolls() -> Claim {
     let says = [
-        "Longer rolls reduce the pad error",
+        "Longer rolls reduce errors from pads",
         "falls",
         "A longer roll reduces the error that pads cause.",
     ];

@@ -28,7 +28,7 @@ fn gaussian_profile() -> Claim {
     })
     .rows(|row| row.statistic("mean"))
     // Name the swept fields on which R² depends. The layout determines how many markers are in each part of the
-    // displacement profile, so how much this part counts in R². The estimator determines which markers are fitted.
+    // displacement profile, and so the weight of this part in R². The estimator determines which markers are fitted.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()

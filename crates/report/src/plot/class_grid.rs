@@ -138,8 +138,8 @@ pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     bands
 }
 
-/// Edge between two grid squares: the corners (x, y) at its two ends. The coordinates are whole numbers from 0 to
-/// `side`, counted in squares.
+/// Edge between two grid squares: the corners (x, y) at its two ends. The coordinates are counted in grid squares, so
+/// they are whole numbers from 0 to `side`.
 pub(crate) type Edge = [(usize, usize); 2];
 
 pub(crate) fn boundaries(side: usize, classes: &[Class]) -> Vec<Edge> {

@@ -13,7 +13,7 @@ const MAX_WITHOUT_LEADER: i32 = 60;
 /// Number of [`DISTANCES`], from the smallest, that are tried for the label of a point that is not on the Pareto front.
 const BESIDE: usize = 2;
 const DIRECTIONS: usize = 24;
-/// Half the height of a label including the space around it, in drawing units (1/3 px).
+/// Half the height of the area of a label: its text and the space above and below the text; in drawing units (1/3 px).
 const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover, in drawing units (1/3 px).
 const POINT: i32 = 18;

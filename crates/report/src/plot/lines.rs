@@ -130,7 +130,7 @@ impl<'a> Lines<'a> {
                     places.iter().copied().fold(f64::INFINITY, f64::min),
                     places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                 ];
-                // Extend the axis to the ends of the error bars, except to ends that are far beyond all points.
+                // Extend the axis to the ends of the error bars. Ignore ends that are far beyond all points.
                 let is_near = |end: &f64| match self.spacing[axis] {
                     Spacing::Log => (0.5 * least..=2.0 * most).contains(end),
                     Spacing::Linear => (least - (most - least)..=2.0 * most - least).contains(end),

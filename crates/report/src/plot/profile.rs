@@ -123,11 +123,11 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
 
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Swept fields in which the drawn cells differ, except the field that has one panel per value.
+    /// Swept fields in which the drawn cells differ, except the field whose values are in different panels.
     names: Vec<&'a Axis>,
 }
 
-/// Cells of the study that are drawn in the same colour, one cell per panel.
+/// A series of the plot: cells of the study that are drawn in the same colour, at most one cell in each panel.
 struct Series<'a> {
     /// Values of the swept fields [`Axes::names`] in this series.
     name: Vec<&'a str>,

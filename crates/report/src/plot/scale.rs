@@ -365,7 +365,8 @@ fn linear_range(min: f64, max: f64) -> (f64, f64) {
         return (min - margin, max + margin);
     }
     let margin = 0.05 * (max - min);
-    // If all values are ≥ 0 and the smallest is small compared with the largest, the range starts just below zero.
+    // If all values are at least 0 and the smallest value is less than 0.4 of the largest, the range starts just below
+    // zero, so that it contains zero.
     let low = if min >= 0.0 && min < 0.4 * max {
         -0.3 * margin
     } else {

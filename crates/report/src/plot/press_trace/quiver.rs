@@ -42,8 +42,8 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let [x, y] = scales(trace);
     let left = EDGE + y.widest() + TICK_GAP + 6;
     let side = WIDTH - left - GAP - KEY - EDGE;
-    // Distance between neighbouring markers if they were evenly spaced. The size of a drawn marker follows from this
-    // distance, so that neighbours do not touch.
+    // Distance between neighbouring markers in the figure, if they were evenly spaced over the panel. The size of a
+    // drawn marker is derived from this distance, so that neighbours do not touch.
     let apart = f64::from(side) / (trace.markers.len() as f64).sqrt();
     let moves = trace.markers.iter().flat_map(|marker| {
         let read = marker.reading.and_then(|reading| reading.tangential);
