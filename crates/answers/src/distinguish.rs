@@ -11,8 +11,9 @@ use crate::error::{AnswerError, MAX_CELLS};
 /// The classification of a surface patch counts as correct if more than this share of the points on the patch is
 /// classified correctly.
 const MAJORITY: f64 = 0.5;
-/// Cell i of the study (a combination of swept values) numbers its trials from i times this number. The number is so
-/// large that no two cells use the same trial numbers. Trials with equal numbers would draw equal random numbers.
+/// The trials of cell i of the study (combination of swept values) are numbered from i times this constant. It is so
+/// large that no two cells use the same trial numbers, because trials with equal numbers would draw equal random
+/// numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
 /// Computes two results for each pair of objects that a study sweeps. The first is the probability that one trial of

@@ -71,9 +71,9 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// The `kind` of the part of the scene at `path`, such as `scene.sensor`, for the table row `row`. If the study sweeps
-/// this part as a whole, so that no kind is stated, the label of the part in the row is returned. `None` if the study
-/// states neither a kind nor a label.
+/// The `kind` of the part of the scene at `path`, such as `scene.sensor`, for the table row `row`. If the study states
+/// no kind, but sweeps this part as a whole, the label of the part in this row is returned. `None` if the study states
+/// neither a kind nor a label.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))

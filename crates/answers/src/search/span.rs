@@ -16,9 +16,8 @@ pub struct Span {
 
 /// Values are spaced logarithmically if the ratio of the two ends of the range exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Tested values are rounded to multiples of a step. This number is approximately the ratio of the allowed gap to the
-/// step. The allowed gap is the largest one that may remain between a value that meets the target and a value that
-/// misses it.
+/// Approximate ratio of the allowed gap to the step to which tested values are rounded. The allowed gap is the largest
+/// gap that may remain between a value that meets the target and a value that misses it.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {

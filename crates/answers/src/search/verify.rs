@@ -39,9 +39,8 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// No end of the range, but one of its values. It is verified if the range covers the whole explored range, or is a
-    /// single listed value, and so has no ends. It is the value with the smallest absolute score, because this value is
-    /// the least certain one.
+    /// The least certain value of the range: the value with the smallest absolute score. It is verified instead of the
+    /// ends if the range has no ends, because it covers the whole explored range or is a single listed value.
     Weakest,
 }
 

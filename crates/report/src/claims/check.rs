@@ -43,7 +43,7 @@ pub(super) struct Check {
     /// Selects the rows of the table whose values are compared with the bound; `None` selects all rows. The values of
     /// all other rows are only printed.
     pub(super) compared: Option<fn(&Row<'_>) -> bool>,
-    /// Number to be ignored: computed values that equal it are left out. With `None`, no value is left out.
+    /// Computed values that equal this number are left out of the check; with `None`, no value is left out.
     pub(super) without: Option<f64>,
     pub(super) bound: Option<Bound>,
     pub(super) portion: Portion,

@@ -229,7 +229,7 @@ impl Scale {
         }
     }
 
-    /// All numbers within the range of the axis that are a digit in `digits` times a power of ten.
+    /// All numbers within the range of the axis that are the product of a number in `digits` and a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));

@@ -92,9 +92,9 @@ fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
     ((rms * rms - mean * mean).max(0.0) / count).sqrt()
 }
 
-/// Standard error of a standard deviation. If the bias of the estimates is small, the result is computed from the
-/// standard error of their rms error. Otherwise, the result assumes normally distributed estimates. `None` if the table
-/// lacks the rms error or its standard error.
+/// Standard error of a standard deviation. If the bias of the estimates is at most half of `std`, the result is
+/// computed from the standard error of their rms error. Otherwise, the result is computed as if the estimates were
+/// normally distributed. `None` if the table lacks the rms error or its standard error.
 fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f64) -> Option<f64> {
     if bias.abs() > 0.5 * std || std == 0.0 {
         return Some(std / (2.0 * (count - 1.0)).sqrt());

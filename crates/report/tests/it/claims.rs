@@ -64,8 +64,8 @@ fn claim_2_compares_lengths() {
 
 // ---- Claims 3 and 4: the length of the roll
 
-/// A study of rolls on paraboloids. `error` computes the relative error without noise from the paraboloid's coefficient
-/// c and the arc length of the roll.
+/// A study of rolls on paraboloids z = −c r², with and without noise. `error` computes the relative error of the
+/// curvature without noise from the coefficient c and the arc length of the roll.
 fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.object.c_per_cm,scene.motion.arc_length_cm,scene.noise.angular_velocity.fraction",
@@ -110,8 +110,9 @@ fn claims_3_and_4_name_the_cell_they_lack() {
 // ---- Claims 5 to 8 and 20: pads
 
 /// A study of rolls on a square grid of pads. Without random offsets of the pads, a roll starts at the centre of a pad.
-/// Its only error is that the measured shift of the contact is rounded to whole pads. With random offsets, `random`
-/// computes the relative error from the pitch, the object's radius and the rate of rotation.
+/// The only error of this roll is that the measured shift of the contact is rounded to whole pads. With random offsets,
+/// `random` computes the relative error of the curvature from the pitch of the pads, the radius of the object and the
+/// rate of rotation.
 fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",

@@ -22,7 +22,7 @@ fn trace(scale: f64, tip: f64) -> String {
     text
 }
 
-/// Text of `readings.csv` for the contacts in [`trace`]. All heights in the readings have the error `by`.
+/// Text of `readings.csv` for the contacts in [`trace`]. In all readings, the height z has the error `by`.
 fn readings(scale: f64, by: f64) -> String {
     let mut text = "finger,x_cm,y_cm,z_cm,normal_x,normal_y,normal_z\n".to_owned();
     for finger in 0..3 {

@@ -113,8 +113,9 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
 
 // ---- Claim 22: slopes of the straight lines
 
-/// A study of two sensors. For each sensor, `hue` is the slope of the mean hue and `centroid` the slope of the
-/// centroid, per millimetre. The hue of the summed light is the same at all indentations.
+/// A study of two sensors. For each sensor, `hue` is the change of the mean hue per millimetre of indentation, and
+/// `centroid` the shift of the centroid per millimetre of tangential displacement. The hue of the summed light is the
+/// same at all indentations.
 fn slopes(hue: [f64; 2], centroid: [f64; 2]) -> Study {
     slopes_with("", hue, centroid)
 }

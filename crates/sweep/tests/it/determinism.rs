@@ -167,7 +167,8 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
         let [alive, most] = counts.map(AtomicU64::into_inner);
         assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
         // Each thread keeps one experiment in memory. In addition, an experiment is kept while its trials are divided
-        // between two jobs. So much fewer experiments than cells exist at the same time.
+        // between two jobs. So the number of experiments that exist at the same time is much smaller than the number of
+        // cells.
         assert!((1..60).contains(&most), "{most}");
     }
 }
