@@ -15,9 +15,9 @@ use crate::search::{EndReason, Run, Side};
 
 /// The values of one or several fields that together meet a target.
 ///
-/// The ranges of values that meet or miss the target are in [`RegionColumn::runs`]. It is undecided whether values
-/// between two ranges meet the target. The ends of the ranges are tested values; no trials were run between the tested
-/// values.
+/// [`RegionColumn::runs`] contains the ranges of values that meet the target, and the ranges of values that miss it.
+/// For values between two ranges, this is undecided. The ends of the ranges are tested values; no trials were run
+/// between the tested values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// The answered question. If the question did not name the quantity of its target, this copy names the first

@@ -210,7 +210,8 @@ fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
         Statistic::Coverage50 => summary.coverage50,
         Statistic::Coverage80 => summary.coverage80,
         Statistic::Coverage95 => summary.coverage95,
-        // These statistics cannot be targets: they do not depend on the trials, or they do not describe the estimates.
+        // These statistics cannot be targets, because they do not depend on the trials or do not describe the
+        // estimates.
         Statistic::Truth | Statistic::Trials | Statistic::Failures | Statistic::StdBound => None,
     }
 }

@@ -18,8 +18,8 @@ use crate::trial_record::{Record, TrialObservations};
 /// kind of failure if the trial failed.
 pub type TrialMeans = Result<(f64, f64), &'static str>;
 
-/// Estimated probability that the results of two experiments are in the right order (the order of their true values),
-/// with its 95 % interval.
+/// Estimated probability that the results of two experiments are in the order of their true values, with its 95 %
+/// interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
     /// Estimated probability that the results are in the order of the true values.

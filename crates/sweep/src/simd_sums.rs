@@ -31,7 +31,8 @@ impl WithSimd for AreSound<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        // If one term is not finite, its sum is not finite, so only the sums are tested.
+        // If one absolute error or one standard deviation is not finite, the sum that contains it is not finite. So
+        // only the sums are tested.
         let (mut sums, mut lowest) = ([0.0; LANES], [0.0; LANES]);
         let (chunks, rest) = self.estimates.as_chunks::<LANES>();
         for chunk in chunks.iter().map(<[f64; LANES]>::as_slice).chain([rest]) {

@@ -156,7 +156,7 @@ pub const NOT_FINITE: &str = "not-finite";
 pub(crate) const NEGATIVE_STD: &str = "negative-std";
 pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
-/// The trials of a cell that failed in the same way: their number, and the number of the first one.
+/// One kind of failure in a cell: how many trials failed in this way, and which of them was the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Name of the kind of failure. The name is stable and in kebab case.

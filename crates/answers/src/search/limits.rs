@@ -18,8 +18,8 @@ pub(super) const SCANNED: usize = 17;
 pub(super) const FIRST: u64 = 64;
 /// Largest number of attempts to verify an end of a range of values.
 pub(super) const ATTEMPTS: u32 = 5;
-/// Ratio of the number of fresh trials that verify a value to the number of trials from which the search decided about
-/// the value.
+/// Number of fresh trials that verify a value, divided by the number of trials from which the search decided whether
+/// the value meets the target.
 pub(super) const FRESH: f64 = 2.0;
 
 /// Smallest scores that a search requires for its decisions, and other limits of the search.

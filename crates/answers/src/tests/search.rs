@@ -192,8 +192,8 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // If fresh trials contradict a found range, the search narrows this range. Many narrowed ranges would mean that the
-    // search decides about values after too few trials.
+    // If fresh trials do not confirm an end of a found range, the search narrows this range. Many narrowed ranges would
+    // mean that the search decides whether a value meets the target after too few trials.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }

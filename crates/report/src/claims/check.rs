@@ -34,7 +34,7 @@ pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
     /// Computes the checked values from the rows of the table. Each value is returned with the row from which it was
-    /// computed. If a value was computed from a group of rows, it is returned with one row of the group.
+    /// computed. If a value was computed from several rows, it is returned with one of these rows.
     pub(super) values: Values,
     /// Returns a name for the value that was computed from a row of the table. All values with the same name form one
     /// range: the range is compared with the bound and printed. With `None`, each value is compared by itself.

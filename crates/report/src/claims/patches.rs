@@ -1,5 +1,5 @@
-//! Claims 9 to 13 about surface patches that gliding fingers measure (1996 paper, sections 4.2 and 4.3). Noise is
-//! relative to the distance between neighbouring fingers.
+//! Claims 9 to 13 about surface patches that gliding fingers measure (1996 paper, sections 4.2 and 4.3). Noise of the
+//! measured positions is stated as a share of the distance between neighbouring fingers.
 
 use super::bounds::Bound::{Above, AtLeast, AtMost, Below};
 use super::bounds::{geometric_mean, is, least, within};

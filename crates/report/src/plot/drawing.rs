@@ -319,7 +319,7 @@ impl DrawingBackend for Drawing {
         self.push(polygon, style.color())
     }
 
-    /// Records each line of a text as a shape of its own, below the previous line.
+    /// Records each line of a text as a separate shape, below the shape of the previous line.
     fn draw_text<S: BackendTextStyle>(
         &mut self,
         text: &str,

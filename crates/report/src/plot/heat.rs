@@ -62,8 +62,8 @@ const SAMPLE: i32 = 78;
 const MIN_DARK: f64 = 0.6;
 /// Fill colour of the squares of pairs without a share.
 const NONE: Colour = Colour(236, 236, 236);
-/// Fill colour of the squares of pairs with the share 1. Colour-blind readers can distinguish this blue from the light
-/// squares, also if the figure is printed in grey.
+/// Fill colour of the squares of pairs with the share 1. Colour-blind readers can distinguish this dark blue from the
+/// lighter squares, even if the figure is printed in grey.
 const ALL: Colour = Colour(8, 48, 107);
 
 /// Draws a heat map. Each pair of items is a square. The larger the share of the pair, the darker is its square. If

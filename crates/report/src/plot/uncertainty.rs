@@ -1,5 +1,5 @@
-//! 95 % intervals of statistics. They are computed from the Monte Carlo error, the error due to the limited number of
-//! trials.
+//! 95 % intervals of statistics. They are computed from the Monte Carlo error: the standard error that is due to the
+//! limited number of trials.
 
 use crate::Table;
 use palpate_study::{Quantity, QuantityKind, Statistic};
