@@ -14,9 +14,9 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// An answer of `design` has an undecided gap between values that meet the target and values that miss it. This is the
-/// gap of the reference answer, divided by the gap of the checked answer. A gap that is ten times smaller needs 100
-/// times the trials.
+/// Gap of the reference answer, divided by the gap of the checked answer. The gap of a `design` answer lies between the
+/// values that meet the target and the values that miss it; in the gap, the answer is undecided. A gap that is ten
+/// times smaller needs 100 times the trials.
 const REFERENCE_GAP: f64 = 0.1;
 const REFERENCE_SEED: u64 = 1_000_003;
 /// Number of the first fresh trial. `distinguish` estimates its probabilities from trials with smaller numbers, so

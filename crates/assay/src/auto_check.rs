@@ -38,9 +38,8 @@ pub fn choices() -> Result<Vec<AutoChoice>> {
 /// Checks all scenes, writes `promise.csv`, and returns a summary. If `counted` is true, the function only runs the
 /// computations whose instructions valgrind counts (see [`timing::instructions`]).
 ///
-/// # Errors
-/// An error if a choice fails the check, if counting fails, or if the table cannot be written. If a choice fails, the
-/// table is written before the error is returned.
+/// # Errors An error if a choice fails the check, if the instructions cannot be counted, or if the table cannot be
+/// written. If a choice fails the check, the table is written before the error is returned.
 pub fn run(out: &Path, counted: bool) -> Result<String> {
     let choices = choices()?;
     let evaluations: Vec<Evaluation> = choices

@@ -3,7 +3,7 @@
 //!
 //! `palpate-rolling` computes most of these contacts by other methods, so the closed-form solutions are an independent
 //! check. If a tip of radius r touches from above at the point p with outward normal n, the centre of the tip is p + r
-//! n. All such centres form the offset surface. Each closed-form solution contains one unknown, which is found by
+//! n. All such centres form the offset surface. Some of the solutions contain one unknown number, which is found by
 //! bisection or by fixed-point iteration.
 
 use nalgebra::{Point3, Vector3};
@@ -68,9 +68,9 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)), where (x, y) is the contact. It follows from
-    // a bound on the contact's distance from the z axis. On a concave object, this bound is the distance of the point
-    // that the equations yield for s = 1. On a convex object, the bound is the distance of the tip's centre.
+    // `most` is an upper bound of the unknown s = √(1 + 4 (k²x² + l²y²)). It is the value of s at a point (x, y) that
+    // is farther from the z axis than the contact. On a concave object, this point is the result of the equations for s
+    // = 1. On a convex object, it is the centre of the tip.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
@@ -103,8 +103,8 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
 }
 
 /// Contact point of a tip of radius r on z = a sin(x/l) cos(y/l). The surface must be less curved than the tip
-/// everywhere. The point p is found by the iteration `p = centre − r n(p)`, where n(p) is the surface's normal. It
-/// starts at the centre.
+/// everywhere. The point p is found by the iteration `p = centre − r n(p)`, where n(p) is the surface's normal. The
+/// iteration starts with p = centre.
 pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let mut contact = centre;
     for _ in 0..100 {

@@ -74,7 +74,7 @@ enum Harness {
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
-    /// Measures the errors and costs for the trade-off tables: of each model, each sensor and each setting.
+    /// Measures the error and the cost of each model, each sensor and each setting, for the trade-off tables.
     Tradeoff {
         /// Write the tables to this folder.
         #[arg(long)]
@@ -99,7 +99,7 @@ enum Harness {
 
 #[derive(clap::Args)]
 struct Intervals {
-    /// Tables with families of scenes that are measured: roll, glide, press, image; all by default.
+    /// Names of the tables whose families of scenes are measured: roll, glide, press, image; all by default.
     names: Vec<String>,
     /// Folder of the tables.
     #[arg(long)]

@@ -58,8 +58,8 @@ fn ladders() -> Result<Vec<Ladder>> {
 /// Measures all models and settings of every ladder (list of compared entries). Writes `ladders.csv`, `rungs.csv`,
 /// `answers.csv` and `stages.csv`. `report` is called with the name of each step.
 ///
-/// # Errors
-/// An error if a model or setting fails on its scene, counting fails, or a table cannot be written.
+/// # Errors An error if a model or setting fails on its scene, the instructions cannot be counted, or a table cannot be
+/// written.
 pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     let ladders = ladders()?;
     let stages = stages::stages();
@@ -106,7 +106,7 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     stages::write(&stages, stage_counts, patience, options.out)
 }
 
-/// For each rung (model or setting): the number of its evaluations per run. The order is that of the ladders.
+/// Number of evaluations per run of each rung (model or setting), ladder by ladder.
 fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
     let stages = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
     stages.flat_map(|stage: &SceneRungs| stage.rungs.iter().map(|rung| rung.evaluation.scale()))

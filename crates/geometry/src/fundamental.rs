@@ -134,9 +134,9 @@ impl ChartJet {
         let k_uv = -(m - l * shear) / (m11 * m22);
         let k_vv = -(n - 2.0 * m * shear + l * shear * shear) / (m22 * m22);
 
-        // The torsion form T is the turn of the axis x towards the axis y. Per step in u, it is y·f_uu/|f_u|, with the
-        // chart f; per step in v, it is y·f_uv/|f_u|. The inverse of the metric M then converts them to steps along the
-        // tangents.
+        // The torsion form T is the rotation of the axis x towards the axis y per unit length along each tangent. With
+        // the chart f, the derivatives of this rotation are y·f_uu/|f_u| with respect to u and y·f_uv/|f_u| with
+        // respect to v. The inverse of the metric M converts them to rotations per unit length.
         let (t_u, t_v) = (y.dot(&self.duu) / m11, y.dot(&self.duv) / m11);
         let torsion = RowVector2::new(t_u / m11, (t_v - t_u * shear) / m22);
 

@@ -94,17 +94,18 @@ pub trait Surface {
 
     /// The point of the surface closest to `point`.
     ///
-    /// On a graph surface, a descent minimises the distance. It starts at the surface point with the same x and y as
-    /// `point`. The descent finds the closest point if this point is unique and its distance is smaller than the radius
-    /// of curvature there.
+    /// On a graph surface, an iteration (a descent) minimises the distance. It starts at the surface point with the
+    /// same x and y as `point`. It finds the closest point if this point is unique and its distance from `point` is
+    /// smaller than the radius of curvature there.
     ///
     /// # Errors
     /// [`SurfaceError::NoClosestPoint`] where several points are equally close, or if `point` is not finite;
     /// [`SurfaceError::OffDomain`] where the graph has no point at which the descent can start.
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError>;
 
-    /// On a graph, the point at which the descent ends if it begins at `start`. It may differ from the result of
-    /// [`Surface::closest_point`]. On other surfaces, the result of [`Surface::closest_point`].
+    /// On a graph, the point at which the iteration of [`Surface::closest_point`] ends if it begins at the x and y of
+    /// `_start`. This point may differ from the result of [`Surface::closest_point`]. On other surfaces, the result of
+    /// [`Surface::closest_point`].
     ///
     /// # Errors
     /// Errors of [`Surface::closest_point`].

@@ -43,8 +43,8 @@ pub(crate) struct ChartFree<'a, S, const READ: usize> {
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// Returns the contact equations for `motion`, with the state at the start of the motion, when the bodies touch at
-    /// the contact `from`.
+    /// Returns the contact equations for `motion`, and their state at the start of the motion. The motion starts at the
+    /// contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

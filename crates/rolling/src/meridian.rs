@@ -15,11 +15,12 @@ use crate::{Contact, Motion, Shift};
 
 /// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
 const MAX_ITERATIONS: usize = 200;
-/// Largest relative difference of the arguments for which Carlson's integrals are computed by a series. A larger
-/// difference is first reduced by duplications; each duplication makes it four times smaller. The error of the series
-/// is proportional to the sixth power of the difference.
+/// Carlson's elliptic integrals are computed by a series if the relative difference of their arguments is at most this
+/// number. A larger difference is first reduced by Carlson's duplication formula; each duplication makes it four times
+/// smaller. The error of the series is proportional to the sixth power of the difference.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
-/// Maximum number of duplications of Carlson's integrals. Arguments with a ratio of 1e300 need about 260 duplications.
+/// Maximum number of duplications for one of Carlson's elliptic integrals. Arguments with a ratio of 1e300 need about
+/// 260 duplications.
 const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
@@ -323,8 +324,8 @@ mod tests {
 
     use super::*;
 
-    /// The larger of two relative errors: of the arc length, and of the roll angle. The error of the angle is relative
-    /// to the sum of the terms in its equation.
+    /// The larger of two relative errors of `along_parabola`, for a probe of radius 1: of the arc length s, and of the
+    /// roll angle α + s, where α is the slope angle. The error of the roll angle is relative to |α| + s.
     fn error(c: f64, theta: f64) -> f64 {
         let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
         let slope = 2.0 * c * r;
@@ -339,7 +340,7 @@ mod tests {
         for exponent in -12..=12 {
             for mantissa in [1.0, 2.3, 4.999] {
                 let c = mantissa * 10.0_f64.powi(exponent);
-                // In a bowl, the probe fits while 1/R₁ + 2c > 0, where R₁ is the radius of the probe.
+                // A probe with the radius R₁ = 1 fits into a bowl (negative c) only if 1/R₁ + 2c > 0.
                 for c in [c, -c].into_iter().filter(|c| 1.0 + 2.0 * c > 0.0) {
                     for theta in [
                         1e-12, 1e-6, 0.1, 0.5, 1.0, 1.5, 1.6, 2.0, 3.0, 6.0, 100.0, 1e9,

@@ -48,7 +48,7 @@ impl PointCurvature {
         max - min <= UMBILIC_TOLERANCE * min.abs().max(max.abs())
     }
 
-    /// Compares the value with the index `place` in [`PointCurvature::values`] with its true value.
+    /// Compares an estimated value with its true value. `place` is the index of both in [`PointCurvature::values`].
     pub(crate) fn measured(&self, truth: &Self, place: usize) -> Observation {
         Observation {
             std: self.stds[place],

@@ -14,8 +14,8 @@ use crate::timing::Evaluation;
 pub const SCENES: u64 = 50;
 /// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
-/// A roll model counts as more expensive than the chosen model if it evaluates the contact equations more than this
-/// many times as often.
+/// If a roll model evaluates the contact equations more than this number of times as often as the chosen model, it
+/// counts as more expensive. Its instructions are then not counted.
 const MAX_EVALUATION_RATIO: usize = 3;
 
 /// A random scene with the model that `auto` chose, and the models that it could have chosen.

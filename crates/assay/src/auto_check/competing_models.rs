@@ -151,7 +151,7 @@ fn named(model: Model) -> Result<RollModelConfig> {
 
 /// Models of a glide, with their errors. If the model `closed-form` can compute the contacts with the object, this
 /// model and Newton's method are references for each other. For other objects, the reference is the solution on the
-/// offset surface, which consists of all possible centres of the tip.
+/// offset surface, on which the centre of the fingertip moves while the tip touches the object.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -212,8 +212,8 @@ fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Contacts of all fingers, computed on the offset surface, which consists of all possible centres of the tip. `None`
-/// for objects that the model `closed-form` can compute.
+/// Contacts of all fingers, computed on the offset surface, on which the centre of a fingertip moves while the tip
+/// touches the object. `None` for objects whose contacts the model `closed-form` can compute.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {

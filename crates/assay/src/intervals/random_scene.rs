@@ -10,9 +10,9 @@ use palpate_study::config::{ReadingNoise, SceneConfig, parse, with_fields};
 use palpate_sweep::Observation;
 use serde_json::json;
 
-/// Column of the table of families that states the range of the surfaces' curvature. A range with negative values means
-/// balls and dishes. A range that starts at 0 means quadrics with waves, whose curvature is limited by the upper end of
-/// the range.
+/// Name of a column: the range of the objects' curvature in a family, that is, a group of similar random scenes. If the
+/// range starts at a negative number, the objects are dishes (negative curvature) and balls. If it starts at 0, the
+/// objects are quadrics with two waves, and the upper end of the range limits their curvature.
 const CURVATURE: &str = "scene.object.curvature";
 const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];
 /// Formula of a surface that is a quadric with two waves.
@@ -104,9 +104,9 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     }
 }
 
-/// Random value of a field between two limits. If both limits are positive, the value is uniform on a logarithmic
-/// scale. The curvature of balls and dishes is in units of the probe's curvature, so 1 + value is their relative
-/// curvature. This sum is uniform on a logarithmic scale.
+/// Random value of a field between two limits. If both limits are positive, the logarithm of the value is uniformly
+/// distributed. The curvature of a ball or a dish is in units of the probe's curvature. So 1 + value is the relative
+/// curvature of object and probe, and the logarithm of this sum is uniformly distributed.
 fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     match field {
         _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),

@@ -22,9 +22,10 @@ const MAX_STEPS: usize = 60;
 #[derive(Debug)]
 pub(super) struct Layer {
     pub(super) thickness: f64,
-    /// Radius of the contact area, α in the equations.
+    /// Contact radius, in units of the layer's thickness: α in the integral equation for φ(t).
     pub(super) contact: f64,
-    /// Indentation divided by the relative curvature, D in the equations.
+    /// Ratio of indentation to relative curvature, in units of the squared thickness of the layer: D in the integral
+    /// equation for φ(t).
     indentation: f64,
     nodes: Vec<Node>,
 }
@@ -38,8 +39,8 @@ struct Node {
 }
 
 impl Layer {
-    /// The contact for which the indentation divided by the relative curvature is `indentation_over_curvature`.
-    /// `thickness` must be in the same unit of length.
+    /// The contact for which the ratio of indentation to relative curvature is `indentation_over_curvature` (length²).
+    /// The thickness `thickness` of the layer must be in the same unit of length.
     pub(super) fn at_indentation(thickness: f64, indentation_over_curvature: f64) -> Result<Self> {
         let wanted = indentation_over_curvature / (thickness * thickness);
         let solve = |contact: f64| Self::with_radius(thickness, contact);
@@ -175,14 +176,14 @@ fn panel(distance: f64) -> f64 {
     (PHASE / distance).min(1.0)
 }
 
-/// The kernel g(k) of the integral equation. It compares the surface displacements of a half-space and of the layer
-/// under the same pressure: their difference, divided by the displacement of the half-space.
+/// The kernel g(k) of the integral equation: the difference between the surface displacements of a half-space and of
+/// the layer under the same pressure, divided by the displacement of the half-space.
 fn reflected(k: f64) -> f64 {
     let q = libm::exp(-2.0 * k);
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)
 }
 
-/// The kernels N and R of the displacements in a layer, minus the kernels of a half-space.
+/// The kernels N (inward displacement) and R (outward displacement) in a layer, minus the kernels of a half-space.
 fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     if depth == 0.0 {
         return [-reflected(k), shares(k, 0.0)[1]];
@@ -192,16 +193,16 @@ fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     [normal - (1.0 + kz) * decay, radial - kz * decay]
 }
 
-/// The kernels N and R of the displacements in a layer. H is the wavenumber, and x the wavenumber times the distance
-/// from the core. Every hyperbolic function is scaled by e^{−H} or e^{−x}, to avoid overflow.
+/// The kernels N (inward displacement) and R (outward displacement) in a layer. `h` is the wavenumber, and `x` is the
+/// wavenumber times the distance from the core. Every hyperbolic function is multiplied by e^{−h} or e^{−x}, to avoid
+/// overflow.
 fn shares(k: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (k, k * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
     let [cosh_h, sinh_h] = [0.5 * (1.0 + q), 0.5 * (1.0 - q)];
     let [cosh_x, sinh_x] = [0.5 * (1.0 + p), 0.5 * (1.0 - p)];
-    // Here cosh and sinh are the scaled functions, q is e^{−2H}, and p is e^{−2x}. Then cosh H sinh x − sinh H cosh x
-    // is (q − p)/2, and cosh H cosh x − sinh H sinh x is (q + p)/2. The last terms of `normal` and of `radial` use
-    // these equations.
+    // With q = e^{−2h} and p = e^{−2x}, the scaled functions satisfy cosh h sinh x − sinh h cosh x = (q − p)/2 and cosh
+    // h cosh x − sinh h sinh x = (q + p)/2. The last terms of `normal` and of `radial` use these equations.
     let normal = cosh_h * (sinh_x - x * cosh_x) + h * sinh_h * sinh_x + 0.5 * h * x * (q - p);
     let radial = (h - x) * cosh_h * sinh_x + 0.5 * h * x * (q + p);
     let scale = libm::exp(-h * depth) / (cosh_h * cosh_h + h * h * q);

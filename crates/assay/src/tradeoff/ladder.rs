@@ -1,5 +1,5 @@
-//! Ladders of models or settings. The rungs of a ladder answer the same question about a scene, at different costs and
-//! with different errors.
+//! Ladders. A ladder is a list of models or settings, called rungs. They answer the same question about a scene, at
+//! different costs and with different errors.
 
 use anyhow::Result;
 

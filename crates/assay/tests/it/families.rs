@@ -1,4 +1,5 @@
-//! Test of the families of scenes whose interval coverage is measured.
+//! Tests whether a scene is assigned to the right family, that is, to the right group of similar scenes. The coverage
+//! of intervals is measured for each family.
 
 use palpate::config::parse;
 use palpate::{Coverage, FAMILY_TABLES, coverage, family_scene};

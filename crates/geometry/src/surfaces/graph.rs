@@ -243,8 +243,9 @@ impl Foot {
         let [fxx, fxy, fyy] = jet.hessian;
         let slope = Vector2::from(jet.gradient);
         let aside = at - target.xy().coords;
-        // A height difference within the rounding error counts as 0. Otherwise, near a sharp peak, this error would be
-        // multiplied by a large curvature, and the peak would look like a hollow.
+        // If the heights of the candidate and the target differ only by the rounding error, the difference counts as 0.
+        // Otherwise, near a sharp peak, the rounding error would be multiplied by a large curvature, and the peak would
+        // look like a hollow.
         let above = match jet.value - target.z {
             tiny if tiny.abs() <= 2.0 * f64::EPSILON * target.z.abs() => 0.0,
             above => above,
@@ -333,8 +334,8 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // Only some checks of `Graph::jet` are needed here. If a derivative is NaN, `in_domain` is false or the sum is
-        // not finite, so the point is rejected.
+        // Two checks replace the checks of `Graph::jet`: if a derivative is NaN, `in_domain` is false or the sum of the
+        // second derivatives is not finite. In both cases, the point is rejected.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {

@@ -93,7 +93,8 @@ fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, Surfa
     })
 }
 
-/// Normal and curvature at a point on the sphere. Because the curvature is given, the normal needs no square root.
+/// Normal and curvature at a point on the sphere. The unit normal is the point times the curvature, so it is computed
+/// without a square root.
 #[inline]
 fn spherical_form(point: &Point3<f64>, curvature: f64) -> Result<TangentForm, SurfaceError> {
     let normal = point.coords * curvature;

@@ -17,8 +17,8 @@ pub(crate) struct Dop853 {
     pub(crate) most_steps: usize,
 }
 
-/// Determines the length of the first step. With a tolerance of 1, the first step changes the state by about this
-/// number (root mean square of the weighted changes of the components).
+/// Determines the length of the first step. The first step changes the state by about this number times the eighth root
+/// of the tolerance. The change of the state is the root mean square of the weighted changes of its components.
 const FIRST_CHANGE: f64 = 2.0;
 /// Safety factor: the next step is this factor times the longest step that the error estimate allows.
 const SAFETY: f64 = 0.8;
@@ -226,7 +226,7 @@ fn end_of_step<const N: usize>(
     (end, fifth * share / N as f64)
 }
 
-/// Sum of the squares of the weighted components of `slope` times `h`, where `h` is the step.
+/// Sum of (h · weight · slope)² over all components, where `h` is the length of the step.
 #[inline]
 fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
     slope

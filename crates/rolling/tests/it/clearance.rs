@@ -190,8 +190,9 @@ fn steep_steps_and_paths_that_close_are_checked() {
             assert!(found.is_ok(), "{steep} {far}");
         }
     }
-    // The probe spins as fast as it rolls, so its path is a circle of radius 1 through the origin. On this path, it
-    // hits the object's steps at y = ±2.6.
+    // The probe (radius 1) spins as fast as it rolls, so its centre moves on a circle of radius 1. The circle starts at
+    // y = 0 and reaches a distance of 2 from this line. The side of the probe then reaches a distance of 3, so it hits
+    // the object's step at y = 2.6 or y = −2.6.
     let tau = std::f64::consts::TAU;
     assert_overlapping(along_x("1.5*(1+tanh(20*(y^2-6.76)))", 1.0, tau, tau));
 }

@@ -58,8 +58,9 @@ fn conforming_on_the_way_is_located() {
         matches!(error.fault, RollFault::Conforming { .. }),
         "{error}"
     );
-    // The roll ends where the curvature κ is −1, that is, where 2 cos(2x) = (1 + sin²(2x))^{3/2}. Near this point, the
-    // speed of the contact grows without limit. So the position has only half as many correct digits as the time.
+    // The roll ends where the object is as concave as the probe (radius 1) is convex: its curvature is −1, so 2 cos(2x)
+    // = −(1 + sin²(2x))^{3/2}. Near this point, the speed of the contact grows without limit. So the position has only
+    // half as many correct digits as the time.
     let x = error.on_object.x;
     let curvature = 2.0 * libm::cos(2.0 * x) / libm::pow(1.0 + libm::sin(2.0 * x).powi(2), 1.5);
     assert!(

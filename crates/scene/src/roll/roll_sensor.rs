@@ -153,9 +153,9 @@ impl SensorTrial<'_> {
         }
     }
 
-    /// The readings at all samples of one roll, and the position of the first contact. All positions in the result are
-    /// displacements from the origin of the pads (exponential map) or, without pads, from the first contact. The true
-    /// contacts `contacts` are displacements from the first contact.
+    /// The readings at all samples of one roll, and the position of the first contact. With pads, all positions in the
+    /// result are displacements (exponential map) from the origin of the pad array, around which the pads are arranged.
+    /// Without pads, they are displacements from the first contact, like the true contacts `contacts`.
     pub(super) fn read_samples(
         &mut self,
         radius: f64,
@@ -175,7 +175,8 @@ impl SensorTrial<'_> {
             Self::Pads(pads, placement) => (pads, &*placement),
         };
         let first = pads.first_place(placement).unwrap_or_default();
-        // Parallel-transport the axes of the pads from their origin to the first contact, along a great circle.
+        // Parallel-transport the axes of the pad array from the array's origin to the first contact, along a great
+        // circle.
         let origin_from_first =
             UnitQuaternion::rotation_between(&Vector3::z(), &direction_at(&(first / radius)))
                 .unwrap_or_default();
@@ -242,8 +243,8 @@ impl RotationSensor {
         !self.is_random_per_roll() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
-    /// Path of the config field with the larger error of the reported rotation. There are two such fields: the error of
-    /// the rotation, and the error of the encoder.
+    /// Path of the config field that states the larger of two errors of the reported rotation: the random error of the
+    /// rotation, or the error of the encoder.
     pub(super) fn path(&self) -> &'static str {
         match self.encoder {
             Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",
@@ -330,8 +331,8 @@ impl RotationTrial<'_> {
     }
 
     /// Replaces the true rotations (rad) at the given fractions of a roll by the rotations that the sensor reports. The
-    /// common error of a roll grows linearly, from 0 at its start to the error of [`RotationTrial::read`] at its end.
-    /// In addition, each sample has its own error.
+    /// drift and the random error of the roll grow linearly, from 0 at its start to their values in
+    /// [`RotationTrial::read`] at its end. In addition, each sample has its own error.
     pub(super) fn read_samples(
         &mut self,
         rotations: &mut [Vector2<f64>],

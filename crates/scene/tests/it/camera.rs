@@ -65,8 +65,8 @@ fn an_image_without_errors_yields_displacements_and_draws_nothing() {
         assert_eq!(scene.trials(1000), 1);
         let normal = outcomes(&scene, 0, "normal_displacement");
         assert_eq!(normal.len(), 77);
-        // The estimated displacement has a systematic error: the hue depends on the difference between the
-        // displacements of the two discs.
+        // The estimated displacement has an error even without noise. The reason is that the hue depends on the
+        // difference between the displacements of a marker's two discs, and not only on the displacement of the marker.
         assert!(rms_error(&normal) < limit, "{from}: {}", rms_error(&normal));
         let tangential = outcomes(&scene, 0, "tangential_displacement");
         assert_eq!(tangential.len(), 2 * 77);
@@ -133,8 +133,9 @@ fn errors_of_images_have_the_stated_size_and_frames_at_rest_are_averaged() {
             square += error * error;
             error
         });
-        // With 1000 frames at rest and 200 presses, the mean error has a standard error of 0.001 √(1/1000 + 1/200) =
-        // 7.7e-5.
+        // The hue in each frame has an error with the standard deviation 0.001 turns. Therefore the mean error of the
+        // hue change, over 1000 frames at rest and 200 presses, has a standard error of 0.001 √(1/1000 + 1/200) =
+        // 7.7e-5 turns.
         let mean = errors.sum::<f64>() / 200.0;
         assert!(mean.abs() < 2.3e-4, "{seed}: {mean}");
     }

@@ -188,8 +188,8 @@ fn errors_are_the_same_in_any_unit() {
             assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
-    // Glides are also tested with the noise 10. With this noise, the contact of a press could not be detected, so
-    // presses are tested with less noise.
+    // The standard deviation of the noise is `noise` times `unit`. Glides are also tested with `noise` = 10. Presses
+    // are tested with less noise, because their contacts could not be detected with such a large noise.
     for noise in [1e-9, 0.1] {
         same(&|unit| noisy_press(unit, noise));
     }

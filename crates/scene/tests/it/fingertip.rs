@@ -74,9 +74,9 @@ fn the_image_area_follows_from_the_lens() {
         (pinhole * libm::cos(polar).powi(3) - 1.0).abs() < 2e-2,
         "{pinhole}"
     );
-    // At the apex, the image of the magenta disc is larger than the image of the yellow disc, so its area is the
-    // marker's area. The magenta disc has the diameter 2 and the distance 17 from the camera, and the focal length is f
-    // = 319.5 px / 65°.
+    // At the apex, the image of the magenta disc is larger than the image of the yellow disc, so the area of the
+    // magenta disc is the marker's area. The magenta disc has a diameter of 2 mm and is 17 mm away from the camera. The
+    // focal length is f = 319.5 px / 65°.
     let f = 319.5 / 65_f64.to_radians();
     let expected = std::f64::consts::PI * (f / 17.0_f64).powi(2);
     let apex = area("fisheye", 0.0);

@@ -84,8 +84,8 @@ fn intervals_hold_over_redrawn_sensors() {
     }
     // With correct 95 % intervals, the probability that 51 or fewer of 60 contain the true value is 0.3 %.
     assert!(held > 51, "{held} of 60");
-    // The root mean square of 60 errors has a relative standard error of 9 %. The limits are about three standard
-    // errors.
+    // The root mean square of 60 errors has a relative standard error of 9 %. The limits of `ratio` are about three
+    // standard errors away from 1.
     let ratio = (stated / squared).sqrt();
     assert!((0.75..1.35).contains(&ratio), "{ratio}");
 }

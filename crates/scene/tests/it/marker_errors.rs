@@ -167,8 +167,8 @@ fn the_stated_errors_of_markers_equal_their_scatter() {
             scatter, stated, ..
         } = errors(&mut look, 12);
         let ratios = [0, 1, 2, 3].map(|number| scatter[number] / stated[number]);
-        // Each of the 77 markers has 11 degrees of freedom, so the relative standard error of the ratio (scatter to
-        // stated error) is 2.5 %.
+        // The scatter is computed from 12 frames, so each of the 77 markers has 11 degrees of freedom. Therefore the
+        // relative standard error of the ratio (scatter to stated error) is 1/√(2 · 77 · 11), about 2.5 %.
         for ratio in ratios {
             assert!((0.75..1.08).contains(&ratio), "{size_px} px: {ratios:?}");
         }
@@ -197,7 +197,7 @@ fn mean_hues_of_frames_have_the_bias_of_their_edges() {
         let mean = differences.iter().sum::<f64>() / count;
         let squares = differences.iter().map(|one| (one - mean).powi(2));
         let std = (squares.sum::<f64>() / count).sqrt();
-        // The rim of the image cuts a few of the 77 markers.
+        // In each of the three frames, the rim of the image cuts a few of the 77 markers. These markers are left out.
         assert!(count > 220.0, "{count}");
         assert!(bias.contains(&mean), "{size_px}: {mean} {std}");
         assert!(std < scatter, "{size_px}: {mean} {std}");

@@ -278,7 +278,8 @@ fn every_layout_and_estimator_runs() {
             let outcomes = outcomes(&scene_of(&text), 0)
                 .unwrap_or_else(|name| panic!("{name}: {layout} {estimator}"));
             let (_, radius) = outcomes[1];
-            // If the constant c of a Gaussian is stated instead of calibrated, the estimated radius is arbitrary.
+            // The estimator `gaussian` computes the radius as R = c σ²/δ. If the constant c is stated instead of
+            // calibrated, the estimated radius is arbitrary.
             let tolerance = if estimator.contains("c = ") {
                 10.0
             } else {

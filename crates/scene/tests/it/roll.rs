@@ -83,8 +83,8 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
 #[test]
 fn hexagonal_pads_err_less_than_square_ones() {
     let ball = r#"{ kind = "sphere", radius = 4 }"#;
-    // The path is 0.08 long. Its length must not be a multiple of the pitch, because square pads would then read the
-    // path exactly. So use several other pitches.
+    // The contact's path is 0.08 long. If this length were a multiple of the pitch, square pads would read it exactly.
+    // So use pitches that do not divide 0.08.
     let square_sum = |layout: &str| -> f64 {
         let pitches = [0.017, 0.019, 0.021, 0.023].iter();
         let squares = pitches.map(|pitch| {
@@ -101,7 +101,8 @@ fn hexagonal_pads_err_less_than_square_ones() {
         squares.sum()
     };
     let ratio = (square_sum("hexagonal") / square_sum("square")).sqrt();
-    // In an independent simulation of shifts with these pitches, the ratio of the rms errors is 0.84.
+    // An independent simulation, with displacements of a contact over pads with these pitches, yields 0.84 for the
+    // ratio of the rms errors.
     assert!((0.7..1.0).contains(&ratio), "{ratio}");
 }
 
