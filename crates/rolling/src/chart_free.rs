@@ -26,11 +26,10 @@ use crate::{Contact, Motion};
 /// quaternion `w, i, j, k` from the contact frame to the probe's body frame; z of `x₁`; z of the contact; the arc
 /// length; and an unused component (an even number of components is faster).
 const STATE: usize = 12;
-/// The derivative of the state depends only on this number of leading state components, if the object is a general
-/// surface.
+/// Number of leading state components on which the derivative of the state depends, if the object is a general surface.
 pub(crate) const OF_SPACE: usize = 10;
-/// The derivative of the state depends only on this number of leading state components, if the object is a graph z =
-/// f(x, y). On a graph, it does not depend on the contact's height, which is the next component.
+/// Number of leading state components on which the derivative of the state depends, if the object is a graph z = f(x,
+/// y). On a graph, the derivative does not depend on the contact's height, which is the next component.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {

@@ -40,9 +40,9 @@ impl ClosedForm {
         let y_axis = from.y_axis();
         let displacement = from.x_axis * along.x + y_axis * along.y;
         let tilt = self.object * along;
-        // `tilt` is the rate of change of the object's normal in the axes x and y of the contact frame. The frame
-        // rotates with the angular velocity `turn` = normal × (x tilt.x + y tilt.y). The z axis of the frame points
-        // into the object, so the normal is −z, and the product is x tilt.y − y tilt.x.
+        // `tilt` contains two components of the rate of change of the object's normal: along the axes x and y of the
+        // contact frame. The frame rotates with the angular velocity `turn` = normal × (x tilt.x + y tilt.y). The z
+        // axis of the frame points into the object, so the normal is −z, and the product is x tilt.y − y tilt.x.
         let turn = from.x_axis * tilt.y - y_axis * tilt.x;
         let screw = Screw::new(turn);
         Contact {

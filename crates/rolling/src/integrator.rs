@@ -8,8 +8,8 @@ pub(crate) use dop853::Dop853;
 
 /// An autonomous system of `N` ordinary differential equations.
 pub(crate) trait System<const N: usize> {
-    /// The derivative depends only on this number of leading components of the state. The other components, such as the
-    /// arc length, are integrals along the path. They are computed at the end of a step, but not in its intermediate
+    /// Number of leading components of the state on which the derivative depends. The other components, such as the arc
+    /// length, are integrals along the path. They are computed at the end of a step, but not in its intermediate
     /// stages.
     const READ: usize = N;
 

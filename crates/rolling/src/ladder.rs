@@ -145,8 +145,9 @@ impl Setting<'_> {
         {
             return (rung, self.closed_form_choice());
         }
-        // The meridian model needs no distinction between motions with constant components in the contact frame and in
-        // the chart's frame. Along a meridian, which is a line of symmetry, both frames are equal.
+        // The components of a motion are constant either in the contact frame or in the frame of the chart. The
+        // meridian model is valid in both cases: along a meridian, which is a line of symmetry, the two frames are
+        // equal.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {

@@ -21,8 +21,8 @@ const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 /// Largest number of evaluations of the contact equations in one integration of all rolls, when the errors of models
 /// are measured. Longer rolls are not measured, because this would take too long.
 const MAX_EVALUATIONS: usize = 20_000;
-/// Number of evaluations per motion that is allowed in any case. If the rolls have many motions, this limit is larger
-/// than [`MAX_EVALUATIONS`].
+/// Number of evaluations that is allowed for each motion, even if all motions together need more than
+/// [`MAX_EVALUATIONS`]. So rolls that consist of many short motions are measured too.
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];

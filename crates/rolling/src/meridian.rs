@@ -172,8 +172,8 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let bend = q * (a / w - 2.0 * sign / (ww * ww));
         let newton = excess / slope;
         root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
-        // Halley's method converges cubically. After a step below this relative limit, the next correction would be
-        // below the rounding errors.
+        // Halley's method converges cubically. After a step below 3e-6 of q, the next correction would be below the
+        // rounding errors.
         let step = root.at - q;
         if step.abs() <= 3e-6 * q {
             let arc = arc + step * (w + 0.5 * step * q / w);

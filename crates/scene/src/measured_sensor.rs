@@ -102,8 +102,8 @@ impl Trials for MeasuredSensor {
     }
 }
 
-/// Image area (px²) of the larger disc of the marker whose place the config states; `None` if the disc is not entirely
-/// in the camera's field of view.
+/// Image area (px²) of a marker whose place the config states: the area of the disc that is larger in the camera's
+/// view. `None` if this disc is not entirely in the camera's field of view.
 fn area(
     sphere: &MarkerSphere<'_>,
     config: &BareFingertipConfig,

@@ -1,4 +1,5 @@
-//! Clenshaw–Curtis quadrature. It is exact up to rounding errors for functions that are smooth on each panel.
+//! Clenshaw–Curtis quadrature on panels, which are subintervals of the integration interval. It is exact up to rounding
+//! errors for functions that are smooth on each panel.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -29,7 +30,8 @@ pub(super) fn over(from: f64, to: f64, intervals: usize) -> impl Iterator<Item =
     nodes.map(move |[node, weight]| [middle + half * node, half * weight])
 }
 
-/// Nodes and weights of the quadrature from 0 to `reach`, on panels that are at most `panel` long.
+/// Nodes and weights of the quadrature from 0 to `reach`. The interval is divided into panels that are at most `panel`
+/// long.
 pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]> {
     let count = (reach / panel).ceil().max(1.0) as usize;
     let width = reach / count as f64;
@@ -45,7 +47,7 @@ pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]
 }
 
 /// Nodes and weights of the quadrature from 0 to `end`, for functions that vary over a length of `width` near the
-/// position `place`. Panels are short near `place`, and longer farther away from it.
+/// position `place`. The interval is divided into panels, which are short near `place` and longer farther away from it.
 pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
     let mut bounds = vec![0.0, end, place];
     let mut reach = width;
@@ -64,7 +66,7 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
 
 /// Parts of an integrand with a factor e⁻ᵖ are neglected if p exceeds this number.
 pub(super) const NEGLIGIBLE: f64 = 30.0;
-/// Largest change (rad) of the integrand's phase over one panel.
+/// Largest change (rad) of the integrand's phase over one panel (subinterval of the quadrature).
 pub(super) const PHASE: f64 = 12.0;
 
 /// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a. It is the

@@ -27,8 +27,8 @@ const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
 ];
-/// Standard deviation (rad) of each of the two misalignment angles of a disc: half of the largest misalignment, which
-/// is 0.3 of the disc's diameter of 2 mm. It is divided by 19 mm, the distance of a yellow disc from the skin's centre.
+/// Standard deviation (rad) of each of the two misalignment angles of a disc. The largest misalignment is 0.3 of the
+/// disc's diameter of 2 mm. Half of it is divided by 19 mm, the distance of a yellow disc from the skin's centre.
 const MISALIGNMENT_STD: f64 = 0.5 * 0.3 * 2.0 / 19.0;
 /// Standard deviations of the tracker's readings: the two coordinates of the centroid (px), the hue (turns), and the
 /// logarithm of the size.

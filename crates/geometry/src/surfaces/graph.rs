@@ -38,7 +38,7 @@ pub trait Height {
     /// differentiable, some of the derivatives are not finite.
     fn jet(&self, x: f64, y: f64) -> HeightJet;
 
-    /// The section through the point of the surface above `(x, y)`, as in [`Surface::meridian`].
+    /// The section of the graph through its point at `(x, y)`, as in [`Surface::meridian`] with this point as the apex.
     fn meridian_at(&self, _x: f64, _y: f64, _direction: &Vector3<f64>) -> Option<Meridian> {
         None
     }

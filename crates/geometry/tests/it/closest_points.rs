@@ -60,8 +60,8 @@ fn a_bowl_seen_from_beyond_its_centre_of_curvature_has_no_closest_point() {
     assert_none(&bowl, 0.0, 0.0, 1.1);
     let apex = bowl.closest_point(&Point3::new(0.0, 0.0, 0.9)).unwrap();
     assert_eq!(apex, Point3::origin());
-    // For a point on the axis inside of a hill, no single point of the hill is closest. Beside the axis, the closest
-    // point is on the near side.
+    // For a point on the axis inside of a hill, no single point of the hill is closest. For a point beside the axis,
+    // the closest point is on the same side of the axis.
     let hill = Graph::paraboloid(0.5).unwrap();
     assert_none(&hill, 0.0, 0.0, -1.1);
     let inside = hill.closest_point(&Point3::new(0.2, 0.0, -3.0)).unwrap();

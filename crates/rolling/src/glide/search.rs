@@ -79,8 +79,8 @@ impl<S: Surface> Search<'_, S> {
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
         // On a `rugged` object (a graph), the tip may fit at several contacts. The choice among them must not depend on
-        // the stated tolerance. Therefore, the search uses a tolerance of at most `TOUCHING`, the height difference up
-        // to which contacts count as equally high.
+        // the stated tolerance. Therefore, the search uses a tolerance of at most `TOUCHING`: contacts whose heights
+        // differ by less count as equally high.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {

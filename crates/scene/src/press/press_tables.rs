@@ -10,7 +10,7 @@ use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
 /// Number of points of a profile. A profile is a table of the displacement as a function of the distance from the
-/// contact.
+/// middle of the contact.
 const PLACES: u32 = 121;
 /// Length of a profile (displacement as a function of the distance from the contact), in contact radii. The profile
 /// begins at the centre of the contact; for an elliptic contact, it runs along the longer axis.

@@ -9,8 +9,9 @@ use palpate_study::config::Side;
 pub(super) struct MotionNoise {
     pub(super) error: AngularVelocityError,
     pub(super) instants: u32,
-    /// `Motion`: the motion of the probe has the error, and the sensor reports the commanded rotation. `Measurement`:
-    /// the probe moves as commanded, and the reported rotation has the error.
+    /// Whether the motion or the measurement has the error. `Motion`: the probe moves with the error, and the sensor
+    /// reports the commanded rotation. `Measurement`: the probe moves as commanded, and the reported rotation has the
+    /// error.
     pub(super) side: Side,
 }
 

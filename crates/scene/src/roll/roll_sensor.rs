@@ -348,7 +348,8 @@ impl RotationTrial<'_> {
         let drifted = drift_rad_per_s * duration_s;
         let mut at_end = || drifted + error.draw(&mut self.errors);
         let at_end = Vector2::new(at_end(), at_end());
-        // All samples of a roll must have the same phase of the encoder, so keep the phase before the first sample.
+        // The phase of the encoder is random, but all samples of a roll must have the same phase. Therefore, the stream
+        // of random phases is reset before each sample.
         let first_phase = self.phases.clone();
         for (rotation, &fraction) in rotations.iter_mut().zip(fractions) {
             let error = Vector2::from_fn(|_, _| sample_error.draw(&mut self.samples));

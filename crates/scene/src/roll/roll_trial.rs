@@ -69,8 +69,8 @@ pub struct RollScene {
     pub(super) chart: Chart,
 }
 
-/// The least-squares fit, prepared for the commanded rotations of the probes. Traces do not need it, because they
-/// contain only true values and readings.
+/// The least-squares fit, prepared for the commanded rotations of the probes. Traces (records of one simulation) do not
+/// need the fit, because they contain only true values and readings.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {

@@ -145,7 +145,7 @@ fn noise_has_the_stated_size() {
 
 /// Tests contacts that are computed from the lowest points of a tip. If a tip of radius r slides on a sphere of radius
 /// R, its lowest points lie on a sphere of radius R + r. The contacts computed from them lie on the sphere of radius R,
-/// both with and without normals.
+/// whether or not the sensor also reports normals.
 #[test]
 fn contacts_are_found_from_the_lowest_points_of_round_tips() {
     let sphere = |sensor: &str, method: &str| {

@@ -184,8 +184,8 @@ fn a_layer_is_solved_only_where_it_is_thin() {
     };
     let thin = press(1.0, &auto(4.0, 1e-3), 0.5, HALF_SPACE);
     assert!(taken(&thin).0.starts_with("bonded layer"));
-    // A thick layer on a rigid core moves less than a half-space, because of the core. The displacement is smaller by a
-    // share of about a/t, with the contact radius a and the thickness t of the layer.
+    // The displacements of a thick layer are smaller than those of a half-space, because the core under the layer is
+    // rigid. The relative difference is about a/t, with the contact radius a and the thickness t of the layer.
     let thick = press(0.01, &auto(20.0, 1e-3), 1e-9, HALF_SPACE);
     let ladder = ladder(&thick);
     let [_, half_space, layer] = &ladder.rungs[..] else {

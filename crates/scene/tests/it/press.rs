@@ -330,8 +330,8 @@ fn intervals_have_their_coverage_and_bounds_are_reached() {
     }
     let (rms, bound) = ((square / trials as f64).sqrt(), scene.std_bound(0).unwrap());
     assert!(rms > 0.85 * bound && rms < 1.25 * bound, "{rms} {bound}");
-    // The Cramér–Rao bounds of the radii and of the object's curvature are computed from the bound of the relative
-    // curvature.
+    // `bound` is the Cramér–Rao bound of the relative curvature. The bounds of the radii and of the object's curvature
+    // follow from it.
     let radius = 1.0 / 0.0625;
     let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-9;
     assert!(close(scene.std_bound(1), bound * radius * radius));

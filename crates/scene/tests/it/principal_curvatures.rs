@@ -52,7 +52,8 @@ fn means(all: &[Observation]) -> [f64; 3] {
 
 #[test]
 fn without_noise_they_are_exact_and_undefined_ones_are_missing() {
-    // In a roll, the second tangent axis v points to −y, so the angle has the opposite sign.
+    // In a roll, the second tangent axis v points to −y; in a glide, it points to +y. So the angle of the same axis has
+    // opposite signs.
     for (kind, axis) in [(ROLL, -30.0), (GLIDE, 30.0)] {
         for (object, name, value) in [
             (CYLINDER, "principal_curvature_max", Some(0.25)),
@@ -69,8 +70,8 @@ fn without_noise_they_are_exact_and_undefined_ones_are_missing() {
             for (one, value) in all.iter().zip(value.iter().cycle()) {
                 let off = [one.truth, one.estimate]
                     .map(|found| (found - value).abs() / value.abs().max(1.0));
-                // Away from the top, the angle in the tangent plane is a little smaller than the angle in the x, y
-                // plane.
+                // For `axis_deg`, `value` is the angle in the x, y plane. Away from the top, the angle in the tangent plane is a little
+                // smaller.
                 assert!(off[0] < 3e-3 && off[1] < 5e-3, "{name}: {one:?}");
             }
         }

@@ -73,8 +73,8 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
                 "{noise}: {read} {exact}"
             );
         }
-        // The two rolls are at right angles, because in two rolls in opposite directions the errors would cancel each
-        // other.
+        // The rotations of all rolls have the same error. The two rolls are at right angles, because the effects of
+        // this error on the curvature would cancel in two opposite rolls.
         let curvature = trial(&scene, 0)[3].0;
         assert_eq!((curvature - 0.25).abs() < 1e-12, shift == 0.0, "{noise}");
     }
