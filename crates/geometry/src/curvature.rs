@@ -100,8 +100,8 @@ impl CurvatureForm {
         0.5 * self.k_uu + 0.5 * self.k_vv
     }
 
-    /// Principal curvatures and their directions. The error of both curvatures is at most 1e-15 times the larger
-    /// curvature.
+    /// Principal curvatures and their directions. The error of each curvature is at most 1e-15 times the larger
+    /// magnitude of the two.
     pub fn principal(&self) -> PrincipalCurvatures {
         let mean = self.mean_curvature();
         let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);

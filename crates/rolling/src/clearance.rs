@@ -118,9 +118,9 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // `beside` is the index of a neighbouring sample. At the edge of the sampled window, this index is wrong:
-            // it may belong to another row. It has no effect, because samples at the edge are too far from the centre
-            // to be used.
+            // `beside` is the index of a neighbouring sample. At the edge of the sampled window, this index may belong
+            // to a sample of another row. Such a wrong index has no effect, because samples at the edge are too far
+            // from the probe's centre to be used.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));

@@ -20,8 +20,8 @@ pub enum Chart {
 /// The frame in which the components of a steady motion are constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HeldAxis {
-    /// The frame that is parallel-transported along the path. In this frame, a steady motion is a rotation about "a
-    /// fixed axis in the instantaneous contact frame".
+    /// The frame that is parallel-transported along the path. In this frame, the angular velocity of a steady motion is
+    /// constant: the probe rotates about "a fixed axis in the instantaneous contact frame".
     #[default]
     Transported,
     /// The Gauss frame of the probe's chart, whose x axis is along a coordinate line. It rotates about the normal

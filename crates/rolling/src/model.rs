@@ -101,7 +101,7 @@ pub enum InvalidRoll {
     /// The contact at the start of the rolls is not a single point.
     #[error("no rolling contact: {0}")]
     Fault(#[from] RollFault),
-    /// The model that the user has set cannot compute these rolls.
+    /// The model that the user has set cannot compute the rolls.
     #[error("the model `{rung}` cannot compute this: {reason}")]
     Unsupported {
         /// Name of the model that the user has set.

@@ -34,7 +34,7 @@ impl Motion {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {
             // The second axis of the contact frame is y₁ = −n × x₁, where n is the object's normal. Therefore both
-            // signs are negative.
+            // components have a negative sign.
             angular_velocity: Vector3::new(-sin, -cos, 0.0) * rate_rad_per_s,
             sliding: Vector2::zeros(),
             duration_s,

@@ -388,8 +388,8 @@ impl<H: Height> Surface for Graph<H> {
             let Some(next) = shorter else { break };
             foot = next;
         }
-        // The descent may end at a stationary point that is not a minimum. In this case, two points on both sides of
-        // the stationary point are equally close, so no single point is closest.
+        // The iteration may end at a stationary point of the distance that is not a minimum. In this case, two points
+        // on both sides of the stationary point are equally close, so no single point is closest.
         if foot.is_minimum() {
             Ok(Point3::new(foot.at.x, foot.at.y, foot.height))
         } else {

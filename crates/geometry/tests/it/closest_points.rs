@@ -35,8 +35,8 @@ fn centres_and_axes_have_no_closest_point() {
 #[test]
 fn the_middle_of_an_ellipsoid_has_no_closest_point_and_its_outer_part_has() {
     // For a point in the symmetry plane across the shortest axis (z), two points of the ellipsoid, above and below, are
-    // equally close. On the x axis, this is true up to the centre of curvature of the tip. The distance of this centre
-    // from the origin is a − c²/a, where a is the longest and c the shortest semi-axis.
+    // equally close. On the x axis, this is true for all points between the origin and the centre of curvature of the
+    // ellipsoid's tip. This centre is at x = a − c²/a, where a is the longest and c the shortest semi-axis.
     let ellipsoid = Ellipsoid::new([3.0, 2.0, 1.0]).unwrap();
     assert_none(&ellipsoid, 0.0, 0.0, 0.0);
     assert_none(&ellipsoid, 1.0, 0.5, 0.0);

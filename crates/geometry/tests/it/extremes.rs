@@ -121,7 +121,7 @@ fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
         assert_relative_eq!(found.value, value, max_relative = 1e-15);
         assert_relative_eq!(found.gradient[0], slope, max_relative = 2e-15);
     }
-    // The second derivatives of these functions exceed the range of doubles.
+    // At these x, the second derivatives of the functions exceed the range of doubles.
     for (text, x) in [("sqrt(x)", 1e-300), ("ln(x)", f64::MIN_POSITIVE)] {
         assert!(!jet(text, x).is_finite(), "{text}");
     }

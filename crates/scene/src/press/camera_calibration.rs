@@ -22,8 +22,9 @@ const PATH: &str = "scene.sensor.calibration";
 #[derive(Clone, Debug)]
 pub(super) struct CameraCalibration {
     pub(super) calibration: Calibration,
-    /// Standard deviations of the errors that the calibration causes near a contact: of normal and of tangential
-    /// displacements. `None` for a standard deviation that is 0 or cannot be computed.
+    /// Standard deviations of the errors that the calibration causes near a contact: first the error of normal
+    /// displacements, then the error of tangential displacements. `None` for a standard deviation that is 0 or cannot
+    /// be computed.
     pub(super) stds: [Option<f64>; 2],
 }
 

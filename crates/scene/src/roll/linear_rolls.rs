@@ -186,8 +186,8 @@ fn is_short([u, v]: [f64; 2], half_turn_squared: f64) -> bool {
 pub(super) struct ManyRolls {
     pub(super) moments: BatchMoments,
     long: [u64; BATCH_SIZE],
-    /// For each trial, both errors of the current probe's rotation. The unit is the standard deviation of the error or,
-    /// for a uniform error, its bound.
+    /// For each trial, the errors of both components of the current probe's rotation. The unit is the standard
+    /// deviation of the error or, for a uniform error, its bound.
     errors: [[f64; BATCH_SIZE]; 2],
 }
 

@@ -22,8 +22,8 @@ pub(super) enum RollSensor {
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
-    /// Pads, and a stream of random numbers. From the stream, each roll draws the position of its first contact on a
-    /// pad.
+    /// Pads, and a stream of random numbers. The position of the first contact relative to the pads is drawn anew for
+    /// each roll.
     RandomPads(&'a Pads, Stream),
     Pads(&'a Pads, PadPlacement),
 }

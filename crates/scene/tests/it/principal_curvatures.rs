@@ -70,8 +70,8 @@ fn without_noise_they_are_exact_and_undefined_ones_are_missing() {
             for (one, value) in all.iter().zip(value.iter().cycle()) {
                 let off = [one.truth, one.estimate]
                     .map(|found| (found - value).abs() / value.abs().max(1.0));
-                // For `axis_deg`, `value` is the angle in the x, y plane. Away from the top, the angle in the tangent plane is a little
-                // smaller.
+                // For `axis_deg`, `value` is the angle in the x, y plane. Away from the top, the angle in the tangent
+                // plane is a little smaller.
                 assert!(off[0] < 3e-3 && off[1] < 5e-3, "{name}: {one:?}");
             }
         }
