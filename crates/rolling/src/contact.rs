@@ -129,7 +129,8 @@ fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
 }
 
 impl Shift {
-    /// The shift of a contact that has moved by `path` (length) along a great circle of a probe of `radius`.
+    /// The shift (displacement on the probe) of a contact that has moved by `path` (length) along a great circle. The
+    /// probe has the radius `radius`.
     ///
     /// ```
     /// use std::f64::consts::PI;

@@ -11,11 +11,11 @@ use crate::meridian::MeridianRung;
 use crate::roller::Bodies;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
-/// Error bound of the model "closed form". Errors of positions are divided by the contact's length scale, which is its
-/// displacement per radian of rolling.
+/// Error bound of the model "closed form". Errors of positions are divided by the contact's length scale, that is, by
+/// the displacement of the contact per radian of rolling.
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
-/// Error bound of the meridian model. Errors of positions are divided by the contact's length scale, which is its
-/// displacement per radian of rolling.
+/// Error bound of the meridian model. Errors of positions are divided by the contact's length scale, that is, by the
+/// displacement of the contact per radian of rolling.
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
 /// Tolerance of a single step divided by the tolerance of a whole roll. It is below 1, because the error of a step may
 /// grow during the rest of the roll.

@@ -34,9 +34,9 @@ pub struct MeasuredRung {
     pub model: Model,
     /// Displayed name of the model, including the number of steps or the tolerance of an integrator.
     pub name: String,
-    /// The largest error of a contact at the end of a roll, relative to the contact's length scale (its smallest
-    /// displacement per radian of rolling). The reference is DOP853 at the smallest tolerance. `Err` contains the
-    /// reason if the model cannot compute these rolls.
+    /// The largest error of a contact at the end of a roll, relative to the contact's length scale (the smallest
+    /// displacement of the contact per radian of rolling). The reference is DOP853 at the smallest tolerance. `Err`
+    /// contains the reason if the model cannot compute these rolls.
     pub outcome: Result<f64, String>,
     /// Number of evaluations of the contact equations in all rolls. It is 0 for the closed form and the meridian model.
     pub evaluations: usize,

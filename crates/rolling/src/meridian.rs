@@ -363,7 +363,8 @@ mod tests {
     #[test]
     fn a_bowl_that_hardly_fits() {
         // For the paraboloid z = −c r² and the probe's radius R₁: as 1/R₁ + 2c tends to 0, the roll angle θ tends to
-        // q³/2, where q is the slope. So a small rotation moves the contact far.
+        // q³/2, where q is the slope. So q is proportional to the cube root of θ, and a small rotation moves the
+        // contact far.
         let (r, _) = along_parabola(-0.5, 1.0, 1e-9).unwrap();
         assert!((r / libm::cbrt(2e-9_f64) - 1.0).abs() < 1e-5, "{r}");
     }

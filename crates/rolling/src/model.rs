@@ -15,7 +15,7 @@ pub const TOLERANCES: [f64; 14] = [
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model {
     /// The cheapest model whose error is within `tolerance`. The error of a contact is relative to the contact's length
-    /// scale, which is its smallest displacement per radian of rolling at the start.
+    /// scale, which is the smallest displacement of the contact per radian of rolling at the start.
     Auto {
         /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
         /// [`Model::LARGEST_TOLERANCE`].

@@ -41,8 +41,8 @@ impl Probe {
 pub(crate) struct Bodies<'a, S> {
     pub(crate) probe: Probe,
     pub(crate) object: &'a S,
-    /// Length scale of the contact, to which errors of positions are relative: its smallest displacement per radian of
-    /// rolling at the start.
+    /// Length scale of the contact: the smallest displacement of the contact per radian of rolling at the start. Errors
+    /// of positions are relative to this length.
     pub(crate) length_scale: f64,
 }
 

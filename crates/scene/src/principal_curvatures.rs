@@ -95,7 +95,7 @@ impl PointCurvature {
         Some(outcome).filter(|one| (one.estimate - one.truth).is_finite())
     }
 
-    /// Calls `observe` with every quantity that this estimate determines. `quantities` are the quantities of the scene.
+    /// Calls `observe` with each quantity of the scene (`quantities`) that this estimate determines.
     pub(crate) fn report(
         &self,
         truth: &Self,

@@ -66,7 +66,7 @@ pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
     let end = match roller.object() {
         Shape::Sphere(ball) => RollEnd::on_ball(ball.radius(), DIRECTION, angle_rad),
         Shape::Paraboloid(_) => RollEnd::on_paraboloid(1.0, DIRECTION, angle_rad),
-        other => bail!("no closed form of a roll over a {}", other.name()),
+        other => bail!("no closed-form solution for a roll over a {}", other.name()),
     };
     let contact = roller.roll(&[motion(angle_rad)])?;
     let off_object = (contact.on_object - end.on_object).amax();

@@ -71,11 +71,12 @@ pub(super) trait Number:
 {
     fn constant(value: f64) -> Self;
 
-    /// The composition `outer(self)`. `outer` returns its value and its first two derivatives.
+    /// The composition `outer(self)`. The argument `outer` is a function that returns three numbers: its value, its
+    /// first and its second derivative.
     fn compose(self, outer: impl FnOnce(f64) -> [f64; 3]) -> Self;
 
-    /// The composition `outer(self, other)`. `outer` returns its value and its derivatives with respect to both
-    /// arguments.
+    /// The composition `outer(self, other)`. The argument `outer` is a function that returns its value and its first
+    /// and second derivatives with respect to its two arguments.
     fn compose2(self, other: Self, outer: impl FnOnce(f64, f64) -> Jet) -> Self;
 }
 

@@ -169,7 +169,8 @@ impl Height for Saddle {
 }
 
 impl Height for HeightField {
-    // Near a vertical wall, such as that of sqrt(1 − x) at x = 1, doubles do not resolve x. Therefore limit the slope.
+    // Near a vertical wall, such as that of sqrt(1 − x) at x = 1, the rounding error of x causes a large error of the
+    // height. Therefore limit the slope.
     const STEEPEST: f64 = 1e6;
 
     fn jet(&self, x: f64, y: f64) -> HeightJet {

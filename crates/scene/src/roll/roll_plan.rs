@@ -263,7 +263,7 @@ fn roller(
     Ok((roller, commands))
 }
 
-/// Rate of rotation, rad/s. If the config states no rate, it is 1; the results do not depend on it.
+/// Rate of rotation, rad/s. If the config states no rate, the rate is 1; the results do not depend on this value.
 fn rate(config: &RollMotionConfig) -> f64 {
     config.rate_rad_per_s.unwrap_or(1.0)
 }

@@ -131,7 +131,7 @@ impl Together<'_> {
 }
 
 impl RollScene {
-    /// Noise of the readings that the estimator assumes, for readings at the ends of rolls.
+    /// Noise that the estimator assumes for readings at the ends of rolls.
     pub const fn reading_noise(&self) -> ReadingNoise {
         self.reading_noise
     }

@@ -138,8 +138,8 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();
-    // The estimates must have almost no bias: for 120 trials, the standard error of the mean error is 0.09 times the
-    // scatter. The most likely curvatures, which are not corrected for bias, would have a mean error of 0.6 times the
-    // scatter.
+    // The estimates must have almost no bias: for 120 trials, the standard error of the mean error is 0.09 times
+    // `scatter`, the standard deviation of the errors. The most likely curvatures, which are not corrected for bias,
+    // would have a mean error of 0.6 times `scatter`.
     assert!(mean.abs() < 0.3 * scatter, "{mean} {scatter}");
 }
