@@ -160,8 +160,8 @@ fn frames() -> Result<Vec<Figure>> {
 fn contacts() -> Result<Vec<Figure>> {
     let surface = Body::hertz(0.0)?;
     let contact = surface.press(1.0 / RADIUS, DEPTH)?;
-    // By Hertz's theory, the force is 2/3 π a² times the peak pressure, where a is the contact radius. The true radius
-    // is computed from this equation.
+    // By Hertz's theory, the force is 2/3 π a² times the peak pressure, where a is the contact radius. The reference
+    // for a follows from this equation, with the exact force and the contact's peak pressure.
     let peak = contact.peak_pressure(YOUNG).context("no pressure")?;
     let force = 4.0 / 3.0 * RADIUS.sqrt() * libm::pow(DEPTH, 1.5);
     let radius = (1.5 * force / (std::f64::consts::PI * peak)).sqrt();

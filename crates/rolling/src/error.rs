@@ -39,7 +39,7 @@ pub enum RollFault {
         /// Number of integration steps, including rejected steps.
         steps: usize,
     },
-    /// The step of the integrator has become too short, because the motion is singular at this place.
+    /// The step of the integrator has become too short, because the contact equations are singular at this place.
     #[error("the motion is singular")]
     Singular,
     /// A number of the computation has overflowed or is NaN.

@@ -43,7 +43,8 @@ pub trait Height {
         None
     }
 
-    /// Result of [`Surface::may_touch_twice`] for the graph of this height.
+    /// Whether a ball of `radius` that touches the graph of this height may penetrate it at another place, as in
+    /// [`Surface::may_touch_twice`].
     fn may_touch_twice(&self, radius: f64) -> bool;
 }
 

@@ -69,7 +69,8 @@ fn a_bowl_seen_from_beyond_its_centre_of_curvature_has_no_closest_point() {
 }
 
 /// Asserts that `found` is the closest point of an ellipsoid to `from`. The closest point is the only point of the
-/// ellipsoid with `from = found + t ∇F/2` and `t >= −(shortest semi-axis)²`.
+/// ellipsoid with `from = found + t ∇F/2` and `t >= −(shortest semi-axis)²`, where `F = x²/a² + y²/b² + z²/c²` with the
+/// semi-axes a, b and c.
 fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
     let axes = Vector3::from(semi_axes);
     let smallest = axes.min();

@@ -259,7 +259,7 @@ fn auto_meets_its_tolerance_and_takes_the_cheapest() {
         let end = roller.roll(&[motion]).unwrap();
         let truth = roll(1.0, object, start, DOP853, motion);
         let off = difference(&end, &truth, 1.0);
-        // The bound on the error is increased by the rounding errors of the reference.
+        // The reference has rounding errors of about 1e-13, so this number is added to the error bound.
         let bound = tolerance.min(roller.choice().error_bound.unwrap()) + 1e-13;
         assert!(off <= bound, "{off:e} > {bound:e}");
         roller.choice().rung.clone()

@@ -289,7 +289,8 @@ pub(super) struct MarkerChange {
     /// Change of the hue of the marker's summed light from rest to press, turns.
     pub(super) hue_turns: f64,
     pub(super) mean_hue_turns: f64,
-    /// Shift of the marker's centroid, px: the angle of the shift, multiplied by the lens's pixels per radian.
+    /// Shift of the marker's centroid, px: the angle (rad) between both directions from the camera to the marker,
+    /// multiplied by the lens's pixels per radian.
     pub(super) shift_px: f64,
 }
 

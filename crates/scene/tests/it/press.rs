@@ -324,7 +324,7 @@ fn intervals_have_their_coverage_and_bounds_are_reached() {
         assert_eq!(object.unwrap().1.interval_holds, outcome.interval_holds);
     }
     // Of 200 intervals with the probabilities 50, 80 and 95 %, the expected numbers that contain the true value are 100
-    // ± 7.1, 160 ± 5.7 and 190 ± 3.1.
+    // ± 7.1, 160 ± 5.7 and 190 ± 3.1 (± one standard deviation).
     for (held, expected) in held.iter().zip([72..=128, 138..=182, 178..=199]) {
         assert!(expected.contains(held), "{held} of {expected:?}");
     }
