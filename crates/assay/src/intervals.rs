@@ -29,12 +29,12 @@ const NO_CONTACT: &str = "no contact";
 pub struct Options<'a> {
     /// Seed of the scenes and the noise.
     pub seed: u64,
-    /// Number of scenes of each family of scenes. If it is `None`, the table of families states the number.
+    /// Number of random scenes of each family (row of the table). If it is `None`, the table states the number.
     pub scenes: Option<u64>,
-    /// Number of trials of each scene. If it is `None`, the table of families states the number.
+    /// Number of trials of each scene. If it is `None`, the table states the number.
     pub trials: Option<u64>,
-    /// Measure only families of scenes whose names and flaws contain each of these words. The rows of other families in
-    /// the table are not changed.
+    /// Measure only families of scenes for which each of these words is in the name or in the flaw of the family. The
+    /// rows of other families in the table are not changed.
     pub only: &'a str,
 }
 
