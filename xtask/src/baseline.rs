@@ -64,7 +64,8 @@ impl Limits {
 enum Change {
     Same,
     Worse,
-    /// The number is much smaller than in the baseline: if both were swapped, the change would be `Worse`.
+    /// The number in the baseline is larger than the measured number, by more than the share [`Limits::allowed`] of the
+    /// measured number.
     Better,
     New,
     Missing,

@@ -17,7 +17,8 @@ const CORPUS: &str = "crates/fuzz/corpus";
 /// Further folders with input files: name of the parser, and folder.
 const SEEDS: [(&str, &str); 2] = [("config", "sim-configs"), ("config", "examples")];
 
-/// Compiler flags that libFuzzer needs: coverage counters, comparisons and a table of code addresses.
+/// Compiler flags that add the code that libFuzzer needs: coverage counters, reports of compared values, and a table of
+/// code addresses.
 const COVERAGE: &str = "-Cpasses=sancov-module \
     -Cllvm-args=-sanitizer-coverage-level=4 \
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \

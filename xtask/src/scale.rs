@@ -322,8 +322,8 @@ impl TestBench<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Waits until a shard is running, and returns its process number. The function never finds shard 5, because its
-    /// program fails at once.
+    /// Waits until a shard is running, and returns the process number of its program. The function never finds shard 5,
+    /// because the program of shard 5 fails at once.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();

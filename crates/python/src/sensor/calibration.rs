@@ -117,8 +117,8 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 ///     Each table has columns for displacements inward, for displacements along the skin, or for both. Inward:
 ///     `normal_displacement` (in `length_unit`), with `hue_turns` or `growth` (change of the logarithm of the marker's
 ///     diameter) or both. Along the skin: `tangential_displacement` (in `length_unit`), with `centroid_shift_px`. The
-///     optional columns `series` and `marker` number the series and the markers. Other columns are ignored. A table may
-///     be a data frame.
+///     optional columns `series` and `marker` contain the number of the series and of the marker. Other columns are
+///     ignored. A table may be a data frame.
 /// source : str
 ///     Property of a marker from which its normal displacement is computed: "hue", "size" or "both".
 /// per_marker : bool

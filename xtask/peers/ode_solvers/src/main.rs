@@ -44,9 +44,10 @@ struct OverParaboloid;
 
 impl System<f64, State> for OverParaboloid {
     fn system(&self, _: f64, state: &State, rate: &mut State) {
-        // `p` and `q` are the slopes of the paraboloid along x and y. They determine the two tangent axes of the Gauss
-        // frame. If the contact moves with unit velocity along the first axis, x changes at the rate `x_first`. If it
-        // moves along the second axis, x and y change at the rates `x_second` and `y_second`.
+        // `p` and `q` are the slopes of the paraboloid along x and y. These slopes determine the two tangent axes of
+        // the Gauss frame. If the contact moves with unit velocity along the first axis, x changes at the rate
+        // `x_first`. If the contact moves with unit velocity along the second axis, x and y change at the rates
+        // `x_second` and `y_second`.
         let (p, q) = (-2.0 * state[2], -2.0 * state[3]);
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
