@@ -240,8 +240,8 @@ impl Study {
     /// (models that can compute the true values, with their errors and computing times in s). `intervals` lists
     /// coverages of 95 % intervals that were measured in similar random scenes, each with the number of `cells` to
     /// which it applies. A coverage has the name of the `family` of scenes, `beyond` (numbers outside the family's
-    /// ranges), the number of `scenes`, `coverage95`, `lowest` (the lowest coverage in one scene) and `holds`; or the
-    /// reason `not_tested`.
+    /// ranges), the number of `scenes`, `coverage95`, `lowest` (the lowest coverage in one scene) and `holds` (whether
+    /// `coverage95` is between 0.92 and 0.98). If no coverage was measured, it has the reason `not_tested` instead.
     ///
     /// The function `progress` is called with the number of cells that were checked since its last call. Raises
     /// ConfigError.

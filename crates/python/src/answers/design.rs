@@ -70,8 +70,8 @@ impl Made for Found {
 /// max_failures : float
 ///     Largest share of the trials that may fail, above 0 and at most 1.
 /// gap : float
-///     Largest gap between a value that meets the target and the next value that misses it. The gap is relative to the
-///     value if the range is divided by ratios, otherwise relative to half the range.
+///     Largest gap between a value that meets the target and the next value that misses it. If the tried values have
+///     logarithmic spacing, the gap is relative to the value; otherwise, it is relative to half the range.
 /// most_trials : int
 ///     Largest number of trials of each cell at one tried value.
 /// budget : float, optional

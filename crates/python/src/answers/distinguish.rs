@@ -45,8 +45,8 @@ impl Made for Found {
 /// Computes, for every pair of objects in a sweep, how often the estimates of single trials put the two objects in the
 /// right order. Also computes how many trials must be averaged for a reliable order.
 ///
-/// For the quantity "class" of a glide, two trials count as being in the right order if most points of both are
-/// classified correctly. A failed trial counts as wrong.
+/// For the quantity "class" of a glide, two trials count as being in the right order if most points of both patches are
+/// classified correctly. A pair with a failed trial counts as being in the wrong order.
 ///
 /// Parameters
 /// ----------

@@ -20,7 +20,7 @@ use crate::watch::{pool, watched};
 /// `batch[i]` is the estimate for set i, or raises the error of its readings. Each field of an estimate is also a
 /// field of the batch, with the values of all estimates. Numbers become an array of float64, with NaN if an estimate
 /// has no number. Lists of numbers become an array with one row per estimate if they have the same length. The unit is
-/// stored once, and everything else becomes a list. The field is None if no estimate has it.
+/// stored once, and all other values become a list. A field of the batch is None if no estimate has this field.
 #[pyclass(frozen, sequence, module = "palpate")]
 pub(crate) struct Batch {
     /// One entry per set of readings: the estimate, or the error message if there is no estimate.

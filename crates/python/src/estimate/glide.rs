@@ -213,16 +213,16 @@ impl Map {
 ///     Radius of round fingertips, in `length_unit`. Needed if `points` are points of the fingertips instead of
 ///     contacts.
 /// reports : str, optional
-///     The point of each fingertip that `points` contains: "lowest-point" (the default, the point farthest against
-///     `outward`) or "centre". Only with `tip_radius`.
+///     The point of each fingertip that `points` contains: "lowest-point", the default, or "centre". The lowest point
+///     is the point of the tip that is farthest in the direction opposite to `outward`. Only with `tip_radius`.
 /// outward : array, (3,), optional
 ///     Direction out of the object; +z by default. It is used for contacts without normals and for lowest points.
 /// gaussian_threshold, mean_threshold : float, optional
 ///     Magnitudes below which the Gaussian and the mean curvature count as zero, 1/length² and 1/length. By default,
 ///     they are chosen from the size of the patch.
 /// inter_finger_distance : float, optional
-///     Length that is the unit of the settings of the method "two-pass"; by default the mean distance between
-///     neighbouring fingers.
+///     Distance between neighbouring fingers, in `length_unit`; by default their mean distance in `points`. The method
+///     "two-pass" uses it as the unit of length of its settings.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
@@ -245,8 +245,8 @@ impl Map {
 /// ArgumentError
 ///     If a shape is wrong, a number is not finite, or a setting is out of its range or has no effect on the method.
 /// ReadingsError
-///     If the contacts do not determine the patch: they are too few, they are on one line, or their surface is not the
-///     graph of a function.
+///     If the contacts do not determine the patch: they are too few, they are on one line, or their surface has
+///     several heights above a point of its mean plane.
 ///
 /// Source
 /// ------

@@ -70,16 +70,17 @@ impl Made for recorded::RollEstimate {
 ///     the first contact, and optionally about the normal, which does not move the contact. If the contact moves to
 ///     +u, the rotation about v is negative.
 /// shifts : array, (n, 2)
-///     Displacement of each contact on the probe along u and v, measured along a great circle, in `length_unit`. With
-///     `times`, the position of the contact at each sample, or the centre of the active pad if `pitch` is stated.
+///     Displacement of the contact point on the probe in each roll, along u and v, measured along a great circle, in
+///     `length_unit`. With `times`, the position of the contact at each sample, or the centre of the active pad if
+///     `pitch` is stated.
 /// times : array, (n,), optional
 ///     Times of samples, s. With `times`, each row is one sample of a roll, with the rotation since the start of its
 ///     roll. A new roll starts where the time does not increase.
 /// probe_radius : float
 ///     Radius of the probe, in `length_unit`; needed unless `like` states it.
 /// pitch : float, optional
-///     Pitch of the pads that read the shifts, in `length_unit`. It determines the standard deviations and, if a
-///     contact did not move, the upper bound on the object's radius.
+///     Pitch of the pads that read the shifts, in `length_unit`. It determines the standard deviations of the shifts
+///     and, if the contact did not move in a roll, the upper bound of the object's radius.
 /// shift_std : float, optional
 ///     Standard deviation of each component of a shift, in `length_unit`, for a sensor without pads.
 /// rotation_std_rad : float, optional
