@@ -23,8 +23,8 @@ pub(crate) const COST: Limits = Limits {
     allowed: 0.03,
     floor: 0.0,
 };
-/// Limits for the errors of computed results. Errors below `floor` (about 20 rounding errors) are not compared, because
-/// they depend on the mathematical library of the machine.
+/// Limits for the errors of computed results. Errors below `floor`, about 20 times the relative rounding error of a
+/// double, are not compared, because they depend on the mathematical library of the machine.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",

@@ -22,7 +22,7 @@ pub(crate) const PYTHON: &str = "palpate-python";
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
 /// Packages that [`build`] compiles. Cargo enables the features that any of these packages needs. With these packages,
-/// the features are the same as for tests and the Python package, so that all share the compiled crates.
+/// the features are the same as for tests and the Python package, so that the three builds share the compiled crates.
 const RELEASED: [&str; 4] = ["-p", "palpate", "-p", "palpate-assay"];
 
 /// Builds the release programs in [`RELEASED`], and returns the path of `program`.
