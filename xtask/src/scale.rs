@@ -229,7 +229,7 @@ impl TestBench<'_> {
         self.complete(&config, &whole)?;
 
         // Each job runs the program that submitted it. Submit the jobs with a copy of the program, so that the test can
-        // replace the copy by a program that fails.
+        // replace the copy by a script that fails.
         let program = self.path("palpate");
         fs::copy(&self.program, &program)?;
         self.hold(true)?;
@@ -310,7 +310,8 @@ impl TestBench<'_> {
         Ok(update.quiet().run()?)
     }
 
-    /// Replaces the program by a script that runs it. For the given shard, the script fails with exit status 3 instead.
+    /// Replaces the program by a script that runs the original program. For the shard `shard`, the script only ends
+    /// with exit status 3.
     fn replace_by_failing(&self, program: &Path, shard: u64) -> Result<()> {
         let real = self.program.display();
         let script = format!(
