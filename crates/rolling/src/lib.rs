@@ -3,7 +3,7 @@
 //! Montana's contact equations (1988) describe how the contact moves over both bodies. This crate solves them with
 //! several models. A [`Roller`] uses the cheapest model that meets a tolerance, or the model that the user states:
 //!
-//! | model | valid for | error, relative to the probe's radius |
+//! | model | valid for | error, relative to the displacement of the contact per radian |
 //! |---|---|---|
 //! | closed form | planes, spheres, dishes, cylinders; no spin | 1e-14 |
 //! | meridian | surfaces of revolution through the apex, ellipsoids and saddles along their axes; no spin or sliding | 1e-13 |

@@ -254,7 +254,7 @@ impl Roller {
     }
 
     /// Duration (s) of `motion` after which the contact's path on the probe has the length `arc_length`. The duration
-    /// that `motion` states is ignored. If the model computes rolls exactly, the relative error is at most 1e-14.
+    /// that `motion` states is ignored. If the model is the closed form, the relative error is at most 1e-14.
     ///
     /// # Errors
     /// The [`RollError`] that ends the roll before the path has this length.
