@@ -3,12 +3,9 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
-use std::fmt;
 
 use csv::StringRecord;
 use palpate_study::readings::spelt;
-use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use serde_json::{Map, Value as Json};
 
@@ -401,9 +398,8 @@ fn columns<'a>(
     for (name, value) in object {
         let column = match value.get() {
             list if list.starts_with('[') => serde_json::from_str::<Vec<&RawValue>>(list),
-            rows if rows.starts_with('{') => {
-                serde_json::from_str(rows).map(|NumberedRows(rows)| rows)
-            }
+            rows if rows.starts_with('{') => serde_json::from_str::<NumberedRows<'_>>(rows)
+                .map(|rows| rows.into_values().collect()),
             _ => {
                 shared.push((name, value));
                 continue;
@@ -439,29 +435,8 @@ fn columns<'a>(
     Ok(Some((names, columns)))
 }
 
-/// Values of a column in the order of their rows. pandas writes a column as an object, with the number of the row as the
-/// key of each value.
-struct NumberedRows<'a>(Vec<&'a RawValue>);
-
-impl<'de: 'a, 'a> Deserialize<'de> for NumberedRows<'a> {
-    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        struct Rows;
-        impl<'de> Visitor<'de> for Rows {
-            type Value = Vec<(u64, &'de RawValue)>;
-
-            fn expecting(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
-                text.write_str("an object with numbered values")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                std::iter::from_fn(|| map.next_entry().transpose()).collect()
-            }
-        }
-        let mut rows = source.deserialize_map(Rows)?;
-        rows.sort_by_key(|(row, _)| *row);
-        Ok(Self(rows.into_iter().map(|(_, value)| value).collect()))
-    }
-}
+/// Values of a column by the numbers of their rows. pandas writes a column as such an object.
+type NumberedRows<'a> = BTreeMap<u64, &'a RawValue>;
 
 /// Whether a name denotes one axis, such as `x_mm`.
 fn is_of_axis(name: &str) -> bool {
