@@ -190,8 +190,9 @@ impl Discrimination {
         table
     }
 
-    /// One sentence for each pair of neighbouring objects in each group, in the order of the true values. If there are
-    /// swept fields that do not define objects, the sentence starts with their values.
+    /// One sentence for each pair of objects whose true values are next to each other, in ascending order. Objects are
+    /// compared only if all swept fields that do not define objects have equal values. The sentence starts with these
+    /// values.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for group in &self.groups {

@@ -29,9 +29,9 @@ const NO_CONTACT: &str = "no contact";
 pub struct Options<'a> {
     /// Seed of the scenes and the noise.
     pub seed: u64,
-    /// Number of random scenes of each family (row of the table). If it is `None`, the table states the number.
+    /// Number of random scenes of each family of scenes; with `None`, the number in the family's row of the table.
     pub scenes: Option<u64>,
-    /// Number of trials of each scene. If it is `None`, the table states the number.
+    /// Number of trials of each scene; with `None`, the number in the table row of the scene's family.
     pub trials: Option<u64>,
     /// Measure only families of scenes for which each of these words is in the name or in the flaw of the family. The
     /// rows of other families in the table are not changed.

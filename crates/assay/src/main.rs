@@ -113,8 +113,8 @@ struct Intervals {
     /// Number of trials of each scene, instead of the number that the table states.
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
-    /// Measure only families of scenes for which each of these words is in the name or in the flaw of the family. The
-    /// rows of other families in the tables do not change.
+    /// Measure only families of scenes whose names or flaws contain each of these words. A flaw is a mistake in the
+    /// simulated readings. The rows of other families in the tables do not change.
     #[arg(long, default_value = "")]
     only: String,
 }

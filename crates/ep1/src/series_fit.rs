@@ -182,8 +182,8 @@ impl Problem<'_> {
             return self.of_set(set);
         }
         let fit = fit.ok_or(self.undetermined())?;
-        // No curvature agrees with all rolls. Leave out one roll, beginning with the roll whose crossings contradict
-        // the other rolls most.
+        // No curvature agrees with all rolls. Try to leave out each roll in turn, first the roll whose crossings of pad
+        // edges contradict the other rolls most.
         self.p_values(data, fit);
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
@@ -490,8 +490,8 @@ impl Problem<'_> {
         *shape = fit.shape;
         let mut one = self.candidate(data, &fit, shape.terms);
         // Widen the standard errors to account for the omitted terms. The omitted terms probably change the curvature
-        // at the start less than the last two terms did. Therefore multiply the change by the last two terms with a
-        // factor: the share of the last terms in the curvature form at the end of a roll.
+        // at the start less than the last two terms did. Therefore the widening is the change that the last two terms
+        // caused, multiplied by a factor: the share of the last terms in the curvature at the end of a roll.
         if let Some(before) = all
             .iter()
             .rfind(|one| one.estimate.terms + 2 == shape.terms)

@@ -171,8 +171,8 @@ impl Stroke {
                 .get(index)
                 .map(|slope| slope[0] + slope[1] * turn)
         };
-        // If the path is bent along the surface, and the surface slopes across the path, the slope changes the higher
-        // derivatives of the heights along the path. `of_path` is an upper bound of this change.
+        // If the path turns sideways on the surface, and the surface slopes across the path, this slope changes the
+        // higher derivatives of the heights along the path. `of_path` is an upper bound of this change.
         let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
         let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
         let of_path = (steepest * bend.abs()).max(1e-3);

@@ -72,8 +72,8 @@ pub struct CellGroup {
     pub rungs: Rungs,
 }
 
-/// The models (rungs of a ladder) that can compute the true contacts or displacements of a cell, from the cheapest to
-/// the most exact.
+/// The models that can compute the true contacts or displacements in a cell (a grid point of a study), from the cheapest
+/// to the most exact. A model is also called a rung.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rungs {
     /// At most one model can compute the true contacts or displacements, so there is nothing to choose.

@@ -184,9 +184,10 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways shift of the object. The
-    /// contact has the radius `contact_radius` and is at the skin coordinates `at`. The contact sticks to the skin and
-    /// moves by `shift` along the x axis at the contact. All arguments except Poisson's ratio `poisson` are lengths.
+    /// Displacement of each marker when the pressed object moves sideways. The body is a half-space, and the markers are
+    /// at `depth` below its surface. The contact has the radius `contact_radius` and is at the skin coordinates `at`. The
+    /// object sticks to the skin and moves by `shift` along the local x axis. All arguments except Poisson's ratio
+    /// `poisson` are lengths.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] unless `poisson` is from 0 to 0.5, `depth` from 0 to 1e50, `contact_radius` from

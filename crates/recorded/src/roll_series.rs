@@ -218,7 +218,7 @@ impl SeriesResult {
         self.estimate.estimate()
     }
 
-    /// Whether the contact of a probe stayed on one pad.
+    /// Whether the contact stayed on one pad during the roll with the index `roll`.
     pub(super) fn is_unresolved(&self, roll: usize) -> bool {
         let report = self.estimate.rolls.get(roll);
         report.is_some_and(|report| report.left_out == Some(Exclusion::NoCrossing))

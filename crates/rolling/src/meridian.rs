@@ -88,7 +88,8 @@ impl MeridianRung {
         Ok(Shift::along_great_circle(turn * (arc / theta), self.radius))
     }
 
-    /// The contact at the end of `motion`, which starts at the apex and follows `section`.
+    /// The contact at the end of `motion`. It starts at the object's apex (`apex`) and moves along the meridian `section`
+    /// of the object.
     pub(crate) fn advance(
         &self,
         section: &Meridian,

@@ -296,8 +296,8 @@ impl Roller {
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }
-                // The roll ends before `duration_s`. If the end is already located within a relative error of 1e-9,
-                // return the error. Otherwise, try a shorter duration.
+                // The roll ends before `duration_s`. If the end is already located with a relative accuracy of 1e-9,
+                // return `Err`. Otherwise, try a shorter duration.
                 Err(error) if duration_s - low < 1e-9 * duration_s => return Err(error),
                 Err(_) => {
                     high = duration_s;

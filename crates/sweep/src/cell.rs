@@ -119,7 +119,8 @@ impl StoppingRule {
             && self.is_precise(cell) == Some(true)
     }
 
-    /// Whether the relative standard error of the rule's statistic is small enough; `None` if it is undefined.
+    /// Whether the relative standard error of the stopping rule's statistic is small enough; `None` if this error is
+    /// undefined.
     fn is_precise(&self, cell: &Partial) -> Option<bool> {
         let sums = cell.quantities.get(self.quantity)?.sums();
         let [estimates, magnitudes] = sums.by_trial;

@@ -60,7 +60,7 @@ impl Layer {
         match (here.indentation / wanted - 1.0).abs() {
             off if off < 1e-12 => Ok(here),
             off => bail!(
-                "no contact radius gives the ratio {wanted:e} of indentation to relative curvature: the best contact radius has a relative error of {off:e}"
+                "no contact radius gives the ratio {wanted:e} of indentation to relative curvature: the relative error of the nearest ratio is {off:e}"
             ),
         }
     }

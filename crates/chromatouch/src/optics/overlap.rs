@@ -17,8 +17,8 @@ pub(super) enum Overlap {
     Part(Part),
 }
 
-/// Overlap of two discs whose edges cross. The moments of the overlap are computed about a direction inside the
-/// overlap.
+/// Overlap of two discs whose edges cross. The discs lie on the unit sphere of viewing directions. The moments of the
+/// overlap are computed about the viewing direction `direction`, which is inside the overlap.
 pub(super) struct Part {
     pub(super) direction: Vector3<f64>,
     /// Unit vector from the middle of the magenta disc towards the middle of the yellow disc, perpendicular to

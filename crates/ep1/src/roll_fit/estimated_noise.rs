@@ -178,7 +178,8 @@ impl<const N: usize> SharedError<N> {
             .dot(&((free - self.share(ratio)) * self.gradient))
     }
 
-    /// Eliminates the roll's start from the normal equations. The remaining unknown is the shared rotation error.
+    /// Eliminates the position of the contact at the start of the roll from the normal equations. The remaining unknown
+    /// is the rotation error that all samples of the roll share.
     pub(super) fn new(
         own: &Matrix4<f64>,
         mixed: &SMatrix<f64, 4, N>,

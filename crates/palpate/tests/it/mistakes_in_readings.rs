@@ -29,8 +29,8 @@ fn warnings(estimate: &impl serde::Serialize) -> Vec<String> {
         .collect()
 }
 
-/// Warnings about the simulated readings of one trial, estimated with the settings of its study. `None` if the trial
-/// fails.
+/// Simulates the readings of one trial, estimates the curvature with the settings of the study, and returns the warnings.
+/// `None` if the trial fails.
 fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<String>> {
     let unit = config.length_unit;
     let trace = scene.trace(Some(trial), unit).ok()?;

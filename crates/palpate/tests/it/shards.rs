@@ -4,7 +4,7 @@ use std::fs;
 
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 
-/// A study of rolls with seven cells and without maps. Some cells fail, and `check` warns about some cells.
+/// A study of rolls with seven cells. It writes no `map.csv`. Some cells fail, and `check` warns about some cells.
 pub(crate) fn many() -> String {
     let study = edited(
         STUDY,

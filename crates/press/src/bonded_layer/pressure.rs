@@ -141,11 +141,10 @@ impl Pressure {
     }
 }
 
-/// Computes −∫ φ'/t dt over [0, 1] for a contact of radius 1, including the jump of φ to 0 at t = 1. The pressure in
-/// the middle of the contact is proportional to this value. φ is a series of the even Legendre polynomials P_n (n =
-/// 2j), and `coefficients` contains the coefficient of each polynomial. The result is the sum of the coefficients, each
-/// multiplied by a weight. The weight is 1 for j = 0 (a flat punch), −2 for j = 1, and (−1)ʲ n (2/3)(4/5) ⋯
-/// ((n−2)/(n−1)) for j ≥ 2.
+/// A value that is proportional to the pressure in the middle of a contact of radius 1. The function φ(t) of the contact
+/// is a series of the even Legendre polynomials P_n (n = 2j) on [0, 1], with the coefficients `coefficients`; φ jumps to 0
+/// at t = 1. The value is −∫ φ'/t dt over [0, 1], including the jump. It is the sum of the coefficients, each multiplied
+/// by a weight. The weight is 1 for j = 0 (a flat punch), −2 for j = 1, and (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)) for j ≥ 2.
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];

@@ -60,8 +60,8 @@ fn the_contact_moves_as_a_rigid_body() {
 
 #[test]
 fn far_from_the_contact_the_shift_is_that_of_a_point_force() {
-    // The reference is Cerruti's solution for a point force. The force is chosen such that the contact shifts by 1. The
-    // shift is the force times π(2−ν)/(8 a G), with Poisson's ratio ν, the contact radius a and the shear modulus G.
+    // The reference is Cerruti's solution for a point force Q, with Poisson's ratio ν, the contact radius a and the shear
+    // modulus G. The contact shifts by Q(2−ν)/(8aG), and Q is chosen such that this shift is 1.
     for (poisson, r, z, azimuth) in [
         (0.0, 3.0, 4.0, 0.5),
         (0.3, 5.0, 0.0, 2.0),

@@ -290,8 +290,8 @@ fn a_sideways_shift_moves_the_centroid() {
     };
     let [once, twice] = [shifted(0.5), shifted(1.0)];
     // The object shifts along the skin, and the discs at the depths 1 and 3 follow a share of this shift. The contact
-    // radius is √(R δ), with the effective radius R = 20 and the indentation δ = 1. The image has f = 319.5 px / 65°
-    // pixels per radian.
+    // radius is √(R δ), with the effective radius R = 20 and the indentation δ = 1. The image scale is 319.5 px per
+    // 65°.
     let apex = Markers::new(Skin::new(20.0).unwrap(), &[[0.0; 2]]).unwrap();
     let followed = |depth: f64| {
         let moved = apex.shifted(0.5, depth, 20_f64.sqrt(), [0.0; 2], 1.0);

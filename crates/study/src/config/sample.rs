@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 /// Limit for the size of a study, in cells. Up to this limit, all cells of the study are checked before the run. Of
 /// larger studies, only a sample of the cells is checked.
 const MOST_WHOLE: usize = 10_000;
-/// Limit for the length of a sweep axis, in rows. Up to this limit, all rows of the axis are in the sample of the
-/// study's cells. Of longer axes, only some rows are in the sample.
+/// Limit for the length of a sweep axis, in rows; a row is a value, or a set of values that vary together. Up to this
+/// limit, the sample of the study's cells contains all rows of the axis. Of longer axes, it contains only some rows.
 const MOST_ROWS: usize = 1000;
 /// A sample contains this number of cells that are spread evenly over all cells of the study.
 const SPREAD: usize = 2000;

@@ -40,9 +40,9 @@ pub(super) struct Cover {
     pub(super) both: f64,
 }
 
-/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, `toward` is an image vector, of any
-/// length, from the pixel towards the disc. Its first component is away from the image's centre, and its second
-/// component in the azimuthal direction.
+/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, `toward` is an image vector from the
+/// pixel towards the disc; only its direction has a meaning. Its first component is radial (outward from the image's
+/// centre), and its second component is azimuthal.
 struct DiscCover {
     share: f64,
     toward: Option<[f64; 2]>,
@@ -61,7 +61,8 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     // `reach` is an upper bound of the angle from the rectangle's centre to the edge of the disc. The rectangle's
     // centre is the middle of the disc. If this middle is outside of the field of view, the centre is the nearest point
     // of the rim. If the rim cuts the disc, the shortest path on the sphere from the rectangle's centre to the edge of
-    // the disc may leave the field of view. The bound must then be larger.
+    // the disc may leave the field of view, where the image scale is not bounded. `reach` is then an upper bound of a
+    // longer path inside the field of view.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);

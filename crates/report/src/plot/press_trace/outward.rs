@@ -222,8 +222,8 @@ mod tests {
                     assert_eq!(found, None);
                     continue;
                 }
-                // The expected direction is the gradient along the skin of the angle between marker and contact. The
-                // vertex of this angle is the centre of the sphere.
+                // The marker is expected to move along the skin directly away from the contact. In this direction, the
+                // angle between marker and contact, as seen from the centre of the sphere, increases fastest.
                 let sine = libm::sin(distance / radius);
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
                 let true_one = axes.map(|axis| -dot(carried(axis, *place, radius), centre) / sine);

@@ -38,8 +38,8 @@ const CALIBRATE_HELP: &str = concat!("Tables have one row per known displacement
 where hue_turns is the change of the marker's hue and growth the change of the logarithm of its diameter. One of
 these two columns may be missing. The columns for a marker that is displaced along the skin are
   tangential_displacement_mm,centroid_shift_px
-A table may have the columns of both kinds. The optional columns `series` and `marker` are the numbers of the
-series of presses and of the marker. Several tables are fitted together. If a row for a displacement along the
+A table may have the columns of both kinds. The optional columns `series` and `marker` contain the index of
+the series of presses and the index of the marker. Several tables are fitted together. If a row for a displacement along the
 skin also has a normal displacement, the shift in px per length is fitted as a function of the normal displacement.
 
 ", tables!(), "Other columns are ignored. One of the tables may be -, standard input.
