@@ -466,11 +466,14 @@ fn no_json(
     }
     let message = error.to_string();
     let message = message.split(" at line ").next().unwrap_or_default();
-    let what = format!(
-        "is no JSON object: {message} (character {})",
-        error.column()
-    );
-    file.fail(line, format!("{what}; {NEEDED}"))
+    let place = match error.column() {
+        0 => String::new(),
+        column => format!(" (character {column})"),
+    };
+    file.fail(
+        line,
+        format!("is no JSON object: {message}{place}; {NEEDED}"),
+    )
 }
 
 /// Names and values of an object or a list; nested names are joined by points, as in `position.0`.
