@@ -6,6 +6,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use csv::StringRecord;
 use palpate_study::readings::spelt;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use serde_json::{Map, Value as Json};
 
@@ -145,7 +147,7 @@ impl<'a> JsonTable<'a> {
                 let mut before = self.header_line;
                 for &(row, line) in rows {
                     fields.clear();
-                    match self.plain_values(row, &places) {
+                    match self.plain_values(row, names, &places) {
                         Some(values) => values.iter().for_each(|value| fields.push_field(value)),
                         None => {
                             let row = value(file, names, line, row)?;
@@ -191,10 +193,11 @@ impl<'a> JsonTable<'a> {
     fn plain_values<'v>(
         &self,
         row: &'v str,
+        names: Option<&[String]>,
         places: &Option<Vec<usize>>,
     ) -> Option<Vec<Cow<'v, str>>> {
-        let count = self.names.len();
-        if row.starts_with('[') {
+        let count = names.map_or(self.names.len(), <[String]>::len);
+        if row.starts_with('[') || names.is_some() {
             let values: Vec<&RawValue> = serde_json::from_str(row).ok()?;
             let places = places.as_ref().filter(|_| values.len() == count)?.iter();
             return places.map(|&place| plain(values.get(place)?)).collect();
@@ -258,7 +261,14 @@ fn sequence<'a>(
         };
         rows.iter().zip(1..).map(row).collect()
     } else {
-        lines().collect()
+        let mut rows = Vec::new();
+        for (line, number) in lines() {
+            for row in serde_json::Deserializer::from_str(line).into_iter::<&RawValue>() {
+                let row = row.map_err(|error| no_json(file, number, line, &error))?;
+                rows.push((row.get(), number));
+            }
+        }
+        rows
     };
     Ok(Rows::Sequence {
         rows,
@@ -436,7 +446,17 @@ fn columns<'a>(
 }
 
 /// Values of a column by the numbers of their rows. pandas writes a column as such an object.
-type NumberedRows<'a> = BTreeMap<u64, &'a RawValue>;
+type NumberedRows<'a> = BTreeMap<RowNumber, &'a RawValue>;
+
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct RowNumber(u64);
+
+impl<'de> Deserialize<'de> for RowNumber {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        let number = <&str>::deserialize(source)?.parse();
+        number.map(Self).map_err(Error::custom)
+    }
+}
 
 /// Whether a name denotes one axis, such as `x_mm`.
 fn is_of_axis(name: &str) -> bool {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// Probability that a chi-squared variable with `freedom` degrees of freedom is larger than `chi_squared` (Abramowitz
 /// and Stegun 26.4.4 and 26.4.5). The result is 1 without degrees of freedom, and 0 if `chi_squared` is NaN. The
-/// relative error of the probability is at most 1e-12 for up to 100 degrees of freedom, and at most 1e-9 for more.
+/// relative error of the probability is at most 1e-12 for up to 100 degrees of freedom, and at most 2e-9 for more.
 ///
 /// ```
 /// assert!((palpate_statistics::chi_squared_tail(3.841459, 1) - 0.05).abs() < 1e-7);

@@ -70,7 +70,7 @@ fn files_of_other_programs_hold_the_same_contacts() {
                 .into_iter()
                 .enumerate()
                 .map(|(row, fields)| match dictionary {
-                    true => format!("\"{row}\":{}", fields[at]),
+                    true => format!("\"{row:03}\":{}", fields[at]),
                     false => fields[at].to_string(),
                 });
             let values = values.collect::<Vec<_>>().join(",");
@@ -119,6 +119,7 @@ fn files_of_other_programs_hold_the_same_contacts() {
         format!("{{\"rate\":100,\"contacts\":[{}]}}", objects(",")),
         format!("[{}]", objects(",")),
         objects("\n"),
+        objects(" "),
         columns(false),
         columns(true),
     ] {
