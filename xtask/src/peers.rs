@@ -192,8 +192,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
             };
             match package.is_empty() {
                 true => mine.extend(in_rust()?),
-                // In the group `python-glide`, palpate in Rust is also a peer. The Python script does not measure it,
-                // so measure it here.
+                // The only peer of the group `python-glide` is palpate in Rust. The Python script measures only
+                // palpate's Python package, so measure palpate in Rust here.
                 false if name == "python-glide" => theirs.extend(in_rust()?),
                 false => {}
             }

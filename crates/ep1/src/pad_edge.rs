@@ -8,7 +8,7 @@ use crate::crossings::{Run, edge_samples};
 use crate::feasible_set::{EdgeRow, OPEN, Programs, RollRows, distribution, furthest_change};
 use crate::roll_fit::slopes_at;
 use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
-use crate::series_fit::largest_spread;
+use crate::symmetric::largest_spread;
 use crate::{PadCell, Quantity, RollSample, RollSeries};
 
 /// The bounds are linearised repeatedly to find an extreme value over the set of possible mobilities (contact travels

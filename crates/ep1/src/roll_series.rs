@@ -4,6 +4,11 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::SeriesError;
 use crate::crossings::{Run, without_chatter};
+use crate::roll_fit::Observation;
+
+/// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
+/// this number of groups, and the fit uses the mean of each group.
+const GROUPS: usize = 12;
 
 /// One sample of a roll: time, rotation of the probe, and place of the contact or pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -216,4 +221,23 @@ pub(crate) fn check(
 /// Whether `place` is a point of the probe, that is, less than half a turn from the origin of the coordinates.
 fn is_on_probe(radius: f64, place: &Vector2<f64>) -> bool {
     place.norm_squared() < (std::f64::consts::PI * radius).powi(2)
+}
+
+/// Averages the rotations and contact points over groups of successive samples.
+pub(crate) fn groups(samples: &[RollSample], scale: f64) -> (Vec<Vector3<f64>>, Vec<Observation>) {
+    let count = samples.len().min(GROUPS);
+    let mut rotations = Vec::with_capacity(count);
+    let mut observations = Vec::with_capacity(count);
+    for group in 0..count {
+        let [from, to] = [group, group + 1].map(|edge| edge * samples.len() / count);
+        let share = 1.0 / (to - from) as f64;
+        let (mut rotation, mut place) = (Vector3::zeros(), Vector2::zeros());
+        for sample in &samples[from..to] {
+            rotation += sample.rotation * share;
+            place += sample.place * share;
+        }
+        rotations.push(rotation);
+        observations.push(Observation::Contact(place * scale, (to - from) as f64));
+    }
+    (rotations, observations)
 }

@@ -6,7 +6,7 @@ use palpate_statistics::{GoodnessOfFit, NORMAL_95, student_half_width};
 
 use crate::feasible_set::normal_nodes;
 use crate::pad_edge::PadEdgeSet;
-use crate::series_fit::inverse_slopes;
+use crate::symmetric::inverse_slopes;
 use crate::{Estimate, Measured};
 
 /// A curvature of the object at the common start of the rolls, in the axes of the pads.

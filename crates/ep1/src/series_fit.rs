@@ -1,17 +1,18 @@
 //! Estimates curvature from time series of rolls.
 
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
-use crate::roll_series::check;
+use crate::roll_series::{check, groups};
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
+use crate::symmetric::{inverse_slopes, largest_spread};
 use crate::{
-    Exclusion, PadCell, Places, RollReport, RollSample, RollSeries, SeriesError, SeriesEstimate,
-    SeriesMethod, SeriesNoise,
+    Exclusion, PadCell, Places, RollReport, RollSeries, SeriesError, SeriesEstimate, SeriesMethod,
+    SeriesNoise,
 };
 
 /// A roll is left out as an outlier if its p-value is below this value divided by the number of rolls.
@@ -21,9 +22,6 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 const MIN_RESIDUAL: f64 = 1e-3;
 /// A fit may leave out rolls as outliers, but at most the number of all rolls divided by this value.
 const ROLLS_PER_OUTLIER: usize = 4;
-/// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
-/// this number of groups, and the fit uses the mean of each group.
-const GROUPS: usize = 12;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
 /// Tolerance of a fit that only provides a first guess for the set of mobilities (contact travels per radian) that
@@ -594,51 +592,4 @@ impl Problem<'_> {
             direction_rad: direction,
         }
     }
-}
-
-/// Derivatives of the entries uu, uv, vv of the inverse of a mobility (contact travel per radian) with respect to the
-/// entries of the mobility. `relative` is this inverse.
-pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
-    let units = [
-        Matrix2::new(1.0, 0.0, 0.0, 0.0),
-        Matrix2::new(0.0, 1.0, 1.0, 0.0),
-        Matrix2::new(0.0, 0.0, 0.0, 1.0),
-    ];
-    let columns = units.map(|unit| {
-        let change = -(relative * unit * relative);
-        Vector3::new(change[(0, 0)], change[(0, 1)], change[(1, 1)])
-    });
-    Matrix3::from_columns(&columns)
-}
-
-/// Largest standard deviation of the entries of a mobility (contact travel per radian), relative to the smallest
-/// mobility in any direction.
-pub(crate) fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>) -> f64 {
-    let half = 0.5 * (mobility[(0, 0)] - mobility[(1, 1)]);
-    let least = 0.5 * mobility.trace() - libm::hypot(half, mobility[(0, 1)]);
-    let largest = covariance.diagonal().max().max(0.0).sqrt();
-    if least > 0.0 {
-        largest / least
-    } else {
-        f64::INFINITY
-    }
-}
-
-/// Averages the rotations and contact points over groups of successive samples.
-fn groups(samples: &[RollSample], scale: f64) -> (Vec<Vector3<f64>>, Vec<Observation>) {
-    let count = samples.len().min(GROUPS);
-    let mut rotations = Vec::with_capacity(count);
-    let mut observations = Vec::with_capacity(count);
-    for group in 0..count {
-        let [from, to] = [group, group + 1].map(|edge| edge * samples.len() / count);
-        let share = 1.0 / (to - from) as f64;
-        let (mut rotation, mut place) = (Vector3::zeros(), Vector2::zeros());
-        for sample in &samples[from..to] {
-            rotation += sample.rotation * share;
-            place += sample.place * share;
-        }
-        rotations.push(rotation);
-        observations.push(Observation::Contact(place * scale, (to - from) as f64));
-    }
-    (rotations, observations)
 }

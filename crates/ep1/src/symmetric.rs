@@ -1,6 +1,6 @@
 //! Small symmetric matrices.
 
-use nalgebra::{Matrix2, Matrix3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 
 /// The rotation vectors of the probes count as parallel if the ratio of their spread across their main axis to their
 /// spread along this axis is below this value.
@@ -108,5 +108,33 @@ impl Symmetric3 {
             vv: b[0] * v[0] + d[1] * v[1] + b[2] * v[2],
             uv: b[1] * v[0] + b[2] * v[1] + d[2] * v[2],
         }
+    }
+}
+
+/// Derivatives of the entries uu, uv, vv of the inverse of a mobility (contact travel per radian) with respect to the
+/// entries of the mobility. `relative` is this inverse.
+pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
+    let units = [
+        Matrix2::new(1.0, 0.0, 0.0, 0.0),
+        Matrix2::new(0.0, 1.0, 1.0, 0.0),
+        Matrix2::new(0.0, 0.0, 0.0, 1.0),
+    ];
+    let columns = units.map(|unit| {
+        let change = -(relative * unit * relative);
+        Vector3::new(change[(0, 0)], change[(0, 1)], change[(1, 1)])
+    });
+    Matrix3::from_columns(&columns)
+}
+
+/// Largest standard deviation of the entries of a mobility (contact travel per radian), relative to the smallest
+/// mobility in any direction.
+pub(crate) fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>) -> f64 {
+    let half = 0.5 * (mobility[(0, 0)] - mobility[(1, 1)]);
+    let least = 0.5 * mobility.trace() - libm::hypot(half, mobility[(0, 1)]);
+    let largest = covariance.diagonal().max().max(0.0).sqrt();
+    if least > 0.0 {
+        largest / least
+    } else {
+        f64::INFINITY
     }
 }

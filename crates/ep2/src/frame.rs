@@ -18,8 +18,9 @@ const MOST_SPREAD_ACROSS: f64 = 0.7;
 /// The outward direction determines which side of the patch's plane is outside only if its angle to the plane is at
 /// least this value (rad). At smaller angles, the noise of the contacts could exchange the sides.
 const LEAST_SIDE_RAD: f64 = 0.02;
-/// A patch counts as elongated if its contacts spread more along one principal direction than along the other, by more
-/// than this factor. The sides of the patch are then assumed to be parallel to the principal directions.
+/// A patch counts as elongated if the rms spread of its contacts along their first principal axis is more than this
+/// factor times the rms spread along their second. A side of an elongated patch is assumed to be parallel to the first
+/// principal axis.
 const LONG: f64 = 1.15;
 /// The fingers have a common direction of travel only if their contacts scatter more along this direction than across
 /// it. This constant is the smallest ratio of two sums of squared distances of the contacts from the mean of their

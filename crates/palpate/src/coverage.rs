@@ -20,7 +20,8 @@ use comparable_scene::{Fields, comparable_fields, unit_length};
 /// value is the curvature of the object, which is negative for a dish.
 const CURVATURE: &str = "scene.object.curvature";
 
-/// Name and CSV text of each table of families of random scenes.
+/// Tables of families, each as the name of the table and its CSV text. A row of a table describes one family: a group
+/// of random scenes with similar fields, and the coverage that was measured in these scenes.
 pub const FAMILY_TABLES: [(&str, &str); 4] = [
     ("roll", include_str!("coverage/roll.csv")),
     ("glide", include_str!("coverage/glide.csv")),

@@ -44,8 +44,8 @@ impl Layer {
     pub(super) fn at_indentation(thickness: f64, indentation_over_curvature: f64) -> Result<Self> {
         let wanted = indentation_over_curvature / (thickness * thickness);
         let solve = |contact: f64| Self::with_radius(thickness, contact);
-        // Let D be the ratio of indentation to relative curvature, and α the contact radius. The secant method uses
-        // logarithms, because ln D is almost a linear function of ln α.
+        // The secant method finds the contact radius α (`contact`) for which D (`indentation`, the ratio of indentation
+        // to relative curvature) equals `wanted`. It uses logarithms, because ln D is almost a linear function of ln α.
         let [mut before, mut here] = [solve(wanted.sqrt())?, solve(1.2 * wanted.sqrt())?];
         for _ in 0..MAX_STEPS {
             let slope = libm::log(here.contact / before.contact)

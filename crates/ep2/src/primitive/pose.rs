@@ -276,8 +276,8 @@ impl Equations {
         all
     }
 
-    /// The weighted sum of a contact's squared deviations (distance and normal) depends on the fitted parameters.
-    /// Returns the gradient of this sum with respect to the parameters.
+    /// Returns −1/2 times the gradient of a contact's weighted sum of squared deviations (of distance and of normal),
+    /// with respect to the fitted parameters.
     pub(super) fn gradient(pose: &Pose, cloud: &Cloud, index: usize, weights: [f64; 2]) -> Row {
         let normal = cloud.normals.get(index);
         let one = pose.deviation(&cloud.places[index], normal.is_some());

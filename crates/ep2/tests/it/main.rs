@@ -3,6 +3,7 @@
 
 mod any_number;
 mod drawn_shapes;
+mod logs;
 mod misfit;
 mod penalised;
 mod refusals;

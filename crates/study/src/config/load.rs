@@ -414,8 +414,8 @@ impl Study {
         swept.map_or(self.config.trials, |trials| trials as u64)
     }
 
-    /// Type that fits the values of a swept field in all cells. `place` is the index of the field in
-    /// [paths](Self::paths).
+    /// Column type of a swept field. The values of the field in all cells (grid points of the study) have this type.
+    /// `place` is the index of the field in [paths](Self::paths).
     ///
     /// ```
     /// use palpate_study::{ColumnType, config::parse};

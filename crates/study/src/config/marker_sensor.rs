@@ -351,8 +351,8 @@ pub enum ShownMarkers {
     UnderContact,
 }
 
-/// A sensor without an object. The study computes the image of one marker, and the strain of the sensor's skin that is
-/// caused by folding the skin from flat pieces.
+/// A sensor without an object. The study computes two properties of the sensor: the area of one marker's image, and the
+/// strain that arises when the flat pieces of the skin are folded into a sphere.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BareFingertipConfig {

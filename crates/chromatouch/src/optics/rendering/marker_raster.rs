@@ -58,11 +58,12 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
         return None;
     }
     let size = f64::from(camera.size_px());
-    // `reach` is an upper bound of the angle from the rectangle's centre to the edge of the disc. The rectangle's
-    // centre is the middle of the disc. If this middle is outside of the field of view, the centre is the nearest point
-    // of the rim. If the rim cuts the disc, the shortest path on the sphere from the rectangle's centre to the edge of
-    // the disc may leave the field of view, where the image scale is not bounded. `reach` is then an upper bound of a
-    // longer path inside the field of view.
+    // The rectangle's centre is the image of the disc's middle. If this middle is outside of the field of view, the
+    // rectangle's centre is the image of the nearest point of the rim instead. Let C be the point on the sphere whose
+    // image is the rectangle's centre. Every visible point of the disc can be reached from C on a path inside the field
+    // of view, where the image scale is bounded. `reach` is an upper bound of the length of this path. If the rim cuts
+    // the disc, the shortest path on the sphere is at most 2 radii long, but may leave the field of view. A detour
+    // along the rim is at most π/2 times as long as the part that it replaces, so the path is shorter than 4 radii.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
