@@ -302,11 +302,9 @@ impl ShapeSettings {
             .iter()
             .map(|&shape| robust_fit(shape, cloud, stated))
             .collect();
-        let too_many = fits.iter().filter_map(|fit| fit.inliers_of_few.as_ref());
-        if too_many.clone().count() == fits.len()
-            && let Some(inliers) =
-                too_many.max_by_key(|inliers| inliers.iter().filter(|one| **one).count())
-        {
+        let to_few: Option<Vec<_>> = fits.iter().map(|fit| fit.inliers_of_few(cloud)).collect();
+        let most = |inliers: &Vec<bool>| inliers.iter().filter(|one| **one).count();
+        if let Some(inliers) = to_few.and_then(|all| all.into_iter().max_by_key(most)) {
             let runs = distinct.run_of_row.iter().zip(&rows);
             let left = runs.filter(|(run, _)| !inliers[**run]).map(|(_, row)| *row);
             return Err(ShapeError::TooManyOutliers {

@@ -339,9 +339,9 @@ pub(super) struct RobustFit {
     pub(super) solution: Solution,
     pub(super) is_used: Vec<bool>,
     limits: Limits,
-    /// Another fit may leave out more than a fifth of all contacts but have a much smaller variance. For each contact,
-    /// whether this other fit uses it. `None` if there is no such fit.
-    pub(super) inliers_of_few: Option<Vec<bool>>,
+    /// Pose and limits of another fit, which leaves out more than a fifth of all contacts but has a much smaller
+    /// variance. `None` if there is no such fit.
+    fit_to_few: Option<(Pose, Limits)>,
 }
 
 /// Fits a shape such that a few outliers hardly change the result.
@@ -373,7 +373,7 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
             [1.0; 2],
             ITERATIONS,
         ),
-        inliers_of_few: robust.inliers_of_few.map(|_| full.is_used.clone()),
+        fit_to_few: robust.fit_to_few,
         ..full
     }
 }
@@ -400,7 +400,7 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     let variances = [&from_subset, &plain].map(|fit| fit.solution.variances[0]);
     if from_subset.leaves_out_too_many() {
         let is_clear = variances[0] < MAX_FEW_VARIANCE_SHARE * variances[1];
-        plain.inliers_of_few = is_clear.then_some(from_subset.is_used);
+        plain.fit_to_few = is_clear.then_some((from_subset.solution.pose, from_subset.limits));
         return plain;
     }
     if variances[0] < MAX_MEDIAN_SHARE * variances[1] {
@@ -487,7 +487,7 @@ impl Limits {
             solution: Solution::of(*pose),
             is_used: distances.iter().enumerate().map(is_near).collect(),
             limits: self,
-            inliers_of_few: None,
+            fit_to_few: None,
         }
     }
 }
@@ -535,6 +535,13 @@ fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
 }
 
 impl RobustFit {
+    /// For each contact, whether a fit uses it that leaves out more than a fifth of the contacts but has a much smaller
+    /// variance. `None` if there is no such fit.
+    pub(super) fn inliers_of_few(&self, cloud: &Cloud) -> Option<Vec<bool>> {
+        let (pose, limits) = self.fit_to_few?;
+        Some(limits.apply(&pose, cloud).is_used)
+    }
+
     fn leaves_out_too_many(&self) -> bool {
         let left = self.is_used.iter().filter(|used| !**used).count();
         left as f64 > MAX_OUTLIER_SHARE * self.is_used.len() as f64
