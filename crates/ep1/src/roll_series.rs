@@ -182,8 +182,10 @@ pub(crate) fn check(
         let mut place = Vector2::repeat(f64::NAN);
         let mut runs: Vec<Run> = Vec::new();
         for (sample, reading) in series.samples.iter().enumerate() {
-            let sum = reading.time_s + reading.rotation.sum() + reading.place.sum();
-            if !sum.is_finite() {
+            let is_new = reading.place.x != place.x || reading.place.y != place.y;
+            let [x, y, z] = reading.rotation.into();
+            let sum = reading.time_s + x + y + z;
+            if !sum.is_finite() || (is_new && !reading.place.sum().is_finite()) {
                 return Err(SeriesError::NotFinite { roll, sample });
             }
             if reading.time_s <= last {
@@ -195,7 +197,7 @@ pub(crate) fn check(
                 });
             }
             last = reading.time_s;
-            if reading.place == place {
+            if !is_new {
                 continue;
             }
             place = reading.place;
