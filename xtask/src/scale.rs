@@ -1,5 +1,5 @@
 //! Tests long runs under difficult conditions: runs that are killed, runs on a full disk, and runs on a cluster. Each
-//! run must write the same bytes as a run without interruption.
+//! interrupted run is resumed. It must then write the same bytes as a run without interruption.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -259,9 +259,9 @@ impl Discrimination {
         )
     }
 
-    /// The result as JSON. It contains the sentences. For each pair of objects, it contains the probability that one
-    /// trial of each object distinguishes them, the 95 % interval of this probability, and the required number of
-    /// trials.
+    /// The result as JSON. For each pair of objects, it contains the probability that one trial of each object
+    /// distinguishes them, the 95 % interval of this probability, and the required number of trials. It also contains
+    /// the texts of [`Self::sentences`].
     pub fn to_json(&self, study: &Study) -> Value {
         let groups = self.groups.iter().map(|group| {
             let pairs = group.pairs.iter().map(|pair| {

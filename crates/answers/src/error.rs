@@ -98,8 +98,8 @@ impl AnswerError {
     pub(crate) fn no_quantity(scene: &'static str, name: &str, quantities: &[Quantity]) -> Self {
         let mut known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
         let is_principal = Quantity::PRINCIPAL.iter().any(|one| one.name == name);
-        let with_key = "and this one with `scene.principal_curvatures = true`";
-        known.extend((is_principal && scene != "press").then_some(with_key));
+        let with_key = format!("and {name} if the config sets `scene.principal_curvatures = true`");
+        known.extend((is_principal && scene != "press").then_some(with_key.as_str()));
         Self::NoQuantity {
             scene,
             name: name.to_owned(),

@@ -90,7 +90,7 @@ pub struct Sample {
 pub struct Best<'a> {
     /// The value of the optimised field. For a listed value, its index in the list.
     pub value: f64,
-    /// Combination of values of the fields in [`Region::grid`] at which this best value meets the target.
+    /// The result at the combination of values of the fields in [`Region::grid`] at which `value` meets the target.
     pub column: &'a RegionColumn,
     /// Value of the searched field at which the target is met together with `value`. For a listed value, its index in
     /// the list.

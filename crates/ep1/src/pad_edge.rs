@@ -69,7 +69,8 @@ impl BoundedRoll {
         let mobility = shape.relative().try_inverse()?;
         let mut edges = edge_samples(samples, runs, cell.pitch() / radius, cell, &mobility);
         let turned = samples.last()?.rotation;
-        // If the contact's path bends, it is also computed at rotations between those of the bounds.
+        // The contact's path is computed at the sample of each bound. If the path bends, it is also computed at samples
+        // in between, to limit the path's error.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
         let bend = uneven * turned.norm() + sagitta(samples);
         let square = turned.norm_squared() * bend / 12.0;
@@ -163,9 +164,9 @@ impl PadEdgeSet {
             }
             let found = middle(&set.rows);
             let is_found = found.is_some();
-            // The linear bounds are approximations at the current mobility (contact travel per radian). If this
-            // mobility is far from all possible mobilities, perhaps no mobility fulfils the bounds. In this case, widen
-            // the bounds: a step with the wider bounds leads towards the possible mobilities.
+            // The bounds are linearised at the current mobility (contact travel per radian). If this mobility is far
+            // from the mobilities that fulfil the nonlinear bounds, perhaps no mobility fulfils the linear bounds. In
+            // this case, widen the linear bounds. Then a step towards the possible mobilities can be computed.
             let wider = |widening: &f64| {
                 let mut wider = set.rows.clone();
                 let rows = wider.iter_mut().flat_map(|roll| &mut roll.rows);

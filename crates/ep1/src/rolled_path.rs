@@ -214,10 +214,10 @@ impl PathPoint {
         in_frame - once + tilt.cross(&once) * 0.5
     }
 
-    /// Computes the next step of a roll without spin. `last` is the rotation vector from the start of the roll to the
-    /// beginning of the step. `drive` contains the components (−y, x) of the rotation vector at the end of the step.
-    /// The first result is the rotation of the step in the contact frame. The second result is the component of the new
-    /// rotation vector along the normal at the start.
+    /// Computes the next step of a roll without spin. The rotation vectors are counted from the start of the roll.
+    /// `last` is the rotation vector at the beginning of the step. `drive` is the tangential part of the rotation
+    /// vector at the end of the step, turned by 90° (see [`drive_of`]). Returns the rotation of the step in the contact
+    /// frame, and the normal component of the rotation vector at the end of the step.
     fn turn_without_spin(
         &self,
         last: &Vector3<f64>,

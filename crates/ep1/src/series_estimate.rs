@@ -173,8 +173,8 @@ impl SeriesEstimate {
         root.map_or(0.0, |root| apart.dot(&root.solve(&apart)))
     }
 
-    /// Increases the covariance of the entries `k_uu`, `k_vv` and `k_uv` of the curvature form for an additional error
-    /// `apart` of these entries.
+    /// Adds the covariance `apart apartᵀ` of one more error to the covariance of the entries `k_uu`, `k_vv` and `k_uv`
+    /// of the curvature form. `apart` contains the size of this error in each entry.
     pub(crate) fn widen(&mut self, apart: Vector3<f64>) {
         let covariance = self.covariance_matrix() + apart * apart.transpose();
         self.covariance = [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)]));

@@ -379,8 +379,8 @@ impl Problem<'_> {
             }
             let p_value = match fit.estimated {
                 None => chi_squared_tail(fall, freedom),
-                // Compare with the scatter between the other rolls, because this scatter may be much larger than the
-                // noise of samples.
+                // The noise is estimated, so compare this roll with the scatter between the other rolls (F test). This
+                // scatter may be much larger than the noise of samples.
                 Some(noise) => {
                     let others = (fit.shared_chi_squared() - fall).max(0.0);
                     let of_others = noise.shared_freedom.round() as usize;
@@ -504,8 +504,9 @@ impl Problem<'_> {
 
     /// The covariance of a fit is the inverse of its information matrix, multiplied by this factor.
     fn variance<const N: usize>(&self, fit: &SeriesFit<N>) -> f64 {
-        // Residuals of exact readings of pads come from the rotation between two samples. They are larger if the
-        // polynomial has too few terms for the curvature along the rolls. Then the factor increases the covariance.
+        // Exact readings of pads determine the rotation at a crossing only up to the rotation between two samples. The
+        // assumed errors contain this uncertainty. If the polynomial has too few terms for the curvature along the
+        // rolls, the residuals exceed the assumed errors. Then χ² per degree of freedom increases the covariance.
         let stated = match self.places {
             Places::Pads(_) if self.noise.is_exact() => fit.chi_squared / fit.freedom.max(1) as f64,
             _ => 1.0,

@@ -13,7 +13,7 @@ const REACH: f64 = 8.0;
 /// Number of intervals of Simpson's rule in each part of the range of integration. It must be even.
 const INTERVALS: usize = 64;
 
-/// Shape class by the signs of the Gaussian and the mean curvature alone, without thresholds.
+/// Shape class by the signs of the Gaussian and the mean curvature, without thresholds.
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SignClass {
@@ -38,7 +38,7 @@ impl Curvature {
         thresholds.classify(self.gaussian, self.mean)
     }
 
-    /// The shape class of the place by the signs of the Gaussian and the mean curvature alone.
+    /// The shape class of the place by the signs of the Gaussian and the mean curvature, without thresholds.
     pub fn sign_class(&self) -> SignClass {
         match (self.gaussian > 0.0, self.mean > 0.0) {
             (true, true) => SignClass::Convex,

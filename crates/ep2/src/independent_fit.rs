@@ -33,8 +33,9 @@ const MAX_CORRELATED_RATIO: f64 = 3.0;
 /// The distances of the contacts from a surface count as correlated if at least this number of consecutive distances
 /// counts as one independent distance.
 const MIN_CORRELATION: f64 = 1.5;
-/// A fit to means of contacts assumes a correlation length of the noise. If the residuals have a correlation length
-/// that is larger by more than this factor, the fit is repeated with means over more contacts.
+/// The assumed correlation length of the noise determines how many consecutive contacts are averaged before a fit. If
+/// the correlation length of the residuals exceeds the assumed length by more than this factor, the fit is repeated
+/// with the correlation length of the residuals.
 const MAX_GROWTH: f64 = 1.3;
 
 /// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means. A surface

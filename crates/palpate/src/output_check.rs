@@ -89,9 +89,9 @@ fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), Conf
     let mut plot = plot.clone();
     let all = plot.where_.len();
     plot.where_.retain(|path, _| is_swept(path));
-    // The results do not exist yet, so the plot is drawn from invented results, and filters by results are omitted.
-    // With real results, such a filter may leave only one row per point of the plot. Therefore, if a filter was
-    // omitted, an error about several rows per point is ignored below.
+    // The results do not exist yet, so draw the plot from invented results. Invented results cannot be filtered, so
+    // omit filters on columns of results. Without such a filter, a point may have several rows, which is an error.
+    // Ignore this error below, because the filter may select one of the rows.
     let filters_results = plot.where_.len() < all;
     let filters: Vec<(&str, Vec<String>)> = plot.filters().collect();
     let cells = table(study, &study.star(&filters))?;

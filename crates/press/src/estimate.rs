@@ -142,7 +142,7 @@ pub struct PressEstimate {
     pub indentation: Estimated,
     /// Radius of the contact area (length).
     pub contact_radius: Estimated,
-    /// Position (length) of the contact in the coordinates of the skin.
+    /// Position of the contact on the skin (length), in the same coordinates as the positions of the markers.
     pub contact: [f64; 2],
     /// Standard errors (length) of the contact's position along the axes at the contact. If all markers are in a row,
     /// the fit assumes that the contact is on this row, and the standard error across the row is 0.
@@ -162,9 +162,9 @@ pub struct PressEstimate {
     pub r_squared: f64,
     /// Chi-squared of the residuals divided by the degrees of freedom. It is about 1 if the stated noise is correct.
     pub reduced_chi_squared: f64,
-    /// Goodness of fit. It is `None` for the Gaussian approximation, and if some noise was estimated from the
-    /// residuals. In a fit of images, the likelihood is averaged over the unknown deviations of the sensor's parameters
-    /// from their nominal values. Each deviation has a prior, so the deviations do not reduce the degrees of freedom.
+    /// Goodness of fit. It is `None` if some noise was estimated from the residuals. In a fit of images, the likelihood
+    /// is averaged over the unknown deviations of the sensor's parameters from their nominal values. Each deviation has
+    /// a prior, so the deviations do not reduce the degrees of freedom.
     pub goodness: Option<GoodnessOfFit>,
     /// Whether the readings alone show a contact. If this is `false`, the estimate relies on a stated indentation. The
     /// interval of the curvature then contains the curvatures of all contacts in the area of the markers that are

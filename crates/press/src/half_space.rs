@@ -98,13 +98,14 @@ pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
 }
 
 /// The integrals Q and S from which the displacements of the half-space are computed. The formula of Q is in the
-/// description of this module; the fields `ring_even` and `ring_odd` state the formula of S. The integrals of order 1
-/// are divided by the distance r from the axis.
+/// description of this module; the fields `ring_even` and `ring_odd` state the formula of S. Integrals with the Bessel
+/// function J₁ are divided by the distance r from the axis.
 struct Moments {
-    /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰ of order 0, in this order. The description of this module contains their formula.
+    /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰, which contain the Bessel function J₀. The description of this module contains
+    /// their formula.
     even: [f64; 3],
-    /// The integrals Q₃¹, Q₂¹ and Q₁¹ of order 1, divided by the distance r from the axis. The description of this
-    /// module contains their formula.
+    /// The integrals Q₃¹, Q₂¹ and Q₁¹, which contain the Bessel function J₁, divided by the distance r from the axis.
+    /// The description of this module contains their formula.
     odd: [f64; 3],
     /// The integrals S₁ and S₀ of order 0: ∫ sin(ka) k^{−j} e^{−kz} J₀(kr) dk for j = 1 and j = 0.
     ring_even: [f64; 2],

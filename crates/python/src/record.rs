@@ -49,7 +49,7 @@ impl Made for Value {
     }
 }
 
-/// A field of a result that was computed without the other fields.
+/// Value of a field that [`Made::alone`] computed, without computing the other fields of the result.
 pub(crate) enum Alone {
     Number(Option<f64>),
     Value(Value),

@@ -242,7 +242,7 @@ def test_readings_without_information_are_refused(rolls, glides, presses):
         (rotations[:1], shifts[:1], "at least 2"),
         (rotations, 0 * shifts, "did not move"),
         (rotations, -shifts, "against the direction of the roll"),
-        (rotations, 100 * shifts, "half way round"),
+        (rotations, 100 * shifts, "half of the probe's circumference"),
         (0 * rotations, shifts, ""),
     ]:
         with pytest.raises(palpate.ReadingsError) as caught:

@@ -18,8 +18,9 @@ const HEADER: &str = "\
 # hue_weight x change of hue in turns + nearness_weight x (1 - diameter at rest / diameter pressed);
 # if per_marker is true, this is multiplied by the gain of the marker, if it has one. [lateral]:
 # displacement = shift of the centroid in px / (px_per_length + per_indentation x normal
-# displacement). Displacements are computed from `line`, which goes through rest; `with_intercept` is
-# for comparison. Residuals are of displacements: rms, and std with the degrees of freedom as divisor.
+# displacement). Displacements are computed from `line`, which goes through the origin;
+# `with_intercept` is for comparison. Residuals are of displacements: rms, and std with the degrees
+# of freedom as divisor.
 
 ";
 

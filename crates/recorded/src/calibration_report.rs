@@ -153,7 +153,7 @@ impl CalibrationReport {
                 let line = line.r_squared;
                 let text = format!(
                     "a line with an intercept fits the {what} points much better (R^2 {}) than a \
-                     line through zero (R^2 {}): are they changes from rest, and in the order of \
+                     line through the origin (R^2 {}): are they changes from rest, and in the order of \
                      the displacements?",
                     figures(free, 3),
                     figures(line, 3)
@@ -238,7 +238,7 @@ impl Words {
             });
         }
         lines.push(format!(
-            "  through rest, used: {}",
+            "  through the origin, used: {}",
             self.line(&all.through_rest)
         ));
         lines

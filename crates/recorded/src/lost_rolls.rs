@@ -69,9 +69,11 @@ impl RollRecording {
             probe: self.probe(roll),
             row: self.rows.get(roll).map(|row| row + 1),
             reason: match loss {
-                Loss::Far => "lost reading, the contact's shift is more than half way round the probe",
+                Loss::Far => {
+                    "lost reading (the contact's shift is longer than half of the probe's circumference)"
+                }
                 Loss::Zero => {
-                    "lost reading, the contact's shift is 0, but other rolls show that the contact moved"
+                    "lost reading (the contact's shift is 0, but other rolls show that the contact moved)"
                 }
             },
         });
@@ -123,7 +125,7 @@ impl RollRecording {
                 let [shift, half] =
                     [libm::hypot(shift.x, shift.y), PI * options.probe_radius].map(Number);
                 format!(
-                    "probe {probe}: a shift of {shift} {name} is more than half way round the probe ({half} {name})"
+                    "probe {probe}: a shift of {shift} {name} is longer than half of the probe's circumference ({half} {name})"
                 )
             }
             Loss::Zero => format!(

@@ -56,8 +56,8 @@ pub(super) struct PressNoise {
     tangential_std: Option<Value>,
     /// Reduced χ² of the fit. It is about 1 if the residuals are as large as the noise.
     reduced_chi_squared: f64,
-    /// p-value of the goodness of fit for the stated noise; `null` for a Gaussian, and if the noise is estimated from
-    /// the residuals.
+    /// p-value of the goodness of fit; `null` if the noise of the normal or the tangential displacements is estimated
+    /// from the residuals.
     p_value: Option<f64>,
 }
 

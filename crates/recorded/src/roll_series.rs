@@ -155,7 +155,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
             format!("{}: a number is not finite", at(roll, sample))
         }
         SeriesError::OffProbe { roll, sample } => format!(
-            "{}: the contact point or pad is more than half way round the probe",
+            "{}: the contact point or pad is more than half of the probe's circumference away from the origin of its coordinates",
             at(roll, sample)
         ),
         SeriesError::Contradiction { roll } => format!(

@@ -72,7 +72,7 @@ subjects! {
         "shape index": "Number from -1 to 1 that describes the shape of a surface at a point, independent of the size: -1 is a cup, 0 a symmetric saddle, 1 a cap.";
         "convex": "An object is convex if it bulges towards the sensor; its curvature is positive. As the class of a point by signs: both principal curvatures are positive.";
         "concave": "An object is concave if it is hollow; its curvature is negative. As the class of a point by signs: both principal curvatures are negative.";
-        "saddle": "Class of a point by the signs of the principal curvatures alone: the surface is convex in one direction and concave in another, or it is flat in some direction.";
+        "saddle": "Class of a point by the signs of the principal curvatures, without thresholds: one is positive and the other is negative, or at least one is 0.";
         "thresholds": "Limits for the Gaussian curvature K and the mean curvature H. If the magnitude of K or H is below its limit, the curvature counts as 0 for the shape class.";
         "edge": "Kind of contact of a press on a hollow object with a smaller radius than the sensor. The sensor touches only the rim of the object, so the object's curvature cannot be estimated.";
         "RCR": "Relative curvature ratio: the object's normal curvature divided by the probe's. A relative error of the readings of a roll causes a relative error of the curvature that is 1 + 1/RCR times as large.";
@@ -159,7 +159,7 @@ subjects! {
         "k_min": "Smallest normal curvature at a point; `direction_of_min` is its direction.";
         "k_max": "Largest normal curvature at a point; `direction_of_max` is its direction.";
         "class_probabilities": "Probability of each of the eight shape classes, from the uncertainty of K and H. In maps, each class has a column, such as `probability_peak`; `true_class` is the simulated class.";
-        "sign_class": "Class by the signs of the principal curvatures alone: convex, concave or saddle.";
+        "sign_class": "Class by the signs of the principal curvatures, without thresholds: convex, concave or saddle.";
         "regions": "Connected parts of a patch that have the same shape class; `region` is the number of a part in a map. Each part has its `area`, the averages of K and H over \
             the part, the average direction of largest curvature, and the coherence of the directions.";
         "status": "In the columns of markers, whether a marker was found. Otherwise the result of fitting a smoothing spline with the estimator `two-pass`. The curvature is usable unless the status is knots-exhausted or unsettled.";
@@ -180,7 +180,7 @@ subjects! {
         "stated-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
     }
     "Warnings about readings, calibrations and runs" {
-        "not-through-rest": "Warning about a calibration: a line with an intercept fits the calibration points much better than a line through zero. Perhaps the readings are not changes from the state at rest.";
+        "not-through-rest": "Warning about a calibration: a line with an intercept fits the calibration points much better than a line through the origin. Perhaps the readings are not changes from the state at rest.";
         "large-calibration-residual": "Warning about a calibration: the rms residual of the calibrated displacements is more than 10 % of the largest displacement.";
         "insignificant-slope": "Warning about a calibration: its slope is not significantly different from 0.";
         "different-slopes": "Warning about a calibration: the slopes of its series differ by more than 20 %.";
@@ -200,7 +200,7 @@ subjects! {
         "unnamed-probes": "No column states to which roll each row belongs. Palpate separates the rolls by rows, blank lines or times.";
         "assumed-columns": "The names of the columns in the file are not palpate's names. Palpate used the order of the columns, or interpreted them as columns of several fingers, or ignored some columns.";
         "unnamed-fingers": "No column states to which finger each row belongs. Palpate separates the fingers by blank lines or by long steps between contacts.";
-        "half-turn": "The contact of a simulated roll passes half way round the probe, so the movement of the contact on the probe (the shift) no longer determines the length of the roll.";
+        "half-turn": "The contact of a simulated roll moves by more than half of the probe's circumference, so the movement of the contact on the probe (the shift) no longer determines the length of the roll.";
         "hidden-markers": "The simulated camera does not image all markers.";
         "large-shift": "The sideways movement of a simulated press is larger than the contact radius, so the strains are not small.";
         "markers-at-surface": "The contact model moves the markers as if they were at the surface of the skin. The estimator, however, computes their displacements at their true depth.";
@@ -229,7 +229,7 @@ subjects! {
         "srgb-frames": "The frame at rest fits the sensor only if its pixels are encoded by sRGB. Both frames were linearised. State `--srgb` to omit this warning.";
         "subsampled-colours": "The frame at rest is compressed with a lower resolution of its colours, as in JPEG 4:2:0. The calibration attributes the errors of the compression to the lens, so curvatures may have a bias of several percent.";
         "jpeg-frames": "The frames are compressed as JPEG. The compression changes all markers in a similar way, so all uncertainties are tripled.";
-        "scatter-at-rest": "In the frame at rest, the markers differ from the model of the sensor by more than the errors that the tracker states. All uncertainties are multiplied by the ratio of these two numbers.";
+        "scatter-at-rest": "In the frame at rest, the markers differ from the model of the sensor by more than their noise explains. The number `ratio` states how many times as large the differences are. All uncertainties are multiplied by `ratio`.";
         "missing-markers": "Some markers of the layout were not found in the frames.";
         "other-camera": "The frame at rest contradicts the stated camera.";
         "camera-scale": "The stated scale of the camera, in pixels per radian, contradicts the calibration.";

@@ -116,7 +116,7 @@ impl AutoChoice {
         })
     }
 
-    /// The computation whose instructions are counted, for each counted model.
+    /// A computation for each model that [`Self::counted`] selects. The instructions of these computations are counted.
     pub(super) fn evaluations(&self) -> Result<Vec<Evaluation>> {
         self.counted().map(|place| self.evaluation(place)).collect()
     }

@@ -55,7 +55,7 @@ pub enum OpticsError {
     OffTheSkin {
         /// Index of the marker with the wrong place, from 0.
         marker: usize,
-        /// Place (length) of the marker in the coordinates of the skin.
+        /// Position of the marker on the skin (length), as the layout states it.
         place: [f64; 2],
         /// Half the circumference of the skin (length): the largest distance from the apex.
         limit: f64,

@@ -113,7 +113,8 @@ struct Candidate {
     /// Triangular factors of the matrix 1 + amplitude² × information. The information of the contacts is expressed in
     /// the basis of the modes.
     factors: Factors,
-    /// For each mode, the posterior mean of its random factor.
+    /// Posterior means of the coefficients of the modes. The roughness is the sum of the modes, each multiplied by its
+    /// coefficient.
     mean: Vec<f64>,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.
@@ -156,8 +157,9 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
             quadric.chain(mixture.mean.iter().copied()).collect()
         }
         Some(term) => {
-            // The implicit quadric is z = Q + m z²/2. If its coefficient m changes by 1, the coefficients of the
-            // roughness change by `term.derivative`.
+            // The surface is the implicit quadric z = Q + m z²/2 plus a series. The posterior contains only the
+            // coefficients of Q and of the series. Therefore convert a change of m to the change of the series that it
+            // causes: `term.derivative` per unit of m.
             let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
             let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
             quadrics.fill_with_identity();
@@ -187,7 +189,8 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
     }
 }
 
-/// The normal equations, divided into the equations of the quadric and the remaining equations of the roughness.
+/// The normal equations after the unknowns of the quadric have been eliminated. The unknowns of the quadric are
+/// `start` − `replaced` · c, where c contains the coefficients of the roughness. `rest` contains the equations for c.
 struct Eliminated {
     quadrics: Cholesky<f64, Dyn>,
     /// For each product of Chebyshev polynomials in the roughness, the coefficients of the quadric that fits this

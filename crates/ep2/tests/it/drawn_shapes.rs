@@ -181,7 +181,7 @@ pub(super) fn inside(contacts: &[Contact]) -> Vec<Contact> {
         .collect()
 }
 
-/// Contacts of three strokes over a ball of radius 25, with `each` contacts per stroke, noise and normals.
+/// Noisy contacts with normals on a ball of radius 25, from three strokes. Each stroke has `each` contacts.
 pub(crate) fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
     noisy(random, &exact, each, 0.05, Some(0.01))

@@ -218,8 +218,8 @@ fn intervals_of_rounded_heights_hold_the_radius() {
     assert!(held >= 36, "{held}");
 }
 
-/// Errors of positions along a ball move the positions outward on average. A fit to many contacts must correct this
-/// bias.
+/// An error tangential to a ball moves a contact away from the ball's centre, whatever the direction of the error. A
+/// fit to many contacts must correct this bias of the radius.
 #[test]
 fn noise_along_a_ball_does_not_enlarge_it() {
     let held = (0..10).filter(|case| {

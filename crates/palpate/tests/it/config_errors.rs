@@ -41,7 +41,7 @@ evaluate => estimator = { kind = "penalised", criterion = "reml", gamma = 2.0 }\
 /// error`.
 const PLOTS: &str = r#"
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "radius" | plot.0.quantity | is not a column
-[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "principal_curvature_max" | plot.0.quantity | this one with `scene.principal_curvatures = true`
+[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "principal_curvature_max" | plot.0.quantity | and principal_curvature_max if the config sets `scene.principal_curvatures = true`
 [[plot]]\nx = "scene.object.radius"\ny = "trials" | plot.0 | several rows share scene.object.radius = 5
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length"\nscale = "log-y"\nmarks = [{ axis = "y", value = -1.0, label = "a" }] | plot.0 | the mark at y = -1
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length"\ncompare = "trials" | plot.0.compare | must have the same unit

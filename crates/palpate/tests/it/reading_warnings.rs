@@ -123,7 +123,7 @@ const ROLL_MISTAKES: &str = "
 1 2 | 1e3 | or mrad
 1 2 | 0 | no probe turned
 3 4 | 1e-3 | the shifts in a larger unit
-3 4 | 1e3 | half way round
+3 4 | 1e3 | half of the probe's circumference
 ";
 const GLIDE_MISTAKES: &str = "
 4 5 6 | 57.296 | lengths of about 57.3

@@ -79,8 +79,8 @@ pub(crate) fn length_unit(name: Option<&str>) -> PyResult<Option<LengthUnit>> {
     name.map(unit).transpose()
 }
 
-/// Options of an estimate, taken from a cell (grid point) of a study; `None` without a study. Lengths are converted to
-/// `unit`, the unit of the readings; with `None`, lengths keep the unit of the study.
+/// Returns the options of an estimate that a cell (grid point) of a study states, or `None` without a study. Lengths
+/// are converted to `unit`, the unit of the readings. If `unit` is `None`, lengths keep the unit of the study.
 pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,

@@ -67,7 +67,10 @@ fn lost_rolls_are_left_out_and_named() {
         "{error}"
     );
     let error = estimate(log(8, 0.03, 0.0, &many.map(|(roll, _)| (roll, far)))).unwrap_err();
-    assert!(error.contains("half way round"), "{error}");
+    assert!(
+        error.contains("half of the probe's circumference"),
+        "{error}"
+    );
 }
 
 #[test]

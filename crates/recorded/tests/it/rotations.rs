@@ -369,7 +369,8 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let error = roll(&counted, "t_s=stamp", None).unwrap_err();
     assert_eq!(hint(&error), "probe=trial");
     assert!((mean(&followed(&counted)) - 0.025).abs() < 1e-9, "{error}");
-    // Positions of a tip without contacts on the probe are not sufficient for an estimate from rolls.
+    // An estimate from rolls needs the positions of the contact on the probe. This file has only the positions of the
+    // tip.
     let poses = table(
         "probe,time_s,x,y,z,qx,qy,qz,qw,seen,valid",
         Some(UnitQuaternion::identity()),

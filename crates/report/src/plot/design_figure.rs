@@ -390,7 +390,7 @@ struct Column {
     at: f64,
     /// For each range, whether its values meet the target (true) or miss it.
     sides: Vec<bool>,
-    /// Positions of both ends of each range on the scale of the searched field.
+    /// For each range, the positions of its lower and upper end along the axis of the searched field, from 0 to 1.
     runs: Vec<[f64; 2]>,
 }
 

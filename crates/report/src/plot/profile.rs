@@ -123,7 +123,7 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
 
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Swept fields in which the drawn cells differ, except the field whose values are in different panels.
+    /// Swept fields in which the drawn cells differ, except `panel`: each of its values has its own panel.
     names: Vec<&'a Axis>,
 }
 

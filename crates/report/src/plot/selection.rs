@@ -51,7 +51,9 @@ impl<'a> Request<'a> {
             .iter()
             .any(|name| name == Quantity::MEAN_CURVATURE.name);
         if has_mean && Quantity::PRINCIPAL.iter().any(|one| one.name == value) {
-            known.push("and this one with `scene.principal_curvatures = true`".to_owned());
+            known.push(format!(
+                "and {value} if the config sets `scene.principal_curvatures = true`"
+            ));
         }
         self.bad(format!(
             "{key} = {value:?} is not a column; possible: {}",
@@ -201,8 +203,8 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // If x is a statistic instead of a swept field, rows without a value of this statistic are not drawn. So they
-        // need not differ from other rows, and are not checked.
+        // If x is a statistic instead of a swept field, rows without a value of this statistic are not drawn. Therefore
+        // several of them may have the same panel and series.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {

@@ -20,8 +20,8 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
         cells.study(&config("sphere", "claims = [1]"))
     };
     differs(&table(|_| 0.1), &["0 of 2 steps"]);
-    // The error grows with the radius of the object, as the claim states, but it is 1.1 times as large as predicted. So
-    // the claim must differ.
+    // The error grows with the radius of the object, as the claim states. But it is 1.1 times as large as predicted, so
+    // the verdict must be `differs`.
     differs(
         &table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()),
         &["1.1 × the predicted"],

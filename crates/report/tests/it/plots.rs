@@ -65,7 +65,7 @@ fn a_study_without_plots_gets_the_default_plot() {
             "For object radius 1 cm: 100 trials per point.",
         ],
     );
-    // If the table contains no error, the default plot shows the mean. A study with only one cell has no default plot.
+    // If the table contains no rms errors, the default plot shows the mean.
     let mut cells = Cells::new("scene.object.radius_cm");
     for radius in ["1", "2"] {
         cells.push(
@@ -80,6 +80,7 @@ fn a_study_without_plots_gets_the_default_plot() {
         &drawn(&cells.study(&config("sphere", ""))),
         &["mean estimate of normal curvature along u (1/cm)"],
     );
+    // A study with only one cell has no default plot.
     let one = table("scene.object.radius_cm", &[("1", 0.1)]);
     assert!(figures(&one).unwrap().is_empty());
     // If the swept values are labels, they appear unchanged along x.

@@ -474,7 +474,7 @@ impl Trials for RollScene {
         let half_turn = std::f64::consts::PI * self.roller.probe().radius();
         let arc_length = self.truth.arc_length;
         if arc_length > half_turn {
-            let text = "the contact passes half way round the probe: a shift then no longer determines the length of the roll";
+            let text = "the contact moves by more than half of the probe's circumference: the shift then no longer determines the length of the roll";
             let numbers = [("arc_length", arc_length), ("half_turn", half_turn)];
             needs.push(Warning::new("half-turn", text, numbers).into());
         }

@@ -110,7 +110,7 @@ fn names_in_tables_do_not_change() {
         OpticsError::VARIANTS,
         TrackingError::VARIANTS,
     ];
-    // The error variant `surface` contains an error of the surface, whose name is printed instead of `surface`.
+    // The variant `surface` wraps a `SurfaceError`. Tables contain the name of the wrapped error and never `surface`.
     let expected = "too-few-probes unresolvable-set noisy-rotations unresolved not-rolling not-finite out-of-range\n\
         off-domain chart-singular no-closest-point\n\
         conforming overlapping surface too-many-steps singular not-finite\n\

@@ -85,9 +85,9 @@ fn no_draw_depends_on_another() {
         for (i, sums) in sums.iter().enumerate() {
             for (j, [product, square]) in sums.iter().enumerate() {
                 let is_itself = index == 0 && i == j;
-                // The products of independent draws have the variance 1, and the products of their centred squares the
-                // variance 4. A score is a sum of products divided by its standard deviation. With a probability of
-                // 0.999, the largest of 1,000 scores is below 5.
+                // If draws are independent, their products have variance 1, and the products of their centred squares
+                // have variance 4. A score is the sum of such products, divided by the standard deviation of the sum.
+                // With a probability of 0.999, the largest of 1,000 scores is below 5.
                 let scores = [*product, square / 2.0].map(|sum| sum / (TRIALS as f64).sqrt());
                 let independent = scores.iter().all(|score| score.abs() < 5.0);
                 assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");

@@ -103,7 +103,8 @@ pub(super) struct Axis {
     rows: Rows,
     /// Path of the sweep axis in the config, such as `sweep.0`.
     path: String,
-    /// Whether each row of the sweep axis is a list in the config, with one value per field.
+    /// Whether the config sets `paths` instead of `path`. Each entry of `values` is then a list with one value per
+    /// field.
     is_joint: bool,
 }
 

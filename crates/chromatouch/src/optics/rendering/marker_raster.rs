@@ -58,12 +58,12 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
         return None;
     }
     let size = f64::from(camera.size_px());
-    // The rectangle's centre is the image of the disc's middle. If this middle is outside of the field of view, the
-    // rectangle's centre is the image of the nearest point of the rim instead. Let C be the point on the sphere whose
-    // image is the rectangle's centre. Every visible point of the disc can be reached from C on a path inside the field
-    // of view, where the image scale is bounded. `reach` is an upper bound of the length of this path. If the rim cuts
-    // the disc, the shortest path on the sphere is at most 2 radii long, but may leave the field of view. A detour
-    // along the rim is at most π/2 times as long as the part that it replaces, so the path is shorter than 4 radii.
+    // The rectangle's centre is the image of a point C. C is the disc's middle or, if the middle is outside of the
+    // field of view, the nearest point of the rim. A path inside the field of view connects C with each visible point
+    // of the disc, and is at most `reach` long. `reach` times the largest image scale bounds the distance in the image.
+    // If the rim cuts the disc, the shortest path on the sphere is at most 2 radii long, but may leave the field of
+    // view. A detour along the rim is at most π/2 times as long as the part that it replaces, so the path is shorter
+    // than 4 radii.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);

@@ -47,10 +47,11 @@ skin also has a normal displacement, the shift in px per length is fitted as a f
 Frames are PNG, JPEG, BMP, TIFF or WebP images. The first frame is at rest. For each other frame, --normal and
 --tangential state the displacement of the marker that changes most.
 
-The command prints slope, standard error of the slope, R^2 and residual, of all points and of each series. It prints
-them for two lines: the line with an intercept, as in the paper of Lin et al. (2020), and the line through rest, from
-which `track` computes displacements. It warns of large residuals, of slopes that may be 0, and of series that disagree.
-It cannot detect that all displacements are wrong by a common factor.
+The command fits a line with an intercept to all points and to each series, as in the paper of Lin et al. (2020). It
+also fits a line through the origin to all points, because the signal is 0 at rest. `track` computes displacements from
+this line. For each line, the command prints the slope with its standard error, R^2 and the residual. It warns of large
+residuals, of slopes that may be 0, and of series with different slopes. It cannot detect that all displacements are
+wrong by a common factor.
 
 With --rest and --layout, the camera is calibrated by one frame at rest with the markers of a study's sensor. The result
 has place, turn, px per rad and odd terms of the lens, with standard deviations and covariance. The covariance is in the
@@ -121,7 +122,8 @@ pub(crate) struct CalibrateArgs {
     /// calibrates the displacements of markers instead.
     #[arg(long, value_name = "REST.png", requires = "layout", conflicts_with_all = ["inputs", "normal", "tangential", "per_marker", "px_per_rad"])]
     pub(crate) rest: Option<PathBuf>,
-    /// A study of a press with a camera, which states the layout, the discs and the nominal position of the camera.
+    /// The config of a study of a press with a camera. It states the positions and the discs of the markers, the frame
+    /// size, the lens, and the nominal position and rotation of the camera.
     #[arg(long, value_name = "STUDY.toml", requires = "rest")]
     pub(crate) layout: Option<PathBuf>,
     /// Number of the cell of the study --layout, counted from 0.
