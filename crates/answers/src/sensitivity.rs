@@ -249,7 +249,9 @@ impl ErrorRuns<'_> {
             let run = self.at(&fixed(value));
             run.map_err(|error| why = error.message().to_owned()).ok()
         };
-        let ends = [value - step, value + step].map(|value| Some((value, end(value)?.1)));
+        // The effect is a change per relative change of the value, so no end may be 0.
+        let ends = [value - step, value + step]
+            .map(|value| Some((value, end(value).filter(|_| value != 0.0)?.1)));
         let [low, high] = match ends {
             [None, None] => return Err(why),
             [low, high] => [low, high].map(|end| end.unwrap_or_else(|| (value, base.clone()))),

@@ -4,9 +4,10 @@ use palpate_study::config::{self, LengthUnit, Study};
 use palpate_study::{Column, ColumnType, Label, Rows};
 
 /// Endings of column names, each with the unit that it states.
-const UNITS: [(&str, &str); 7] = [
+const UNITS: [(&str, &str); 8] = [
     ("_rad", "rad"),
     ("_rad_per_s", "rad/s"),
+    ("_deg_per_s", "deg/s"),
     ("_deg", "deg"),
     ("_s", "s"),
     ("_px", "px"),

@@ -124,7 +124,8 @@ impl GlideRecording {
             let factor = unit.zip(self.unit).and_then(|(unit, own)| unit.to(own));
             (0..self.contacts.len()).filter_map(move |row| {
                 let radius = self.extras.row(row).swap_remove(place);
-                let radius = factor.unwrap_or(1.0) * radius.trim().parse::<f64>().ok()?;
+                let radius = radius.trim().replacen(',', ".", 1).parse::<f64>().ok()?;
+                let radius = factor.unwrap_or(1.0) * radius;
                 (radius > 0.0 && radius.is_finite()).then_some((name.as_str(), Number(radius)))
             })
         })

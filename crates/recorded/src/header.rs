@@ -7,6 +7,7 @@ use super::heading::{
     unknown_unit,
 };
 use super::table_format::pair;
+use super::table_layout::is_of_rostopic;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
@@ -19,6 +20,8 @@ pub(super) struct Header<'a> {
     names: &'a ColumnNames,
     /// Whether rotations without a unit are in degrees, because in rad they would exceed half a turn.
     pub(super) is_in_degrees: bool,
+    /// Whether lengths without a unit are in metres, because the file is a log of ROS.
+    is_in_metres: bool,
 }
 
 impl<'a> Header<'a> {
@@ -49,6 +52,7 @@ impl<'a> Header<'a> {
             headings,
             names,
             is_in_degrees: false,
+            is_in_metres: is_of_rostopic(header),
         }
     }
 
@@ -386,6 +390,9 @@ impl<'a> Header<'a> {
             _ if states => pair(column.stem(), heading.name),
             Measure::Angle if self.is_in_degrees => {
                 pair(&format!("{}_deg", column.stem()), heading.name)
+            }
+            Measure::Length if self.is_in_metres => {
+                pair(&format!("{}_m", column.stem()), heading.name)
             }
             _ => pair(column.name, heading.name),
         }

@@ -405,11 +405,19 @@ fn columns<'a>(
 ) -> Result<Option<(Vec<String>, Vec<Vec<&'a RawValue>>)>, RecordedError> {
     let (mut names, mut columns, mut shared) = (Vec::new(), Vec::new(), Vec::new());
     let mut is_table = false;
+    let (mut row_numbers, mut other) = (None, None);
     for (name, value) in object {
         let column = match value.get() {
             list if list.starts_with('[') => serde_json::from_str::<Vec<&RawValue>>(list),
-            rows if rows.starts_with('{') => serde_json::from_str::<NumberedRows<'_>>(rows)
-                .map(|rows| rows.into_values().collect()),
+            rows if rows.starts_with('{') => {
+                serde_json::from_str::<NumberedRows<'_>>(rows).map(|rows| {
+                    let (own, column): (Vec<_>, _) = rows.into_iter().unzip();
+                    if *row_numbers.get_or_insert_with(|| own.clone()) != own {
+                        other = Some(name.clone());
+                    }
+                    column
+                })
+            }
             _ => {
                 shared.push((name, value));
                 continue;
@@ -438,6 +446,12 @@ fn columns<'a>(
             column.len()
         )));
     }
+    if let Some(name) = other {
+        return Err(file.error(format!(
+            "has columns with different rows: `{}` and `{name}` differ in the numbers of their rows",
+            names[0]
+        )));
+    }
     for (name, value) in shared {
         names.push(name);
         columns.push(vec![value; rows]);
@@ -448,7 +462,7 @@ fn columns<'a>(
 /// Values of a column by the numbers of their rows. pandas writes a column as such an object.
 type NumberedRows<'a> = BTreeMap<RowNumber, &'a RawValue>;
 
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct RowNumber(u64);
 
 impl<'de> Deserialize<'de> for RowNumber {

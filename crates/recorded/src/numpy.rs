@@ -165,6 +165,13 @@ impl<'a> NumpyTable<'a> {
             None => (Vec::new(), false),
         };
         if arrays.len() > 1 && is_map && arrays.iter().all(|(_, array)| array.shape == first) {
+            let is_fortran = arrays[0].1.is_fortran;
+            if let Some((other, _)) = arrays.iter().find(|(_, one)| one.is_fortran != is_fortran) {
+                return Err(format!(
+                    "stores the maps `{}` and `{other}` in different orders (C and Fortran); apply np.ascontiguousarray before saving them",
+                    arrays[0].0
+                ));
+            }
             let count = first.iter().product();
             arrays
                 .iter_mut()

@@ -60,7 +60,12 @@ impl ReadingTable {
             .ok_or_else(|| fail("lengths cannot be converted".to_owned()))?;
         let decimal = match form.decimal {
             Some(decimal) => decimal,
-            None => decimal_of(table, &header, &places)?,
+            None => {
+                let numbers = places.iter().zip(columns);
+                let numbers = numbers.filter(|(_, column)| !is_label(column));
+                let numbers: Vec<Place> = numbers.map(|(place, _)| *place).collect();
+                decimal_of(table, &header, &numbers)?
+            }
         };
         let is_other = |index: &usize| {
             let is_read = places.iter().any(|place| place.index == *index);
@@ -73,8 +78,6 @@ impl ReadingTable {
         let mut labels = Labels::default();
         table.each(|record| {
             let (found, expected) = (record.fields.len(), table.header.len());
-            // A row may end in a delimiter. The empty field after the last delimiter does not count.
-            let is_ended = found == expected + 1 && record.fields[expected].is_empty();
             // NumPy may write a footer at the end of a file. The footer is a comment line, not a row.
             if found != expected
                 && record
@@ -84,7 +87,7 @@ impl ReadingTable {
             {
                 return Ok(());
             }
-            if found != expected && !is_ended {
+            if !record.has(expected) {
                 let hint = match table.has_commas() && found > expected {
                     true => "; if its commas are decimal signs, separate the fields by ; or tabs",
                     false => "",
@@ -93,7 +96,7 @@ impl ReadingTable {
                 return Err(table.file.fail(record.line, message));
             }
             for ((place, &factor), column) in places.iter().zip(&factors).zip(columns) {
-                if matches!(column.name, "finger" | "probe")
+                if is_label(column)
                     && let Some(place) =
                         labels.place(tidy(&record.fields[place.index]), lines.len())
                 {
@@ -290,6 +293,11 @@ fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f6
     }
 }
 
+/// Whether a column contains names or numbers of fingers or probes.
+fn is_label(column: &Column) -> bool {
+    matches!(column.name, "finger" | "probe")
+}
+
 /// Detects the decimal sign of the numbers in a table. The sign is a point, unless a number contains a comma.
 fn decimal_of(
     table: &TextTable<'_>,
@@ -303,7 +311,7 @@ fn decimal_of(
     let mut sign = DecimalSign::default();
     table.each(|record| {
         // Rows with a wrong number of fields are ignored here. Such rows are rejected later, when the numbers are read.
-        let is_whole = record.fields.len() == table.header.len();
+        let is_whole = record.has(table.header.len());
         for place in places.iter().filter(|_| is_whole) {
             let field = tidy(&record.fields[place.index]);
             if odd.is_none() && field.contains(',') {

@@ -25,6 +25,15 @@ pub(super) struct Record<'a> {
     pub(super) fields: &'a StringRecord,
 }
 
+impl Record<'_> {
+    /// Whether the row has `count` fields. A row may end in a delimiter: the empty field after the last delimiter does
+    /// not count.
+    pub(super) fn has(&self, count: usize) -> bool {
+        let found = self.fields.len();
+        found == count || (found == count + 1 && self.fields[count].trim().is_empty())
+    }
+}
+
 pub(super) type RowResult = Result<(), RecordedError>;
 
 /// Format of a table. For each format, a separate module reads the header and the rows.

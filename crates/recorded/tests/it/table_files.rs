@@ -439,6 +439,10 @@ fn damaged_files_are_refused_with_the_reason() {
             "columns of different lengths: `x` has 2 values, `y` has 1",
         ),
         (
+            br#"{"x":{"0":1,"1":2},"y":{"0":1,"2":2},"z":{"0":1,"1":2}}"#.to_vec(),
+            "`x` and `y` differ in the numbers of their rows",
+        ),
+        (
             b"[{\"x\":1,\"y\":2,\"z\":3},\n{\"x\":1,\"y\":NaN,\"z\":3}]".to_vec(),
             "r:2: `NaN` is no number of JSON; leave such rows out",
         ),

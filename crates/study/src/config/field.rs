@@ -132,7 +132,7 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
 }
 
 /// Units that may be at the end of a config's key.
-const IN_KEYS: [&str; 6] = ["rad_per_s", "rad", "deg", "s", "hz", "px"];
+const IN_KEYS: [&str; 7] = ["rad_per_s", "deg_per_s", "rad", "deg", "s", "hz", "px"];
 
 /// Whether the schema of configs defines the name of the field with these `keys`. `Some(false)` if the author of the
 /// config chose the name, as for a parameter of a formula. `None` if a config cannot have such a field.

@@ -52,6 +52,7 @@ impl FieldUnit {
             Some("1/length^2") => (Measure::Length, ["/", "^2"], -2, 1.0),
             _ if key.ends_with("_rad_per_s") => (Measure::Angle, ["", "/s"], 1, 1.0),
             _ if key.ends_with("_rad") => (Measure::Angle, ["", ""], 1, 1.0),
+            _ if key.ends_with("_deg_per_s") => (Measure::Angle, ["", "/s"], 1, 1_f64.to_degrees()),
             _ if key.ends_with("_deg") => (Measure::Angle, ["", ""], 1, 1_f64.to_degrees()),
             _ if key.ends_with("_s") => (Measure::Time, ["", ""], 1, 1.0),
             _ if key.ends_with("_px") => (Measure::Pixel, ["", ""], 1, 1.0),

@@ -235,6 +235,7 @@ impl SweepConfig {
             ranges.retain(|path, _| !is_out(path));
         }
         let Some(paths) = &mut self.paths else { return };
+        let count = paths.len();
         for place in (0..paths.len()).rev() {
             if !is_out(&paths[place]) {
                 continue;
@@ -247,6 +248,14 @@ impl SweepConfig {
                     row.remove(place);
                 }
             }
+        }
+        if let (true, Some(rows)) = (paths.len() < count, &mut self.values) {
+            let mut distinct = Vec::new();
+            rows.retain(|row| {
+                let is_new = !distinct.contains(row);
+                distinct.extend(is_new.then(|| row.clone()));
+                is_new
+            });
         }
     }
 }
