@@ -35,8 +35,11 @@ pub(super) fn curvature_interval(
 ) -> Option<CurvatureInterval> {
     let freedom = solution.freedom?;
     let grams = &solution.equations.grams;
-    let spread = grams[0] * (lack.correlations[0] / solution.variances[0])
-        + grams[1] * (lack.correlations[1] / solution.variances[1]);
+    let weights = solution.weights();
+    let [distances, normals] = [0, 1].map(|kind| {
+        grams[kind] * (lack.correlations[kind] * weights[kind].powi(2) * solution.variances[kind])
+    });
+    let spread = distances + normals;
     let mut covariance = solution.inverse * spread * solution.inverse;
     let mut half_width = student_half_width(PROBABILITY, freedom.clamp(1.0, 1e6) as usize);
     let mut widen = |other: Gram, wide: f64| {

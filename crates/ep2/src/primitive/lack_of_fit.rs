@@ -34,6 +34,8 @@ const BASIS_CONTACTS: usize = 2000;
 /// Number of consecutive contacts in a block. For many contacts, the correlation of residuals is estimated from some of
 /// the blocks.
 const BLOCK: usize = 2000;
+/// Normals are tested only if the ratio of their variance to the variance that the fit assumes is at least this value.
+const MIN_NORMALS_VARIANCE: f64 = 0.5;
 /// The degree of the smooth deviation is reduced until the ratio of equations to fitted parameters is at least this
 /// value.
 const MIN_EQUATIONS_RATIO: f64 = 1.5;
@@ -199,7 +201,10 @@ fn tested(
     // If the contacts lie on one line, errors of their positions across the line change the normals of the fitted
     // shape. Therefore only distances are tested in this case.
     let is_line = super::shape_choice::is_line(pose, cloud, solution.variances[0]);
-    let kinds = if is_line || cloud.normals.is_empty() {
+    // Only distances are also tested if the normals scatter less than the fit assumes. The fit then gives them too
+    // little weight, so their residuals are not independent.
+    let is_exact = solution.weights()[1] * solution.variances[1] < MIN_NORMALS_VARIANCE;
+    let kinds = if is_line || is_exact || cloud.normals.is_empty() {
         1
     } else {
         4

@@ -195,7 +195,8 @@ pub(super) fn solve(
         pose = next;
         let gram = weights.gram(&pose, &equations);
         let inverse = inverse(&gram);
-        let used = [0, 1].map(|kind| (inverse * equations.grams[kind]).trace() / variances[kind]);
+        let of_kinds = [weights.of_distances, weights.of_normals(&pose)];
+        let used = [0, 1].map(|kind| (inverse * equations.grams[kind]).trace() * of_kinds[kind]);
         let left: [f64; 2] =
             std::array::from_fn(|kind| equations.counts[kind] - correlations[kind] * used[kind]);
         let before = variances;
@@ -313,8 +314,11 @@ impl Solution {
         Pose::new(pose.shape, point, normal, axis, pose.curvature / stretch)
     }
 
+    /// Weights of squared distances and of squared deviations of normals in the fit. The weight of the normals is less
+    /// than the inverse of their variance if this variance is less than expected from the errors of the positions.
     pub(super) fn weights(&self) -> [f64; 2] {
-        self.variances.map(f64::recip)
+        let weights = Weights::new(&self.pose, self.variances);
+        [weights.of_distances, weights.of_normals(&self.pose)]
     }
 
     /// −2 ln(likelihood) of the fit, without an additive constant. Variances that are not stated have their most

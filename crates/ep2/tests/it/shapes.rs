@@ -292,6 +292,24 @@ fn bad_logs_are_errors() {
     }
 }
 
+/// If positions err only along the normals, exact normals deviate less than errors of positions in all directions would
+/// cause. This is no reason to reject the fit.
+#[test]
+fn exact_normals_agree_with_positions_that_err_along_them() {
+    let mut random = Random::new(22);
+    for _ in 0..10 {
+        let exact = Surface::Sphere(25.0).strokes(10.0, 3, 10);
+        let contacts = exact.iter().enumerate().map(|(index, (place, normal))| {
+            let position = place + normal * (0.02 * random.normal());
+            Contact::new(index / 10, Point3::from(position), Some(*normal))
+        });
+        let fit = sphere(&contacts.collect::<Vec<_>>());
+        assert!(fit.is_resolved() && fit.p_value > 1e-3, "{}", fit.p_value);
+        let [low, high] = fit.radius.interval95.map(Option::unwrap);
+        assert!((low..high).contains(&25.0), "{low} {high}");
+    }
+}
+
 #[test]
 fn objects_are_fitted_on_all_sides_and_below_a_tip() {
     let mut random = Random::new(97_000);
