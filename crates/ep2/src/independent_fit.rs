@@ -45,6 +45,9 @@ const MAX_FITTED: usize = 10_000;
 /// distance of the contacts from the means of consecutive contacts by that from the mean of all contacts. Above this
 /// limit, the contacts have no order, and means of consecutive contacts are not used.
 const MAX_BLOCK_RATIO: f64 = 0.05;
+/// Correlated noise is looked for only if the mean distance of consecutive contacts, relative to the spread of all
+/// contacts, is below this limit. Otherwise the contacts have no order.
+const MAX_PAIR_RATIO: f64 = 0.3;
 /// The path of a stroke is smooth if the second differences between successive means of its contacts are small. This
 /// constant is the largest second difference on a smooth path. It is relative to the distance between the mean before
 /// and the mean after.
@@ -134,10 +137,13 @@ impl IndependentFit {
             block: distinct.contacts.len().div_ceil(MAX_FITTED),
             distinct,
         };
-        if log.block > 1 && !log.is_ordered() {
-            for stroke in &mut log.strokes {
-                *stroke = stroke.iter().copied().step_by(log.block).collect();
-            }
+        if log.block > 1 && log.spread_of_blocks(log.block) > MAX_BLOCK_RATIO * MAX_BLOCK_RATIO {
+            let count = log.distinct.contacts.len();
+            let mut is_selected = vec![false; count];
+            evenly_spaced(count, MAX_FITTED).for_each(|one| is_selected[one] = true);
+            let strokes = log.strokes.iter_mut();
+            strokes.for_each(|stroke| stroke.retain(|&one| is_selected[one]));
+            log.strokes.retain(|stroke| !stroke.is_empty());
             log.block = 1;
         }
         log.fit()
@@ -235,12 +241,44 @@ impl IndependentFit {
     /// multiple of a quadric that is 0 on both strokes can be added. This must be tested here: if the contacts have
     /// noise across the strokes, the equations of the fit seem to have a unique solution.
     fn are_two_strokes(&self, outward: &Vector3<f64>) -> bool {
+        if self.patch.has_normals() {
+            return false;
+        }
         let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
         for contact in &self.contacts {
             fingers.entry(contact.finger).push(*contact);
         }
+        let by_gap = self.strokes().1;
+        let fingers: Vec<_> = fingers.iter().cloned().collect();
         let is_stroke = |contacts: &Vec<Contact>| stroke_curvature(contacts, outward).is_some();
-        !self.patch.has_normals() && self.patch.fingers == 2 && fingers.iter().all(is_stroke)
+        let are_two = |strokes: &Vec<_>| strokes.len() == 2 && strokes.iter().all(is_stroke);
+        [fingers, by_gap].iter().any(are_two)
+    }
+
+    /// The axis of the patch across the strokes, and the contacts of each stroke. Gaps across the strokes separate
+    /// them, because a finger may move to and fro along several strokes.
+    fn strokes(&self) -> (usize, Vec<Vec<Contact>>) {
+        let frame = &self.fit.frame;
+        // The strokes run along the axis along which successive contacts of a finger are farther apart. Among many
+        // contacts, compare contacts that are so far apart that their noise does not matter.
+        let lag = (self.contacts.len() / 100).max(1);
+        let pairs = self.contacts.iter().zip(&self.contacts[lag..]);
+        let pairs = pairs.filter(|(one, other)| one.finger == other.finger);
+        let steps = pairs.map(|(one, other)| frame.direction(&(other.position - one.position)));
+        let steps: Vector2<f64> = steps.map(|step| step.xy().abs()).sum();
+        let axis = usize::from(steps.x > steps.y);
+        let [low, high] = self.fit.domain[axis];
+        let across = |&contact: &usize| frame.point(&self.contacts[contact].position)[axis];
+        let mut order: Vec<usize> = (0..self.contacts.len()).collect();
+        order.sort_by(|one, other| across(one).total_cmp(&across(other)));
+        let is_near =
+            |one: &usize, other: &usize| across(other) - across(one) <= MIN_GAP * (high - low);
+        let strokes = order.chunk_by_mut(is_near).map(|stroke| {
+            stroke.sort_unstable();
+            stroke.iter().map(|&one| self.contacts[one]).collect()
+        });
+        let strokes = strokes.collect();
+        (axis, strokes)
     }
 
     /// Assumed bias of the mean curvature at `centre`, 1/length: the difference between the mean curvatures of two
@@ -249,37 +287,19 @@ impl IndependentFit {
     fn bias_across_strokes(&self, centre: &MapPoint) -> f64 {
         let place = self.fit.frame.point(&centre.position);
         let jet = self.fit.jet(place.x, place.y);
-        // The strokes run along the axis along which consecutive contacts of a finger are farther apart.
-        let pairs = self.contacts.windows(2);
-        let steps = pairs
-            .filter(|pair| pair[0].finger == pair[1].finger)
-            .map(|pair| {
-                let step = self
-                    .fit
-                    .frame
-                    .direction(&(pair[1].position - pair[0].position));
-                Vector2::new(step.x.abs(), step.y.abs())
-            });
-        let steps: Vector2<f64> = steps.sum();
-        let (curvature, axis) = match steps.x > steps.y {
-            true => (jet.vv.abs(), 1),
-            false => (jet.uu.abs(), 0),
+        let (axis, strokes) = self.strokes();
+        let curvature = if axis == 1 {
+            jet.vv.abs()
+        } else {
+            jet.uu.abs()
         };
         let [low, high] = self.fit.domain[axis];
-        // Count strokes and not fingers, because a finger may move to and fro along several strokes.
-        let places = self.contacts.iter();
-        let mut across: Vec<f64> = places
-            .map(|contact| self.fit.frame.point(&contact.position)[axis])
-            .collect();
-        across.sort_unstable_by(f64::total_cmp);
-        let is_gap = |pair: &&[f64]| pair[1] - pair[0] > MIN_GAP * (high - low);
-        let strokes = 1 + across.windows(2).filter(is_gap).count();
         let few = if self.patch.has_normals() {
             2
         } else {
             MAX_FEW_STROKES
         };
-        if !(2..=few).contains(&strokes) {
+        if !(2..=few).contains(&strokes.len()) {
             return 0.0;
         }
         let angle = 0.5 * curvature * (high - low);
@@ -339,7 +359,8 @@ impl IndependentFit {
 impl<M: Method> Log<'_, M> {
     fn fit(&self) -> Result<IndependentFit, Ep2Error> {
         let longest = self.strokes.iter().map(Vec::len).max().unwrap_or(0);
-        let first = match longest >= MIN_CONTACTS {
+        let is_ordered = || self.spread_of_blocks(2) < MAX_PAIR_RATIO * MAX_PAIR_RATIO;
+        let first = match longest >= MIN_CONTACTS && is_ordered() {
             true => self.of_means(longest.div_ceil(FIRST_MEANS), [1.0; 2]).ok(),
             false => None,
         };
@@ -380,8 +401,10 @@ impl<M: Method> Log<'_, M> {
         })
     }
 
-    /// Whether the contacts of each finger are in the order of its path, so that consecutive contacts are neighbours.
-    fn is_ordered(&self) -> bool {
+    /// Sum of the squared distances of all contacts from the mean of their block of `size` consecutive contacts,
+    /// divided by the same sum for a single block of all contacts. It is small if the contacts of each finger are in
+    /// the order of its path, so that consecutive contacts are neighbours.
+    fn spread_of_blocks(&self, size: usize) -> f64 {
         let contacts = &self.distinct.contacts;
         let square = |part: &[usize]| {
             let places = || {
@@ -394,11 +417,8 @@ impl<M: Method> Log<'_, M> {
                 .sum::<f64>()
         };
         let all: Vec<usize> = (0..contacts.len()).collect();
-        let blocks = self
-            .strokes
-            .iter()
-            .flat_map(|stroke| stroke.chunks(self.block));
-        blocks.map(square).sum::<f64>() < MAX_BLOCK_RATIO * MAX_BLOCK_RATIO * square(&all)
+        let blocks = self.strokes.iter().flat_map(|stroke| stroke.chunks(size));
+        blocks.map(square).sum::<f64>() / square(&all)
     }
 
     /// Fits the means of every `block` consecutive contacts of each finger. `times` contains two numbers, one for

@@ -273,7 +273,10 @@ impl ShapeSettings {
         let selection: Vec<Contact> = evenly_spaced(all.len(), MAX_COMPARED)
             .map(|contact| all[contact])
             .collect();
-        let chosen = self.fit(&selection)?;
+        // If the selection has an error, fit all contacts, so that the error names all rows.
+        let Ok(chosen) = self.fit(&selection) else {
+            return self.fit_sound(contacts.len(), sound);
+        };
         let stated = Self {
             shape: Some(chosen.shape),
             ..*self

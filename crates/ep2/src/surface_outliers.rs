@@ -48,6 +48,8 @@ const MIN_STD: f64 = 1e-6;
 const MIN_RELATIVE_RESIDUAL: f64 = 0.02;
 /// Largest number of fits that test whether suspects agree with the other contacts.
 const ROUNDS: usize = 6;
+/// A chain of at least this number of contacts is a part of a finger's path.
+const MIN_CHAIN: usize = 20;
 /// To test whether outliers lie together, this number of nearest contacts of each outlier is examined. If there are
 /// more than `MAX_EXAMINED` outliers, only a part of the outliers is examined.
 const NEIGHBOURS: usize = 4;
@@ -110,8 +112,9 @@ impl SoundContacts {
     }
 }
 
-/// Whether each contact is beside the path of its finger. The path is the longest chain of contacts with steps of the
-/// usual length. Contacts that the chain skips are beside the path. A finger moves without jumps, so such a contact is
+/// Whether each contact is beside the path of its finger. The path consists of the longest chain of contacts with steps
+/// of the usual length, and of all other long chains, such as further strokes. Contacts that the chains skip are beside
+/// the path. A finger moves without jumps, so such a contact is
 /// suspect even if other contacts lie close to it. In contacts without an order, all steps are long, and no contact is
 /// beside the path.
 fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
@@ -125,12 +128,13 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
         let pairs = finger.windows(2);
         pairs.map(|pair| distance(pair[0], pair[1])).collect()
     };
-    let steps: Vec<f64> = fingers.iter().flat_map(steps_of).collect();
+    let mut steps = fingers.iter().flat_map(steps_of).peekable();
+    let median_of_all = steps.peek().is_some().then(|| median(steps.collect()));
     let mut is_beside = vec![false; contacts.len()];
     for finger in fingers.iter().filter(|finger| finger.len() > 1) {
         // This finger may have longer steps than the others, so use the larger of two medians: that of its own steps,
         // and that of the steps of all fingers.
-        let step = median(steps_of(finger)).max(median(steps.clone()));
+        let step = median(steps_of(finger)).max(median_of_all.unwrap_or(0.0));
         let limits = [MAX_STEP_RATIO, MAX_SKIPPED_STEP_RATIO].map(|ratio| ratio * step);
         // The chains of contacts without a jump. For each contact: the number of contacts in the longest chain that
         // ends at it, and the previous contact in this chain.
@@ -148,11 +152,19 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
                 .max_by_key(|one| one.0);
             paths.push(longest.map_or((1, None), |(count, before)| (count + 1, Some(before))));
         }
-        let mut last = (0..finger.len()).max_by_key(|&place| paths[place].0);
         finger.iter().for_each(|&contact| is_beside[contact] = true);
-        while let Some(place) = last {
-            is_beside[finger[place]] = false;
-            last = paths[place].1;
+        let mut ends: Vec<usize> = (0..finger.len()).collect();
+        ends.sort_by_key(|&place| std::cmp::Reverse(paths[place].0));
+        let least = paths[ends[0]].0.min(MIN_CHAIN);
+        for end in ends.into_iter().filter(|&end| paths[end].0 >= least) {
+            // A chain that branches off from another one belongs to the path only if its own part is long.
+            let chain = std::iter::successors(Some(end), |&place| paths[place].1);
+            let own = chain.take_while(|&place| is_beside[finger[place]]);
+            if own.clone().take(least).count() == least {
+                let own: Vec<usize> = own.collect();
+                own.into_iter()
+                    .for_each(|place| is_beside[finger[place]] = false);
+            }
         }
     }
     is_beside

@@ -136,7 +136,7 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
         start,
         rest,
     } = Eliminated::new(problem)?;
-    let mixture = rest.limited()?.mixture(problem.degree);
+    let mixture = rest.limited()?.mixture(problem.degree)?;
 
     let carried = product(&replaced, &mixture.covariance);
     let mut low = quadrics.inverse() * mixture.scale;
@@ -324,7 +324,7 @@ impl Rest {
         }
     }
 
-    fn mixture(&self, degree: usize) -> Mixture {
+    fn mixture(&self, degree: usize) -> Result<Mixture, Ep2Error> {
         let processes: Vec<Process> = lengths(degree)
             .map(|length| Process::new(length, degree, self))
             .collect();
@@ -361,6 +361,9 @@ impl Rest {
                 &process.modes,
             );
         }
+        if means.is_empty() {
+            return Err(Ep2Error::OutOfRange);
+        }
         let shares: f64 = means.iter().map(|(share, _)| share).sum();
         let mut mean = DVector::zeros(rough);
         for (share, one) in &means {
@@ -372,11 +375,11 @@ impl Rest {
             .collect();
         let distances = DMatrix::from_columns(&distances);
         add_symmetric(&mut covariance, &distances, &distances);
-        Mixture {
+        Ok(Mixture {
             mean,
             covariance,
             scale,
-        }
+        })
     }
 }
 

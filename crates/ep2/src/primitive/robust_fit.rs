@@ -75,14 +75,18 @@ struct Weights {
     normals: [f64; 2],
 }
 
+/// The number β of [`Weights`]: positions with the variance `variance` add β k² to the variance of the normals.
+pub(super) fn slope(shape: Shape, variance: f64) -> f64 {
+    match shape {
+        Shape::Plane => 0.0,
+        Shape::Sphere => variance,
+        Shape::Cylinder => 0.5 * variance,
+    }
+}
+
 impl Weights {
     fn new(pose: &Pose, variances: [f64; 2]) -> Self {
-        let directions = match pose.shape {
-            Shape::Plane => 0.0,
-            Shape::Sphere => 2.0,
-            Shape::Cylinder => 1.0,
-        };
-        let slope = 0.5 * directions * variances[0];
+        let slope = slope(pose.shape, variances[0]);
         let bending = slope * pose.curvature * pose.curvature;
         let sensor = (variances[1] - bending).max(MIN_SENSOR_SHARE * variances[1]);
         Self {
@@ -203,7 +207,7 @@ pub(super) fn solve(
         for kind in 0..2 {
             let bending = match kind {
                 0 => 0.0,
-                _ => pose.curvature * pose.curvature * variances[0],
+                _ => pose.curvature * pose.curvature * slope(pose.shape, variances[0]),
             };
             variances[kind] = match stated[kind] {
                 Some(std) => std * std + bending,

@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::intervals::{CurvatureInterval, curvature_interval};
 use super::pose::{CURVATURE, Cloud, Pose, UNKNOWNS};
+use super::robust_fit::slope;
 use super::{Candidate, Scaled, Shape, ShapeFit, ShapeSettings, SizeEstimate, start};
 use crate::NoiseEstimate;
 use crate::effective_readings::EffectiveReadings;
@@ -93,7 +94,7 @@ impl ShapeSettings {
         let distances = used.places.iter().map(|place| pose.distance(place).powi(2));
         let rms_misfit = scale * (distances.sum::<f64>() / used.places.len() as f64).sqrt();
         let [position, normal] = solution.variances;
-        let bending = pose.curvature * pose.curvature * position;
+        let bending = pose.curvature * pose.curvature * slope(shape, position);
         let noise = solution.freedom.map(|_| NoiseEstimate {
             position_std: position.sqrt() * scale,
             normal_std_rad: (!used.normals.is_empty()).then(|| (normal - bending).max(0.0).sqrt()),

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Contact, IndependentFit, Penalised, SoundContacts};
+use palpate_ep2::{Contact, Ep2Error, IndependentFit, Penalised, SoundContacts};
 
 use super::drawn_shapes::{Random, Surface, ball_log, noisy};
 use super::shapes::{fit, half_width, holds, median, sphere};
@@ -279,4 +279,35 @@ fn no_finger_of_a_large_log_is_an_outlier() {
     };
     let log: Vec<Contact> = (0..70_000).map(at).collect();
     assert_eq!(SoundContacts::new(&log).unwrap().outliers, []);
+}
+
+/// A large log of many short strokes, a log of two strokes that one finger makes, and a log without an order.
+#[test]
+fn logs_of_any_order_give_the_right_curvature_or_an_error() {
+    let up = Vector3::z();
+    let mean = |log: &[Contact]| {
+        let mut fit = IndependentFit::new(|_| Penalised::default(), log, None, &up)?;
+        fit.widen_to_shape(&up, false)?;
+        Ok::<_, Ep2Error>(fit.fit.centre()?.curvature.mean)
+    };
+    let mut random = Random::new(31);
+    let short: Vec<_> = (0..12_000)
+        .map(|row| {
+            let x = f64::from(row % 8) * 2.4 - 9.0 + random.uniform();
+            Surface::Sphere(25.0).at(x, f64::from(row / 8) * 0.012 - 9.0)
+        })
+        .collect();
+    let short = mean(&noisy(&mut random, &short, 8, 0.01, None)).unwrap();
+    assert!((short - 0.04).abs() < 1e-4, "{short}");
+
+    let two = Surface::Sphere(25.0).strokes(9.0, 2, 600);
+    let error = mean(&noisy(&mut random, &two, 0, 0.1, None)).unwrap_err();
+    assert!(matches!(error, Ep2Error::Undetermined { .. }), "{error}");
+
+    let places: Vec<_> = (0..3000)
+        .map(|_| Surface::Sphere(400.0).at(random.between(-9.0, 9.0), random.between(-9.0, 9.0)))
+        .collect();
+    let log = noisy(&mut random, &places, 0, 0.05, None);
+    let fit = IndependentFit::new(|_| Penalised::default(), &log, None, &up).unwrap();
+    assert_eq!(fit.readings.position_correlation, 1.0);
 }
