@@ -12,7 +12,8 @@
 //!
 //! has no cancellation: readings of a flat object give exactly zero curvature. If the error of the measured rotations
 //! is stated, its variance is subtracted from the sum of the squared rotations. Without this correction, the contact
-//! would seem to move less per radian than it does.
+//! would seem to move less per radian than it does. A relative error is subtracted only if
+//! [`ReadingNoise::is_rotation_measured`] is true.
 //!
 //! If the readings are exact and the probes roll equally in all directions, the curvatures `k` have a relative error of
 //! at most `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁`
@@ -27,12 +28,6 @@ use crate::symmetric::{SMALLEST_SPREAD, Symmetric, Symmetric3};
 use crate::{
     BatchEstimates, BatchMoments, Ep1Error, Estimate, Measured, Moments, ProbeReading, ReadingNoise,
 };
-
-/// Largest allowed ratio of the error variance of the measured rotations to the mean squared rotation, in any
-/// direction. For a simulated scene, the ratio is computed with the true rotations. It is then larger than with
-/// measured rotations, because errors would increase the mean square of measured rotations. Therefore the limit is
-/// stricter for simulated scenes.
-const MAX_NOISE_SHARE: f64 = 0.5;
 
 /// A least-squares fit for given rotations of the probes. The fit is prepared once, because only the rotations
 /// determine the matrices of the fit.
@@ -100,11 +95,7 @@ impl LeastSquares {
         spans(rotations.len(), &gram)?;
         // `added` is the part of the sum of squared rotations that comes from errors of the measured rotations. It is
         // subtracted, because it would bias the estimate.
-        let added = noise.rotation_std_rad * noise.rotation_std_rad * rotations.len() as f64;
-        let share = added / gram.least();
-        if share > MAX_NOISE_SHARE {
-            return Err(Ep1Error::NoisyRotations { share });
-        }
+        let added = noise.squared_errors(rotations.len(), gram.uu + gram.vv, gram.least())?;
         gram.uu -= added;
         gram.vv -= added;
         let inverse = normal_equations(&gram)

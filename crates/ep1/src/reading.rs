@@ -2,6 +2,14 @@
 
 use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
 
+use crate::Ep1Error;
+
+/// Largest allowed ratio of the error variance of the measured rotations to the mean squared rotation, in any
+/// direction. For a simulated scene, the ratio is computed with the true rotations. It is then larger than with
+/// measured rotations, because errors would increase the mean square of measured rotations. Therefore the limit is
+/// stricter for simulated scenes.
+const MAX_NOISE_SHARE: f64 = 0.5;
+
 /// The reading of one probe, in the contact frame at the start of its roll. The z axis of this frame points out of the
 /// probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,6 +54,9 @@ pub struct ReadingNoise {
     pub shift_resolution: f64,
     /// Place on the pads at which the rolls start. This field has no effect without pads.
     pub pad_start: PadStart,
+    /// Whether the relative errors are errors of the measured rotations. If not, they are deviations of the motion from
+    /// the commanded rotations, which do not bias a fit.
+    pub is_rotation_measured: bool,
 }
 
 impl ReadingNoise {
@@ -76,6 +87,25 @@ impl ReadingNoise {
     /// Whether the standard deviation of at least one error is stated.
     pub fn is_stated(&self) -> bool {
         self.relative_rotation_std > 0.0 || self.rotation_std_rad > 0.0 || self.shift_std > 0.0
+    }
+
+    /// The part of the sum of the squares of one component over `count` measured rotations that comes from errors.
+    /// `squares` is the sum of the squared magnitudes of the rotations, and `least` the smallest sum of the squares of
+    /// a component.
+    ///
+    /// # Errors
+    /// [`Ep1Error::NoisyRotations`] if the result exceeds half of `least`.
+    pub fn squared_errors(&self, count: usize, squares: f64, least: f64) -> Result<f64, Ep1Error> {
+        let relative = self.relative_rotation_std * self.relative_rotation_std;
+        let mut added = self.rotation_std_rad * self.rotation_std_rad * count as f64;
+        if self.is_rotation_measured {
+            added += squares * relative / (1.0 + 2.0 * relative);
+        }
+        let share = added / least;
+        if share > MAX_NOISE_SHARE {
+            return Err(Ep1Error::NoisyRotations { share });
+        }
+        Ok(added)
     }
 
     /// Variance of each component of a rotation. `square` is the squared magnitude of the rotation.

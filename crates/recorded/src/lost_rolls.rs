@@ -13,6 +13,7 @@ use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::roll_series::LeftOutProbe;
 use super::roll_warnings::units;
+use super::single_direction::single_direction;
 
 /// A measured contact shift of zero counts as a lost reading if the other rolls contradict it: they predict a shift
 /// that is larger than this value times their root mean square residual.
@@ -96,10 +97,15 @@ impl RollRecording {
             .map(|(reading, _)| *reading)
             .collect();
         let radius = options.probe_radius;
-        let Ok(estimate) = LeastSquares::of(radius, ReadingNoise::default(), &sound) else {
+        let exact = ReadingNoise::default();
+        let single = |rolls: &[ProbeReading]| single_direction(rolls, radius, &exact).ok()?;
+        let fitted = single(&self.readings).and_then(|_| single(&sound));
+        let fitted = fitted.map_or_else(|| sound.clone(), |(_, fitted, _)| fitted);
+        let Ok(estimate) = LeastSquares::of(radius, exact, &fitted) else {
             return false;
         };
-        let noise = options.noise.shift_std.max(estimate.residual(&sound).0);
+        let residual = estimate.residual(&fitted[..sound.len()]).0;
+        let noise = options.noise.shift_std.max(residual);
         let hidden = match options.noise.shift_resolution {
             stated if stated > 0.0 => stated,
             _ => common_pitch(&sound),

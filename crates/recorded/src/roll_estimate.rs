@@ -65,6 +65,9 @@ pub struct RollEstimate {
     pub(super) series: Option<SeriesResult>,
     /// Curvature along the contact's path, if all rolls have the same direction; otherwise `None`.
     pub(super) single_direction: Option<DirectedCurvature>,
+    /// The readings and the artificial roll of [`single_direction`], if all rolls have the same direction; otherwise
+    /// `None`.
+    tested: Option<Vec<ProbeReading>>,
 }
 
 /// Curvatures and lengths estimated from rolls.
@@ -239,8 +242,13 @@ impl RollEstimate {
         }
         let goodness = self
             .estimate
-            .goodness(self.options.noise, &self.recorded.readings);
+            .goodness(self.options.noise, self.tested_readings());
         goodness.map(|goodness| goodness.p_value)
+    }
+
+    /// The readings for the test of the goodness of fit.
+    pub(super) fn tested_readings(&self) -> &[ProbeReading] {
+        self.tested.as_ref().unwrap_or(&self.recorded.readings)
     }
 
     /// Covariance matrix of the normal curvatures along u and v and of the twist k_uv; the curvatures are in 1/length.
@@ -407,18 +415,22 @@ pub fn estimate_roll(
             probes,
             series: Some(series),
             single_direction: None,
+            tested: None,
             recorded,
         });
     }
-    let single = single_direction(readings, options.probe_radius);
-    let fitted_readings = single.as_ref().map_or(readings, |(_, fitted)| fitted);
+    let single = single_direction(readings, options.probe_radius, &options.noise);
+    let single = single.map_err(refused)?;
+    let (fitted_readings, mut noise) = match &single {
+        Some((_, fitted, noise)) => (fitted, *noise),
+        None => (readings, options.noise),
+    };
     let fit =
         |noise| LeastSquares::fitted(options.probe_radius, noise, fitted_readings).map_err(refused);
-    let mut noise = options.noise;
     let (mut fitted, mut estimate) = fit(noise)?;
     let (residual, freedom) = estimate.residual(&fitted_readings[..readings.len()]);
     let mut noise_freedom = None;
-    let std_from = match noise {
+    let std_from = match options.noise {
         ReadingNoise {
             relative_rotation_std: 0.0,
             rotation_std_rad: 0.0,
@@ -435,14 +447,11 @@ pub fn estimate_roll(
         _ => "none: the residuals are zero, and no noise or pitch is stated",
     };
     let covariance = fitted.covariance(&estimate);
-    let single_direction = single.map(|(angle, mut fitted)| {
-        fitted.pop();
-        // From here on, use the readings of the fit, in which all rotations have exactly the same direction. The
-        // measured rotations also have a component across this direction. It is too small to determine the curvature
-        // across the direction of the rolls.
-        recorded.readings = fitted;
+    let artificial = single.as_ref().and_then(|(_, fitted, _)| fitted.last());
+    let tested = artificial.map(|roll| [&readings[..], &[*roll]].concat());
+    let single_direction = single.as_ref().map(|(angle, ..)| {
         let half_width = half_width(noise_freedom);
-        DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)
+        DirectedCurvature::new(*angle, &estimate, covariance.as_ref(), half_width, unit)
     });
     Ok(RollEstimate {
         options: options.clone(),
@@ -450,6 +459,7 @@ pub fn estimate_roll(
         unit,
         covariance,
         single_direction,
+        tested,
         estimate,
         residual,
         freedom: noise_freedom,

@@ -151,6 +151,8 @@ impl RollOptions {
                 relative_rotation_std: own
                     .relative_rotation_std
                     .unwrap_or(rotations.relative_rotation_std),
+                is_rotation_measured: own.relative_rotation_std.is_some()
+                    || rotations.is_rotation_measured,
                 ..shifts
             },
             length_unit: length_unit.or(base.length_unit),

@@ -44,7 +44,9 @@ impl RollEstimate {
                 .p_value()
                 .filter(|p_value| *p_value < MIN_P_VALUE)
                 .map_or_else(Vec::new, |p_value| vec![Misfit::PoorFit { p_value }]),
-            None => self.estimate.misfits(self.options.noise, readings),
+            None => self
+                .estimate
+                .misfits(self.options.noise, self.tested_readings()),
         };
         let left_out = self.left_out().into_iter();
         let left_out = left_out.map(|probe| Warning::new("left-out", probe.text(), []));

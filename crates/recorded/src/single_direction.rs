@@ -2,7 +2,7 @@
 //! contact, but not across this path.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
-use palpate_ep1::{Estimate, ProbeReading};
+use palpate_ep1::{Ep1Error, Estimate, ProbeReading, ReadingNoise};
 use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
@@ -33,10 +33,18 @@ pub struct DirectedCurvature {
 /// Let g be the direction in which the probe is turned (perpendicular to the rotation axis), and b the displacement of
 /// the contact per radian. The relative curvature along b is b·g/(|b|²|g|). This curvature does not depend on the
 /// curvature across b, so the artificial roll has no effect on the curvature along b.
+///
+/// The artificial roll has no rotation noise, so the fit itself must not correct the bias from the rotation noise.
+/// Instead, the returned rotations are shortened by the share of the noise. The third result is the noise for the fit:
+/// the standard deviation of the shifts contains the rotation noise.
+///
+/// # Errors
+/// [`Ep1Error::NoisyRotations`] if the rotations are hardly longer than their noise.
 pub(super) fn single_direction(
     readings: &[ProbeReading],
     probe_radius: f64,
-) -> Option<(f64, Vec<ProbeReading>)> {
+    noise: &ReadingNoise,
+) -> Result<Option<(f64, Vec<ProbeReading>, ReadingNoise)>, Ep1Error> {
     let drive = |rotation: &Vector2<f64>| Vector2::new(-rotation.y, rotation.x);
     let largest = readings.iter().map(|one| one.rotation.amax());
     let largest = largest.fold(f64::MIN_POSITIVE, f64::max);
@@ -51,7 +59,7 @@ pub(super) fn single_direction(
     let (trace, determinant) = (moment.trace(), moment.determinant());
     let is_single = determinant * (1.0 + RATIO) * (1.0 + RATIO) < RATIO * trace * trace;
     if !is_single || readings.len() < 2 {
-        return None;
+        return Ok(None);
     }
     let eigen = SymmetricEigen::new(moment);
     let (place, square) = eigen.eigenvalues.argmax();
@@ -59,12 +67,23 @@ pub(super) fn single_direction(
     let across = Vector2::new(-along.y, along.x);
     let rolled = |reading: &ProbeReading| drive(&reading.rotation).dot(&along) / largest;
     let shifts = readings.iter().map(|one| one.shift * rolled(one));
-    let path = shifts.sum::<Vector2<f64>>() / (square * largest);
+    let squares = square * largest * largest;
+    let share = noise.squared_errors(readings.len(), squares, squares)? / squares;
+    let path = shifts.sum::<Vector2<f64>>() / (square * largest * (1.0 - share));
+    let fourth_powers = readings.iter().map(|one| rolled(one).powi(4));
+    let turn = largest * (fourth_powers.sum::<f64>() / square).sqrt();
+    let rotation_std = libm::hypot(noise.rotation_std_rad, noise.relative_rotation_std * turn);
+    let noise = ReadingNoise {
+        relative_rotation_std: 0.0,
+        rotation_std_rad: 0.0,
+        shift_std: libm::hypot(noise.shift_std, rotation_std * path.norm()),
+        ..*noise
+    };
     let turned = |drive: Vector2<f64>| Vector2::new(drive.y, -drive.x);
     let mut fitted: Vec<ProbeReading> = readings
         .iter()
         .map(|reading| ProbeReading {
-            rotation: turned(along * rolled(reading) * largest),
+            rotation: turned(along * rolled(reading) * largest * (1.0 - share)),
             ..*reading
         })
         .collect();
@@ -74,7 +93,7 @@ pub(super) fn single_direction(
         shift: (along * path.dot(&across) + across * probe_radius) * size,
     });
     let angle = libm::atan(path.y / path.x);
-    angle.is_finite().then_some((angle, fitted))
+    Ok(angle.is_finite().then_some((angle, fitted, noise)))
 }
 
 impl DirectedCurvature {

@@ -82,6 +82,7 @@ proptest! {
             shift_std: noise[2] * radius,
             shift_resolution: noise[3] * radius,
             pad_start: PadStart::PerRoll,
+            is_rotation_measured: true,
         };
         let estimate = LeastSquares::of(radius, noise, &readings(radius, &rotated(&form, angle), &rolls));
         prop_assert!(is_finite(&estimate.unwrap()));
@@ -99,6 +100,7 @@ proptest! {
             shift_std: noise[2],
             shift_resolution: noise[3],
             pad_start: PadStart::PerRoll,
+            is_rotation_measured: true,
         };
         for (radius, noise) in [(radius, noise), (1.0, noise), (1.0, ReadingNoise::default())] {
             let found = LeastSquares::of(radius, noise, &readings);

@@ -27,6 +27,7 @@ pub const EXACT: ReadingNoise = ReadingNoise {
     shift_std: 0.0,
     shift_resolution: 0.0,
     pad_start: PadStart::PerRoll,
+    is_rotation_measured: false,
 };
 
 /// Noiseless readings of a probe of radius `radius` on an object with the curvature `form`. The shift of the contact is

@@ -134,6 +134,8 @@ fn rolls_in_one_direction_determine_the_curvature_along_the_path() {
     for drive in [[1.0, 0.0], [0.0, -1.0], [0.6, 0.8], [-0.8, 0.6]] {
         for (spread, error, tolerance) in [(0.0, 0.0, 1e-9), (0.02, 0.01, 0.01)] {
             let text = rolls_along(drive, spread, error);
+            let lost = format!("{text}12,{},{},0,0\n", 0.3 * drive[1], -0.3 * drive[0]);
+            let lost = estimate(&lost, &options()).unwrap().values();
             let estimate = estimate(&text, &options()).unwrap();
             let json = serde_json::to_value(&estimate).unwrap();
             let found = &json["single_direction"];
@@ -163,7 +165,38 @@ fn rolls_in_one_direction_determine_the_curvature_along_the_path() {
             }
             assert!(json["principal_direction_max_deg"].is_null());
             assert_eq!(json["warnings"][0]["code"], "not-resolved-across");
+            let [found, lost] = [estimate.values(), lost].map(|all| all.single_direction);
+            assert_eq!(found, lost, "a lost reading must be left out");
         }
+    }
+}
+
+#[test]
+fn stated_errors_of_rotations_do_not_bias_the_curvature() {
+    for (setting, std, count) in [
+        ("relative_rotation_std", 0.025, 8),
+        ("rotation_std_rad", 0.01, 1),
+    ] {
+        // A probe rolls four times in each direction. The four errors of the rotation have the stated variance.
+        let row = |roll: i32| {
+            let angle = std::f64::consts::TAU * f64::from(roll / 4) / f64::from(count);
+            let (sin, cos) = libm::sincos(angle);
+            let error = libm::sincos(std::f64::consts::FRAC_PI_2 * f64::from(roll));
+            let [x, y] = [error.0, error.1].map(|part| 0.01 * 2.0_f64.sqrt() * part);
+            let [turn_x, turn_y] = [0.4 * sin + x, y - 0.4 * cos];
+            format!("{roll},{turn_x},{turn_y},{},{}\n", 3.0 * cos, 3.0 * sin)
+        };
+        let rows: String = (0..4 * count).map(row).collect();
+        let given = serde_json::json!({ setting: std });
+        let options = RollOptions::with_settings(Some(options()), given.as_object().unwrap(), None);
+        let estimate = estimate(&rows, &options.unwrap()).unwrap();
+        let values = estimate.values();
+        let along = values
+            .single_direction
+            .map(|found| found.curvature_along.value);
+        let value = along.unwrap_or(values.mean_curvature.value).unwrap();
+        assert!((value - 1.0 / 30.0).abs() < 1e-9, "{setting}: {value}");
+        assert!(estimate.p_value().is_some(), "{setting}");
     }
 }
 
