@@ -1,17 +1,17 @@
 //! The crossings of pad edges in a roll.
 
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, RowVector3, Vector2, Vector3};
 
 use crate::rolled_path::drive_of;
 use crate::{PadCell, RollSample, SeriesNoise};
 
-/// A straight line is fitted to the measured rotations near a change of the active pad, to average their noise. This
-/// constant determines the length of the line. It is the rotation over half of the line, divided by the standard
+/// A parabola is fitted to the measured rotations near a change of the active pad, to average their noise. This constant
+/// determines the length of the parabola. It is the rotation over half of the parabola, divided by the standard
 /// deviation of a measured rotation.
-const REACH: f64 = 7.0;
-/// Largest number of samples in half of the straight line that is fitted to the measured rotations near a change of the
+const REACH: f64 = 10.0;
+/// Largest number of samples in half of the parabola that is fitted to the measured rotations near a change of the
 /// active pad.
-const MOST_REACH: f64 = 1e4;
+const MOST_REACH: usize = 10_000;
 /// The rotation at a crossing of a pad edge is uncertain, because the active pad changes between two samples. The
 /// uncertain range is the rotation between these samples, projected onto the direction that moves the contact across
 /// the edge. This constant is the smallest assumed width of the range, relative to the whole rotation between the
@@ -117,8 +117,9 @@ pub(crate) fn crossings(
 /// the direction of rolling, and take its component along `across`.
 ///
 /// The active pad changes between two samples, so the time of the change is uncertain by one sampling interval. A
-/// straight line is fitted to the measured rotations near the change, to average their noise. The result is the value
-/// of this line at the change. The line is so short that the probe rotates steadily along it.
+/// parabola is fitted to the measured rotations near the change, to average their noise. The result is the value of the
+/// parabola at the change. A straight line would be biased while the probe starts or stops. The parabola ends on both
+/// sides where it is long enough on one side, so that it includes little of a rest before or after the roll.
 fn rotation_at_change(
     samples: &[RollSample],
     before: &Run,
@@ -135,25 +136,41 @@ fn rotation_at_change(
     let [mut rotation, mut change] = [middle, high.rotation - low.rotation];
     let mut variance = 0.0;
     if std > 0.0 {
-        let turned = samples[after.last].rotation - samples[before.first].rotation;
-        let per_sample = turned.norm() / (after.last - before.first) as f64;
-        let reach = (REACH * std / per_sample.max(1e-300)).min(MOST_REACH) as usize + 2;
+        let far = |one: &RollSample| (one.rotation - middle).norm() > REACH * std;
+        let [old, new] = [
+            &samples[before.first..=before.last],
+            &samples[after.first..=after.last],
+        ];
+        let shorter = 2 * old.len().min(new.len());
+        let reach = match (old.iter().rev().position(far), new.iter().position(far)) {
+            (Some(one), Some(other)) => one.min(other),
+            (one, other) => one.or(other).unwrap_or(shorter),
+        };
+        let reach = reach.min(MOST_REACH) + 2;
         let from = before.first.max(before.last.saturating_sub(reach));
         let near = &samples[from..=after.last.min(after.first + reach)];
-        let count = near.len() as f64;
-        let mean_time = near.iter().map(|one| one.time_s).sum::<f64>() / count;
-        let mean = near.iter().map(|one| one.rotation).sum::<Vector3<f64>>() / count;
-        let (mut slope, mut square) = (Vector3::zeros(), 0.0);
+        let last = near[near.len() - 1];
+        let middle_s = 0.5 * (low.time_s + high.time_s);
+        let unit_s = last.time_s - near[0].time_s;
+        // The prior standard deviation of the parabola's bend is the rotation along it.
+        let bend = (last.rotation - near[0].rotation).norm_squared() / (std * std);
+        let mut information =
+            Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, bend.max(1.0).recip()));
+        let mut sums = Matrix3::zeros();
         for one in near {
-            let time = one.time_s - mean_time;
-            slope += one.rotation * time;
-            square += time * time;
+            let time = (one.time_s - middle_s) / unit_s;
+            let powers = RowVector3::new(1.0, time, time * time);
+            information += powers.tr_mul(&powers);
+            sums += one.rotation * powers;
         }
-        slope /= square;
-        let time = 0.5 * (low.time_s + high.time_s) - mean_time;
-        rotation = mean + slope * time;
-        change = slope * (high.time_s - low.time_s);
-        variance = std * std * (1.0 / count + time * time / square);
+        if let Some(inverse) = information.try_inverse()
+            && inverse[(0, 0)] > 0.0
+        {
+            let fitted = sums * inverse;
+            rotation = fitted.column(0).into();
+            change = fitted.column(1) * ((high.time_s - low.time_s) / unit_s);
+            variance = std * std * inverse[(0, 0)];
+        }
     }
     // If the path is nearly parallel to the edge, `change` has nearly no component across the edge. Then the uncertain
     // direction of the path limits the accuracy of the crossing, so the width has a lower limit.
