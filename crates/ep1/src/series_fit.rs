@@ -22,6 +22,8 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 const MIN_RESIDUAL: f64 = 1e-3;
 /// A fit may leave out rolls as outliers, but at most the number of all rolls divided by this value.
 const ROLLS_PER_OUTLIER: usize = 4;
+/// If exact readings contradict each other, at most this number of rolls is left out in turn.
+const MAX_TRIES: usize = 16;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
 /// Tolerance of a fit that only provides a first guess for the set of mobilities (contact travels per radian) that
@@ -186,15 +188,21 @@ impl Problem<'_> {
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
         order.sort_by(|one, other| p_value(one).total_cmp(&p_value(other)));
-        let least = order[0];
-        let without = order.into_iter().find_map(|left_out| {
-            let mut data = data.to_vec();
-            data.remove(left_out);
+        let set_without = |left_out: &[usize]| {
+            let kept = (0..data.len()).filter(|at| !left_out.contains(at));
+            let data: Vec<_> = kept.map(|at| data[at].clone()).collect();
             let fit = SeriesFit::new(&data, noise, fit.shape, ROUGH_TOLERANCE);
-            Some((left_out, self.set(cell, &data, fit.as_ref())?))
-        });
-        let roll = data[without.as_ref().map_or(least, |found| found.0)].roll;
-        if !self.leaves_out(Some(roll)) {
+            self.set(cell, &data, fit.as_ref())
+        };
+        let tried = order.iter().take(MAX_TRIES);
+        let without = tried
+            .map(|&at| (at, set_without(&[at])))
+            .find_map(|(at, set)| Some((at, set?)));
+        // If the rolls contradict each other even without as many of them as a fit may leave out, end the search.
+        let most = (self.rolls.len() / ROLLS_PER_OUTLIER).min(order.len() - 1);
+        let can_help = without.is_some() || set_without(&order[..most]).is_some();
+        let roll = data[without.as_ref().map_or(order[0], |found| found.0)].roll;
+        if !can_help || !self.leaves_out(Some(roll)) {
             return Err(SeriesError::Contradiction { roll });
         }
         for report in &mut self.reports {
