@@ -26,7 +26,8 @@ use palpate_geometry::CurvatureForm;
 use crate::linear_law::{Law, MIN_TRAVEL, ROUNDING, Solution, gradients};
 use crate::symmetric::{SMALLEST_SPREAD, Symmetric, Symmetric3};
 use crate::{
-    BatchEstimates, BatchMoments, Ep1Error, Estimate, Measured, Moments, ProbeReading, ReadingNoise,
+    BatchEstimates, BatchMoments, Ep1Error, Estimate, Measured, Moments, PadCell, ProbeReading,
+    ReadingNoise,
 };
 
 /// A least-squares fit for given rotations of the probes. The fit is prepared once, because only the rotations
@@ -298,7 +299,9 @@ impl LeastSquares {
             .iter()
             .map(|rotation| (rotation.x * along.y - rotation.y * along.x).abs())
             .fold(0.0, f64::max);
-        let relative_above = rotation / self.noise.shift_resolution;
+        // On square pads, the contact can move furthest along a diagonal.
+        let resolution = PadCell::square(self.noise.shift_resolution).chord(&along);
+        let relative_above = rotation / resolution;
         let radius_below = 1.0 / (relative_above - 1.0 / self.radius);
         let known = radius_below > 0.0 && radius_below.is_finite();
         Ep1Error::Unresolved {

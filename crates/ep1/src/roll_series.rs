@@ -48,6 +48,7 @@ pub struct RollSeries {
 /// let cell = PadCell::hexagonal(1.0);
 /// assert!(cell.contains(&Vector2::new(0.49, 0.0)) && !cell.contains(&Vector2::new(0.51, 0.0)));
 /// assert!(cell.contains(&Vector2::new(0.0, 0.57)) && !cell.contains(&Vector2::new(0.0, 0.58)));
+/// assert!((cell.chord(&Vector2::new(0.0, 1.0)) - 2.0 / 3.0_f64.sqrt()).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadCell {
@@ -76,6 +77,12 @@ impl PadCell {
     pub fn contains(&self, place: &Vector2<f64>) -> bool {
         let half = 0.5 * self.pitch;
         self.normals().all(|normal| normal.dot(place) <= half)
+    }
+
+    /// Largest distance that a contact can move in `direction` without leaving the pad. `direction` is a unit vector.
+    pub fn chord(&self, direction: &Vector2<f64>) -> f64 {
+        let across = self.normals().map(|normal| normal.dot(direction));
+        self.pitch / across.fold(0.0, f64::max)
     }
 
     /// Number of edges of the pad.

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use nalgebra::Vector2;
 use palpate_ep1::{
-    Ep1Error, Estimate, LeastSquares, Measured, PadStart, ProbeReading, ReadingNoise,
+    Ep1Error, Estimate, LeastSquares, Measured, PadCell, PadStart, ProbeReading, ReadingNoise,
     SeriesEstimate,
 };
 use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -309,6 +309,9 @@ impl RollEstimate {
         };
         let bound = |(place, reading): (usize, &ProbeReading)| {
             let resolution = options.noise.shift_resolution;
+            let cell = options.series.pads.unwrap_or(PadCell::square(1.0));
+            let drive = Vector2::new(-reading.rotation.y, reading.rotation.x);
+            let resolution = resolution * cell.chord(&drive.normalize()) / cell.pitch();
             let radius = 1.0 / (reading.rotation.norm() / resolution - 1.0 / options.probe_radius);
             let is_bound = resolution > 0.0 && radius > 0.0 && radius.is_finite();
             UnresolvedProbe {
