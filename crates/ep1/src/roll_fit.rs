@@ -102,7 +102,8 @@ pub(crate) struct RollFit<const N: usize> {
     /// Derivatives of the roll's own unknowns (two components of its start, two of its rotation error) with respect to
     /// the coefficients of the shape.
     response: SMatrix<f64, 4, N>,
-    /// Position of the last contact on the object, in the frame that is carried along the path.
+    /// Position of the contact that is farthest from the start on the object, in the frame that is carried along the
+    /// path.
     pub(crate) end: Vector2<f64>,
 }
 
@@ -306,8 +307,12 @@ impl<const N: usize> RollFit<N> {
         self.gradient = gradient - mixed.tr_mul(&self.step);
         self.chi_squared = chi_squared;
         self.freedom = count - if roll.is_start_known { 0 } else { count.min(2) };
-        if let Some(last) = path.last() {
-            self.end = last.x;
+        let size = |one: &&PathPoint| one.x.norm_squared();
+        if let Some(farthest) = path
+            .iter()
+            .max_by(|one, other| size(one).total_cmp(&size(other)))
+        {
+            self.end = farthest.x;
             let measured = measured.last().copied().unwrap_or_default();
             let error = Vector3::new(self.error.y, -self.error.x, 0.0) * self.ratio;
             let size = measured.norm().max(f64::MIN_POSITIVE);

@@ -5,6 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use crate::SeriesError;
 use crate::crossings::{Run, without_chatter};
 use crate::roll_fit::Observation;
+use crate::rolled_path::drive_of;
 
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
 /// this number of groups, and the fit uses the mean of each group.
@@ -36,6 +37,15 @@ pub struct RollSeries {
     pub has_spin: bool,
     /// The samples, in the order of their times.
     pub samples: Vec<RollSample>,
+}
+
+impl RollSeries {
+    /// The sample with the largest rotation. It is the last sample, unless the roll returns towards its start.
+    pub fn farthest(&self) -> Option<&RollSample> {
+        let size = |one: &RollSample| drive_of(&one.rotation).norm_squared();
+        let order = |one: &&RollSample, other: &&RollSample| size(one).total_cmp(&size(other));
+        self.samples.iter().max_by(order)
+    }
 }
 
 /// The area that belongs to one pad, relative to the centre of the pad: a convex polygon that is symmetric about the

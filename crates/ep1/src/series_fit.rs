@@ -156,7 +156,7 @@ impl Problem<'_> {
     /// Whether the contacts moved against the direction of the rolls, for example because the rotations have the wrong
     /// sign.
     fn is_reversed(&self) -> bool {
-        let ends = |roll: &RollSeries| Some((*roll.samples.first()?, *roll.samples.last()?));
+        let ends = |roll: &RollSeries| Some((*roll.samples.first()?, *roll.farthest()?));
         let (mut along, mut travel) = (0.0, 0.0);
         for (first, last) in self.rolls.iter().filter_map(ends) {
             let moved = last.place - first.place;
@@ -250,7 +250,7 @@ impl Problem<'_> {
         if set.is_wide() && set.is_open() {
             return Err(self.undetermined());
         }
-        let lengths = self.rolls.iter().filter_map(|roll| roll.samples.last());
+        let lengths = self.rolls.iter().filter_map(RollSeries::farthest);
         let lengths = lengths.map(|last| (mobility * drive_of(&last.rotation)).norm());
         let lengths: Vec<f64> = lengths.collect();
         Ok(self.result(
@@ -591,7 +591,7 @@ impl Problem<'_> {
     fn undetermined(&self) -> SeriesError {
         let mut gram = Matrix2::zeros();
         for roll in self.rolls {
-            if let Some(last) = roll.samples.last() {
+            if let Some(last) = roll.farthest() {
                 let drive = drive_of(&last.rotation);
                 gram += drive * drive.transpose();
             }

@@ -81,7 +81,8 @@ pub struct RollValues {
     pub gaussian_curvature: Value,
     /// Mean curvature of the object at the first contact.
     pub mean_curvature: Value,
-    /// Length of the contact's path in a roll, averaged over all rolls.
+    /// Length of the contact's path in a roll, averaged over all rolls. If a time series returns towards its start, only
+    /// the path to its farthest contact counts.
     pub arc_length: Value,
     /// Smallest normal curvature of the object at the first contact.
     pub principal_curvature_min: Value,
@@ -374,7 +375,7 @@ pub fn estimate_roll(
     let source = &recorded.source;
     let readings = &recorded.readings;
     let fail = |message: String| {
-        let units = units(readings, options.probe_radius, unit);
+        let units = units(&recorded.farthest(is_of_ends), options.probe_radius, unit);
         source.fail(units.map_or(message.clone(), |more| format!("{message}; {more}")))
     };
     let refused = |error: Ep1Error| {

@@ -1,5 +1,6 @@
 //! Recorded readings of rolls: one reading per roll, or a time series per roll.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use nalgebra::{Vector2, Vector3};
@@ -169,6 +170,22 @@ impl RollRecording {
             .iter()
             .filter_map(|&roll| self.rows.get(roll).copied());
         self.rows = rows.collect();
+    }
+
+    /// The reading of each roll where the probe is turned furthest. For least squares (`is_of_ends`), it is the reading
+    /// at the end of the roll.
+    pub(super) fn farthest(&self, is_of_ends: bool) -> Cow<'_, [ProbeReading]> {
+        let Some(series) = self.series.as_ref().filter(|_| !is_of_ends) else {
+            return Cow::Borrowed(&self.readings);
+        };
+        let farthest = |roll: &RollSeries| {
+            let RollSample {
+                rotation, place, ..
+            } = roll.farthest()?;
+            let moved = place - roll.samples[0].place;
+            Some(reading(rotation.x, rotation.y, moved.x, moved.y))
+        };
+        series.rolls.iter().filter_map(farthest).collect()
     }
 
     /// Number of the probe to which a reading belongs, as the file states it; for arrays, the index of the probe.

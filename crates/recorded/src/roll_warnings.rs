@@ -9,7 +9,6 @@ use palpate_study::config::LengthUnit;
 
 use super::misfit_warning::ReadingWords;
 use super::roll_estimate::RollEstimate;
-use super::roll_recording::RollRecording;
 use super::single_direction::DirectedCurvature;
 
 /// Largest accepted ratio of a probe's rotation to the rotation that causes the same shift on a plane; the ratio is 1 +
@@ -32,7 +31,7 @@ const ROUNDING: f64 = 1e-9;
 impl RollEstimate {
     /// Warnings about contradictions between the readings and the model, and about likely mistakes in the readings.
     pub(crate) fn warnings(&self) -> Vec<Warning> {
-        let RollRecording { readings, note, .. } = &self.recorded;
+        let readings = &self.recorded.farthest(self.series.is_none());
         let words = ReadingWords {
             reading: &|probe| format!("probe {}", self.recorded.probe(probe)),
             noise_of: "shifts",
@@ -59,9 +58,9 @@ impl RollEstimate {
             .chain(Warning::of("flat-object", self.flatness()))
             .chain(Warning::of("few-crossings", self.few_crossings()))
             .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))
-            .chain(Warning::of("units", self.rotation_noise()))
+            .chain(Warning::of("units", self.rotation_noise(readings)))
             .chain(Warning::of("repeated-rows", self.repeated.clone()))
-            .chain(Warning::of("unnamed-probes", note.clone()))
+            .chain(Warning::of("unnamed-probes", self.recorded.note.clone()))
             .chain(self.recorded.source.notes.iter().cloned())
             .collect()
     }
@@ -110,9 +109,9 @@ impl RollEstimate {
         })
     }
 
-    fn rotation_noise(&self) -> Option<String> {
+    fn rotation_noise(&self, readings: &[ProbeReading]) -> Option<String> {
         let noise = self.options.noise.rotation_std_rad;
-        let most = largest_rotation(&self.recorded.readings);
+        let most = largest_rotation(readings);
         (noise > most).then(|| {
             let [noise, most] = [noise, most].map(Number::rounded);
             format!(

@@ -82,7 +82,7 @@ proptest! {
             shift_std: noise[2] * radius,
             shift_resolution: noise[3] * radius,
             pad_start: PadStart::PerRoll,
-            is_rotation_measured: true,
+            is_rotation_measured: false,
         };
         let estimate = LeastSquares::of(radius, noise, &readings(radius, &rotated(&form, angle), &rolls));
         prop_assert!(is_finite(&estimate.unwrap()));
