@@ -53,7 +53,7 @@ impl RollRecording {
             return Ok(Vec::new());
         }
         let mut losses: Vec<Option<Loss>> = self.readings.iter().map(loss).collect();
-        if !self.are_zeros_lost(&losses, options) {
+        if !self.accept_zeros(&mut losses, options) {
             let zeros = losses.iter_mut().filter(|loss| **loss == Some(Loss::Zero));
             zeros.for_each(|loss| *loss = None);
         }
@@ -88,10 +88,11 @@ impl RollRecording {
         Ok(left_out)
     }
 
-    /// Whether the rolls with a shift of zero are lost readings. This is the case if the other rolls predict, for each
-    /// roll with a shift of zero, a shift larger than the pads' pitch and clearly larger than the noise.
-    fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
-        let sound = self.readings.iter().zip(losses);
+    /// Removes from `losses` each shift of zero that the other rolls do not contradict: they predict a shift that is at
+    /// most as large as the pads' pitch, or not clearly larger than the noise. Returns false if the other rolls do not
+    /// predict shifts.
+    fn accept_zeros(&self, losses: &mut [Option<Loss>], options: &RollOptions) -> bool {
+        let sound = self.readings.iter().zip(losses.iter());
         let sound: Vec<ProbeReading> = sound
             .filter(|(_, loss)| loss.is_none())
             .map(|(reading, _)| *reading)
@@ -111,9 +112,11 @@ impl RollRecording {
             _ => common_pitch(&sound),
         };
         let hidden = (hidden * (1.0 + ROUNDING)).max(MIN_RESIDUALS * noise);
-        let zeros = self.readings.iter().zip(losses);
-        let mut zeros = zeros.filter(|(_, loss)| **loss == Some(Loss::Zero));
-        zeros.all(|(reading, _)| estimate.shift(&reading.rotation).amax() > hidden)
+        for (reading, loss) in self.readings.iter().zip(losses) {
+            let is_possible = estimate.shift(&reading.rotation).amax() <= hidden;
+            loss.take_if(|loss| *loss == Loss::Zero && is_possible);
+        }
+        true
     }
 
     fn too_many_lost(
