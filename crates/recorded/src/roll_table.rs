@@ -424,7 +424,7 @@ fn count_probes(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
     let times: Vec<f64> = sheet.rows().map(|(_, numbers)| numbers[0]).collect();
     let is_start = |row: &usize| {
         let falls = *row > 0 && times[*row] <= times[*row - 1];
-        falls || sheet.after_gaps.contains(row)
+        falls || sheet.after_gaps.binary_search(row).is_ok()
     };
     let starts: Vec<usize> = (0..rows).filter(is_start).collect();
     let (parts, count) = parted(rows, &starts);
