@@ -148,6 +148,7 @@ impl RollRecording {
         if !readings.iter().all(repeats) {
             return None;
         }
+        self.source.rows.clone_from(&self.rows);
         let rolls = readings.iter().map(|reading| {
             let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
             [x, y, u, v]
