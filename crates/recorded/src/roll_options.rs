@@ -128,7 +128,16 @@ impl RollOptions {
                 let reason = "is of use only without setting `pitch`";
                 return Err(SettingError::new("shift_std", reason));
             }
-            (Some(pitch), None) => Self::noise_of_pads(probe_radius, pitch)?,
+            (Some(pitch), None) => {
+                let square = Self::noise_of_pads(probe_radius, pitch)?;
+                let cell = base.series.pads.filter(|_| own.pad_layout.is_none());
+                let scale = cell.map(|cell| pitch / cell.pitch());
+                scale.map_or(square, |scale| ReadingNoise {
+                    shift_std: scale * base.noise.shift_std,
+                    shift_resolution: scale * base.noise.shift_resolution,
+                    ..base.noise
+                })
+            }
             (None, Some(std)) if std > probe_radius => {
                 let radius = Number(probe_radius);
                 let expected = format!("at least 0 and at most the probe's radius, {radius}");
@@ -161,7 +170,14 @@ impl RollOptions {
 
     fn series(own: &RollSettings, base: SeriesOptions) -> Result<SeriesOptions, SettingError> {
         let pitch = own.pitch.or(base.pads.map(|cell| cell.pitch()));
-        let pads = match (own.pad_layout, pitch) {
+        let is_hexagonal = |cell: PadCell| cell == PadCell::hexagonal(cell.pitch());
+        let layout = match own.pad_layout {
+            None if own.pitch.is_some() && base.pads.is_some_and(is_hexagonal) => {
+                Some(PadLayout::Hexagonal)
+            }
+            stated => stated,
+        };
+        let pads = match (layout, pitch) {
             (None | Some(PadLayout::Square), Some(pitch)) if own.pitch.is_some() => {
                 Some(PadCell::square(pitch))
             }

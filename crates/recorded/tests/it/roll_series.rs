@@ -1,5 +1,6 @@
 //! Rolls that were recorded as time series, with rotations in several forms, and series that are rejected.
 
+use palpate_ep1::{PadCell, PadStart, ReadingNoise};
 use palpate_recorded::{RecordedFile, RollOptions, RollRecording, estimate_roll, parse_roll};
 use serde_json::{Value, json};
 
@@ -167,6 +168,18 @@ fn unusable_series_are_refused() {
         let error = estimate(&table, settings).unwrap_err();
         assert!(error.contains(words), "{error}");
     }
+}
+
+/// A pitch replaces the pitch of given options, but not the arrangement of their pads and the start of their rolls.
+#[test]
+fn a_pitch_keeps_the_arrangement_of_the_pads() {
+    let mut base = options(&json!({ "pitch": 1, "pad_layout": "hexagonal" })).unwrap();
+    base.noise = ReadingNoise::of_pads(1.0, PadStart::Centred);
+    let pitch = json!({ "pitch": 0.5 });
+    let given = pitch.as_object().unwrap();
+    let options = RollOptions::with_settings(Some(base), given, None).unwrap();
+    assert_eq!(options.series.pads, Some(PadCell::hexagonal(0.5)));
+    assert_eq!(options.noise, ReadingNoise::of_pads(0.5, PadStart::Centred));
 }
 
 #[test]
