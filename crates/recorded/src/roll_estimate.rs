@@ -363,6 +363,11 @@ pub fn estimate_roll(
     }
     let has_series = recorded.series.is_some();
     let is_of_ends = options.estimator.method(has_series).0 == "least-squares";
+    let mut options = options.clone();
+    if let Some(series) = recorded.series.as_ref().filter(|_| is_of_ends) {
+        options.difference_noise(series.has_start_rotations);
+    }
+    let options = &options;
     let repeated = match options.noise.pad_start {
         PadStart::PerRoll if is_of_ends => recorded.leave_out_copies(),
         _ => None,

@@ -1,5 +1,7 @@
 //! Settings of an estimate from rolls.
 
+use std::f64::consts::SQRT_2;
+
 use palpate_ep1::{PadCell, PadStart, ReadingNoise, SeriesNoise};
 use palpate_statistics::Number;
 use palpate_study::config::{
@@ -70,6 +72,19 @@ impl RollOptions {
             length_unit: None,
             noise: ReadingNoise::default(),
             series: SeriesOptions::default(),
+        }
+    }
+
+    /// Replaces the noise by that of the difference between the last and the first sample of a time series.
+    /// `has_start_rotations` states whether the first sample has an error of the rotation.
+    pub(super) fn difference_noise(&mut self, has_start_rotations: bool) {
+        let (series, noise) = (&self.series, &mut self.noise);
+        if series.contact_std > 0.0 && noise.shift_resolution == 0.0 {
+            noise.shift_std = SQRT_2 * series.contact_std;
+        }
+        if has_start_rotations {
+            let of_sample = series.noise.rotation_std_rad;
+            noise.rotation_std_rad = libm::hypot(noise.rotation_std_rad, of_sample);
         }
     }
 

@@ -111,19 +111,15 @@ impl RollRecording {
                 roll.samples.push(sample);
             }
         }
-        let shift = |roll: &RollSeries| {
-            let (first, last) = (roll.samples.first()?, roll.samples.last()?);
-            let start = if has_pads {
-                [0.0; 2]
-            } else {
-                first.place.into()
-            };
-            let [u, v] = (last.place - Vector2::from(start)).into();
-            Some(reading(last.rotation.x, last.rotation.y, u, v))
+        let starts_rotated = |roll: &RollSeries| roll.samples[0].rotation != Vector3::zeros();
+        let series = SeriesReadings {
+            has_pads,
+            has_start_rotations: !has_pads && rolls.iter().any(starts_rotated),
+            rolls,
         };
         Ok(Self {
-            readings: rolls.iter().filter_map(shift).collect(),
-            series: Some(SeriesReadings { has_pads, rolls }),
+            readings: series.ends(),
+            series: Some(series),
             ..all
         })
     }
@@ -148,11 +144,11 @@ impl RollRecording {
         if !readings.iter().all(repeats) {
             return None;
         }
-        self.source.rows.clone_from(&self.rows);
         let rolls = readings.iter().map(|reading| {
             let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
             [x, y, u, v]
         });
+        self.source.rows.clone_from(&self.rows);
         let text = self.source.repeated("roll", rolls.clone(), 0.5)?;
         let mut copied = copies(rolls).into_iter().peekable();
         let kept = (0..readings.len()).filter(|roll| copied.next_if_eq(roll).is_none());

@@ -81,6 +81,10 @@ impl RotationForm {
         }
     }
 
+    pub(super) const fn is_vector(self) -> bool {
+        matches!(self, Self::Vector | Self::WholeVector)
+    }
+
     /// The rotation that a row states. `numbers` contains the row's numbers in the columns [`Self::columns`].
     pub(super) fn rotation(self, numbers: &[f64]) -> Result<UnitQuaternion<f64>, String> {
         let of_length_1 = |length: f64, columns: &str, what: &str| {

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector2;
 use palpate_ep1::{
-    Estimate, Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError,
-    SeriesEstimate, SeriesMethod, SeriesNoise, estimate_series,
+    Estimate, Exclusion, PadCell, Places, ProbeReading, Quantity, RollSample, RollSeries,
+    SeriesError, SeriesEstimate, SeriesMethod, SeriesNoise, estimate_series,
 };
 use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
@@ -36,8 +36,29 @@ pub struct SeriesOptions {
 pub(super) struct SeriesReadings {
     /// Whether the positions in the series are centres of pads. Otherwise they are contact points.
     pub(super) has_pads: bool,
-    /// The time series of each probe, without its first sample (the start of the roll).
+    /// Whether the rotation from the first to the last sample contains the errors of both samples, because the rotation
+    /// of the first sample was measured too.
+    pub(super) has_start_rotations: bool,
+    /// The time series of each probe.
     pub(super) rolls: Vec<RollSeries>,
+}
+
+impl SeriesReadings {
+    /// The readings for least squares: rotation and shift of each probe from its first to its last sample.
+    pub(super) fn ends(&self) -> Vec<ProbeReading> {
+        let ends = |roll: &RollSeries| {
+            let (first, last) = (roll.samples.first()?, roll.samples.last()?);
+            let is_only = roll.samples.len() == 1;
+            // Pads at the origin, and a single row, state the motion since the start of the roll.
+            let is_relative = self.has_pads && (is_only || first.place == Vector2::zeros());
+            let start = f64::from(!is_relative);
+            Some(ProbeReading {
+                rotation: (last.rotation - first.rotation * start).xy(),
+                shift: last.place - first.place * start,
+            })
+        };
+        self.rolls.iter().filter_map(ends).collect()
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -27,11 +27,10 @@ use super::text_table::TextTable;
 
 use super::roll_recording::{RollRecording, reading, sample};
 
-/// Reads recorded rolls: one row per probe, or a time series per probe. In a time series, the shift of the contact
-/// depends on the columns. The columns `pad_u,pad_v` state the shift since the start, so the last row is used. The
-/// columns `contact_u,contact_v` state positions, so the first row is subtracted from the last row. The rotation may be
-/// a vector, a unit quaternion, a matrix, or an axis with an angle. If there is no column `probe`, each row or series
-/// counts as a probe. A new series starts after a blank line or where the time does not increase.
+/// Reads recorded rolls: one row per probe, or a time series per probe. In a time series, the columns
+/// `pad_u,pad_v` or `contact_u,contact_v` state positions, so the first row is subtracted from the last row. The
+/// rotation may be a vector, a unit quaternion, a matrix, or an axis with an angle. If there is no column `probe`, each
+/// row or series counts as a probe. A new series starts after a blank line or where the time does not increase.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -237,19 +236,31 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
                 let since = times[0] - rolls[place].start_s;
                 samples[place].samples.push(sample(since, turned, contact));
             }
+            let starts_rotated = |roll: &Roll<'_>| {
+                let start = Roll {
+                    end: roll.start,
+                    ..*roll
+                };
+                let start = start.relative(Kind::Rows, form, order, frame);
+                start.is_ok_and(|(turned, _)| turned != Vector3::zeros())
+            };
             Some(SeriesReadings {
                 has_pads: kind == Kind::Pads,
+                has_start_rotations: (kind == Kind::Contacts || !form.is_vector())
+                    && rolls.iter().any(starts_rotated),
                 rolls: samples,
             })
         }
     };
-    let readings = turned
-        .iter()
-        .map(|(turned, [u, v])| reading(turned.x, turned.y, *u, *v));
+    let rows = turned.iter();
+    let rows = rows.map(|(turned, [u, v])| reading(turned.x, turned.y, *u, *v));
+    let readings = series
+        .as_ref()
+        .map_or_else(|| rows.collect(), SeriesReadings::ends);
     let mut recording = RollRecording {
         unit: sheet.unit,
         probes: rolls.iter().map(|roll| roll.probe).collect(),
-        readings: readings.collect(),
+        readings,
         rows: rolls.iter().map(|roll| roll.row).collect(),
         note: counted,
         series,
@@ -345,7 +356,7 @@ impl Roll<'_> {
         };
         let place = |numbers: &[f64]| [numbers[numbers.len() - 2], numbers[numbers.len() - 1]];
         let (end, start) = (place(self.end.1), place(self.start.1));
-        let is_vector = matches!(form, RotationForm::Vector | RotationForm::WholeVector);
+        let is_vector = form.is_vector();
         let turned = match self.end.1 {
             // A rotation vector that is already relative to the start of the roll is not converted, because the
             // conversion would cause rounding errors.
@@ -357,8 +368,9 @@ impl Roll<'_> {
         Ok((
             turned,
             match kind {
-                Kind::Contacts => [end[0] - start[0], end[1] - start[1]],
-                Kind::Rows | Kind::Pads => end,
+                Kind::Rows => end,
+                Kind::Pads if std::ptr::eq(self.start.1, self.end.1) => end,
+                Kind::Pads | Kind::Contacts => [end[0] - start[0], end[1] - start[1]],
             },
         ))
     }
@@ -368,7 +380,7 @@ impl Roll<'_> {
 enum Kind {
     /// A table with one row per probe.
     Rows,
-    /// A time series per probe. Its columns contain the shift of the contact since the start of the series.
+    /// A time series per probe. Its columns contain the centre of the active pad.
     Pads,
     /// A time series per probe. Its columns contain the position of the contact.
     Contacts,

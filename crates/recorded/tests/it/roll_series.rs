@@ -189,6 +189,16 @@ fn least_squares_uses_the_ends_alone() {
     let ends: Vec<[f64; 6]> = rows(200).into_iter().filter(|row| row[1] == 1.0).collect();
     let ends = estimate(&table(&ends), &settings).unwrap();
     assert_eq!(series["mean_curvature"], ends["mean_curvature"]);
+    let mut moved = rows(200);
+    moved.iter_mut().for_each(|row| row[4] += 3.0);
+    let moved = table(&moved);
+    let of_moved = estimate(&moved, &settings).unwrap();
+    assert_eq!(of_moved["mean_curvature"], ends["mean_curvature"]);
+    // The shift has the errors of two contacts, as it has the rounding errors of two pads.
+    let contacts = moved.replacen("pad_u_mm,pad_v_mm", "contact_u_mm,contact_v_mm", 1);
+    let contacts = estimate(&contacts, &json!({ "shift_std": PITCH / 12_f64.sqrt() })).unwrap();
+    let stds = [contacts, ends].map(|one| one["mean_curvature"]["std"].as_f64().unwrap());
+    assert!((stds[0] / stds[1] - 1.0).abs() < 1e-12, "{stds:?}");
     assert_eq!(series["method"], "least-squares");
     assert!(series.get("terms").is_none());
 }
