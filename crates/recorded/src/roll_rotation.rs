@@ -1,5 +1,6 @@
 //! Rotations of a probe in the forms that files use: vectors, quaternions, matrices, and axes with angles.
 
+use std::f64::consts::TAU;
 use std::str::FromStr;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -146,6 +147,14 @@ pub(super) fn between(
         RotationFrame::World => end * start.inverse(),
     };
     rotation.scaled_axis()
+}
+
+/// The rotation vector of the same orientation as `turned` that is nearest to `earlier`, the rotation vector of the
+/// sample before. Orientations alone do not distinguish rotations by more than half a turn from shorter ones.
+pub(super) fn unwrapped(turned: Vector3<f64>, earlier: &Vector3<f64>) -> Vector3<f64> {
+    let angle = turned.norm();
+    let axis = turned / angle.max(f64::MIN_POSITIVE);
+    axis * (((earlier.dot(&axis) - angle) / TAU).round() * TAU) + turned
 }
 
 /// Orders in which a file may list the components of a quaternion. Each constant contains the positions of x, y, z and

@@ -18,7 +18,7 @@ use super::header::Header;
 use super::reading_table::{ReadingTable, header};
 use super::roll_rotation::{
     RotationForm, RotationFrame, SCALAR_FIRST, SCALAR_LAST, Turned, between, is_rolling,
-    scalar_names,
+    scalar_names, unwrapped,
 };
 use super::roll_series::SeriesReadings;
 use super::table_format::Form;
@@ -231,7 +231,13 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
                     ..rolls[place]
                 };
                 let relative = roll.relative(kind, form, order, frame);
-                let (turned, _) = relative.map_err(|(line, message)| sheet.fail(line, message))?;
+                let (mut turned, _) =
+                    relative.map_err(|(line, message)| sheet.fail(line, message))?;
+                if let Some(earlier) = samples[place].samples.last()
+                    && (kind == Kind::Contacts || !form.is_vector())
+                {
+                    turned = unwrapped(turned, &earlier.rotation);
+                }
                 let contact = [end[end.len() - 2], end[end.len() - 1]];
                 let since = times[0] - rolls[place].start_s;
                 samples[place].samples.push(sample(since, turned, contact));
@@ -362,6 +368,12 @@ impl Roll<'_> {
             // conversion would cause rounding errors.
             [x, y, _, _] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
             [x, y, z, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, *z),
+            // A quaternion would shorten rotations by more than half a turn.
+            [x, y, z, angle, _, _] if kind == Kind::Rows && form == RotationForm::AxisAngle => {
+                rotation(self.end)?;
+                let axis = Vector3::new(*x, *y, *z);
+                axis * (angle / axis.norm().max(0.5))
+            }
             _ if kind == Kind::Rows => rotation(self.end)?.scaled_axis(),
             _ => between(&rotation(self.start)?, &rotation(self.end)?, frame),
         };

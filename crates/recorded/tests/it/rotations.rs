@@ -235,6 +235,18 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     same(followed(&swapped), "swapped");
 }
 
+/// A probe of radius 10 mm that turns by 3.5 rad on a ball of radius 40 mm rolls over 28 mm.
+#[test]
+fn rotations_by_more_than_half_a_turn_are_not_shortened() {
+    let rows = "probe,axis_x,axis_y,axis_z,angle_rad,shift_u_mm,shift_v_mm\n0,0,-1,0,3.5,28,0\n1,1,0,0,3.5,0,28\n";
+    let header = "probe,time_s,rotation_x_rad,rotation_y_rad,contact_u_mm,contact_v_mm";
+    let of_u = "0,0,0,0,0,0\n0,1,0,-1.75,14,0\n0,2,0,-3.5,28,0";
+    let of_v = "1,0,0,0,0,0\n1,1,1.75,0,0,14\n1,2,3.5,0,0,28";
+    for text in [rows, &format!("{header}\n{of_u}\n{of_v}\n")] {
+        assert!((mean(&roll(text, "", None).unwrap()) - 0.025).abs() < 1e-12);
+    }
+}
+
 /// Each row of the table is for one time. It contains the orientations and contacts of all probes side by side.
 #[test]
 fn wide_tables_hold_rotations_of_several_probes() {
