@@ -25,7 +25,7 @@ use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warn
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
 use super::shape_report::{LeftOut, ShapeReport, StrokeReport};
-use super::value::{FORMAT_VERSION, Value};
+use super::value::{FORMAT_VERSION, Value, finite};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
@@ -385,9 +385,23 @@ impl<'r> GlideFitResult<'r> {
     fn report(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
         let (limits, unit, is_open) = (&self.limits, self.unit, self.is_open());
-        let value = |value: f64, std: Option<f64>, power: Unit| match is_open {
-            true => Value::open(power, unit),
-            false => Value::new(value, std, power, unit),
+        let size = match &self.surface {
+            Surface::Graph(_) => None,
+            Surface::Shape(fit) => fit.curvature.std.map(|std| (std, fit.curvature.interval95)),
+        };
+        let value = |value: f64, std: Option<f64>, power: Unit| {
+            let mut value = Value::new(value, std, power, unit);
+            // A shape has a single curvature, whose interval determines all other intervals.
+            if let (Some((of_size, ends)), Some(std)) = (size, std.filter(|std| *std > 0.0)) {
+                value.interval95 = Some(match power {
+                    Unit::PerLengthSquared => squares(ends),
+                    _ => ends.map(|end| end.map(|end| end * (std / of_size))),
+                });
+            }
+            match is_open {
+                true => Value::open(power, unit),
+                false => value,
+            }
         };
         let bare = |value: f64, power: Unit| Value::bare(value, power.of(unit));
         let curvature = centre.curvature;
@@ -481,6 +495,14 @@ impl<'r> GlideFitResult<'r> {
             }),
         }
     }
+}
+
+/// Smallest and largest square of the numbers in an interval.
+fn squares(ends: [Option<f64>; 2]) -> [Option<f64>; 2] {
+    let low = ends[0].unwrap_or(f64::NEG_INFINITY);
+    let high = ends[1].unwrap_or(f64::INFINITY);
+    let distances = [low.max(-high).max(0.0), high.max(-low)];
+    distances.map(|distance| finite(distance * distance))
 }
 
 /// The contacts without gross outliers and without contacts that contradict a smooth surface.

@@ -142,10 +142,9 @@ fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -
         [Some(low), Some(high)] => Some(low.abs().max(high.abs())),
         _ => None,
     };
-    let smallest = match ends {
-        [Some(low), Some(high)] if is_resolved && low * high > 0.0 => {
-            Some(low.abs().min(high.abs()))
-        }
+    // With a round tip, the curvature may have no upper end. Then it may be infinite.
+    let smallest = match (ends[0], ends[1].unwrap_or(f64::INFINITY)) {
+        (Some(low), high) if is_resolved && low * high > 0.0 => Some(low.abs().min(high.abs())),
         _ => None,
     };
     let std = curvature

@@ -28,8 +28,11 @@ fn ball(row: &dyn Fn(usize) -> Option<&'static str>) -> String {
 }
 
 fn estimate(text: &str, method: &str) -> Result<Value, RecordedError> {
+    estimate_with(text, &json!({ "kind": method }))
+}
+
+fn estimate_with(text: &str, given: &Value) -> Result<Value, RecordedError> {
     let readings = parse_glide(file(text))?;
-    let given = json!({ "kind": method });
     let options = GlideOptions::with_settings(
         None,
         given.as_object().unwrap(),
@@ -65,6 +68,8 @@ fn a_ball_has_its_radius_without_lost_readings() {
         );
         assert!(estimate["shape_probabilities"]["sphere"].as_f64().unwrap() > 0.9);
         assert!(estimate["rms_misfit"]["value"].as_f64().unwrap() < 0.06);
+        let ends = ["curvature", "mean_curvature", "k_max"].map(|key| &estimate[key]["interval95"]);
+        assert!(ends.iter().all(|one| *one == ends[0]), "{ends:?}");
         assert_eq!(estimate["class"], "peak");
     }
     assert_eq!(clean["effective_contacts"], 36.0);
@@ -364,12 +369,9 @@ fn a_stated_tip_radius_is_compared_with_the_column() {
     let mut lines = rows.lines();
     let header = lines.next().unwrap().to_owned();
     let text = lines.fold(header, |text, line| format!("{text}\n{line},5"));
-    let readings = parse_glide(file(&text)).unwrap();
     for (stated, is_other) in [(0.0, false), (3.0, true), (5.0, false)] {
         let given = json!({ "tip_radius": stated, "reports": "centre" });
-        let options = GlideOptions::with_settings(None, given.as_object().unwrap(), None, false);
-        let (estimate, _) = estimate_glide(&readings, &options.unwrap()).unwrap();
-        let estimate = serde_json::to_value(estimate).unwrap();
+        let estimate = estimate_with(&text, &given).unwrap();
         assert_eq!(
             codes(&estimate).contains(&"stated-scale"),
             is_other,
