@@ -6,10 +6,13 @@ use nalgebra::{
 use palpate_statistics::student_half_width;
 
 use crate::Contact;
+use crate::effective_readings::{correlation_time, distinct_contacts};
 
 /// Number of fitted parameters: height, slope, and the derivatives of order 2 to 6 along the stroke.
 const UNKNOWNS: usize = 7;
 const CURVATURE: usize = 2;
+/// Degrees of freedom that the fit removes from the residuals. The prior nearly fixes the derivatives of order 5 and 6.
+const FITTED: f64 = 5.0;
 const MIN_CONTACTS: usize = 8;
 const PROBABILITY: f64 = 0.95;
 /// The contacts form a single stroke only if the ratio of their scatter across the stroke to their noise is at most
@@ -42,6 +45,9 @@ pub struct StrokeCurvature {
     /// Curvature of the stroke along the surface, 1/length: the part of its curvature in space that is perpendicular to
     /// the normal.
     pub bend: f64,
+    /// Rotation of the normal about the direction of the stroke, per length along the stroke (1/length); 0 for contacts
+    /// without normals.
+    pub twist: f64,
     /// Unit vector along the stroke; the opposite vector is equivalent.
     pub direction: Vector3<f64>,
 }
@@ -61,6 +67,29 @@ impl StrokeCurvature {
             interval95: [whole.min(-other), whole.max(-other)],
             ..self
         }
+    }
+
+    /// The curvature of the object, for a stroke of the centres of a fingertip with the radius `radius`. An end of the
+    /// interval is infinite if the object may be infinitely sharp; `None` if the centres turn too sharply for the tip.
+    /// The centre of the tip moves by the vector (1, 0) along the stroke. The normal then changes by the vector
+    /// (k, t), with the curvature k and the twist t, and the contact moves by (1 − r k, −r t), with the radius r.
+    #[must_use]
+    pub fn without_tip(self, radius: f64) -> Option<Self> {
+        let turn = radius * self.twist;
+        let of_object = |curvature: f64| match 1.0 - radius * curvature {
+            step if step > 0.0 => {
+                (step * curvature - turn * self.twist) / (step * step + turn * turn)
+            }
+            _ => f64::INFINITY,
+        };
+        let value = of_object(self.value);
+        let stretch = (1.0 - radius * self.value).powi(-2);
+        value.is_finite().then(|| Self {
+            value,
+            std: self.std.map(|std| std * stretch),
+            interval95: self.interval95.map(of_object),
+            ..self
+        })
     }
 
     /// Adds normals to the contacts of the stroke. They are the normals of a surface that has the fitted curvature
@@ -83,13 +112,19 @@ impl StrokeCurvature {
 }
 
 /// Computes the curvature along contacts that form a single stroke. `None` if the contacts scatter across the stroke,
-/// or if there are fewer than 8 contacts. Positions and normals must be finite. Without normals, `outward` is used as
-/// the normal of the surface.
+/// or if there are fewer than 8 contacts. Copies and the contacts of a resting finger count as one contact. Positions
+/// and normals must be finite. Without normals, `outward` is used as the normal of the surface.
 pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<StrokeCurvature> {
     if contacts.len() < MIN_CONTACTS {
         return None;
     }
-    Stroke::new(contacts, outward)?.curvature()
+    let curvature = Stroke::new(contacts, outward)?.curvature()?;
+    let distinct = distinct_contacts(contacts).contacts;
+    match distinct.len() {
+        ..MIN_CONTACTS => None,
+        count if count == contacts.len() => Some(curvature),
+        _ => Stroke::new(&distinct, outward)?.curvature(),
+    }
 }
 
 /// Contacts in the frame of the stroke: u along the stroke, w along the mean normal. The unit of length is half the
@@ -197,22 +232,30 @@ impl Stroke {
             }
             let factor: Cholesky<f64, Const<UNKNOWNS>> = gram.cholesky()?;
             let solved = factor.solve(&right);
-            let mut squares = [0.0; 2];
+            let mut residuals = [const { Vec::new() }; 2];
             for (index, place) in self.places.iter().enumerate() {
                 let row = derivatives(place.x);
-                squares[0] += (place.z - row.dot(&solved)).powi(2);
+                residuals[0].push(place.z - row.dot(&solved));
                 let slope = slope(index, place.x);
-                squares[1] +=
-                    slope.map_or(0.0, |slope| (slope - shifted(&row).dot(&solved)).powi(2));
+                residuals[1].extend(slope.map(|slope| slope - shifted(&row).dot(&solved)));
             }
-            variances = squares.map(|square| (square / (count - 5.0)).max(floor));
+            variances = residuals.each_ref().map(|all| {
+                let square: f64 = all.iter().map(|one| one * one).sum();
+                (square / (count - FITTED)).max(floor)
+            });
             prior = solved[CURVATURE].abs().max(of_path);
-            found = Some((solved, factor.inverse()[(CURVATURE, CURVATURE)]));
+            found = Some((solved, factor.inverse()[(CURVATURE, CURVATURE)], residuals));
         }
-        let (solved, variance) = found?;
+        let (solved, variance, residuals) = found?;
         let height_std = variances[0].sqrt();
         let is_one = height_std <= MAX_SPREAD
             && spread <= (MAX_SPREAD_RATIO * height_std).max(2.0 * MIN_STD);
+        if !is_one {
+            return None;
+        }
+        // If the noise is correlated along the stroke, this number of consecutive contacts counts as one.
+        let times = residuals.map(|all| correlation_time(&[all], FITTED as usize));
+        let time = times[0].max(times[1]);
         // `stretch` is the square of the length along the surface per unit of length along u.
         let stretch = 1.0 + turn * turn + solved[1] * solved[1];
         let scale = (stretch * self.half_length).recip();
@@ -220,18 +263,20 @@ impl Stroke {
             true => OUTWARD_STD * OUTWARD_STD,
             false => variances[1] / count,
         };
-        let std = scale * (variance.max(0.0) + bend * bend * of_tilt).sqrt();
+        let std = scale * (time * variance.max(0.0) + bend * bend * of_tilt).sqrt();
         let value = scale * (bend * tilt[0] - solved[CURVATURE]);
         let std = std.hypot(MODEL_ERROR * value);
-        let half = student_half_width(PROBABILITY, self.places.len() - 5) * std;
+        let freedom = (count / time - FITTED).max(1.0);
+        let half = student_half_width(PROBABILITY, freedom as usize) * std;
         let curvature = StrokeCurvature {
             value,
             std: Some(std),
             interval95: [value - half, value + half],
             bend: scale * bend,
+            twist: scale * tilt[1],
             direction: self.direction,
         };
-        (is_one && curvature.value.is_finite() && std.is_finite()).then_some(curvature)
+        (curvature.value.is_finite() && std.is_finite()).then_some(curvature)
     }
 
     fn cubic(&self, values: impl Iterator<Item = f64>) -> Option<Vector4<f64>> {

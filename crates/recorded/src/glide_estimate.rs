@@ -159,11 +159,20 @@ impl<'r> GlideFitResult<'r> {
                 let rows = (0..all.len()).filter(|row| left.next_if_eq(row).is_none());
                 let rows: Vec<usize> = rows.collect();
                 let contacts: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
+                let centres = tip.map(|tip| tip.centres(&contacts, &outward));
+                let contacts = centres.transpose().map_err(refused)?.unwrap_or(contacts);
                 let stroke = stroke_of(&contacts);
                 // A single stroke determines the surface if its contacts have normals and the shape is stated.
                 let is_determined = settings.shape.is_some() && recorded.has_normals();
                 let is_plane = settings.shape == Some(Shape::Plane);
                 let stroke = stroke.filter(|_| !is_determined && !is_plane);
+                let tip_radius = tip.map_or(0.0, |tip| tip.radius);
+                let of_object = |stroke: StrokeCurvature| {
+                    let turns = stroke.value.recip();
+                    let error = Ep2Error::TipTooLarge { tip_radius, turns };
+                    stroke.without_tip(tip_radius).ok_or(error)
+                };
+                let stroke = stroke.map(of_object).transpose().map_err(refused)?;
                 let centre = fit.point_at(&fit.foot.0);
                 let sides = fit.domain(&contacts).map(|[low, high]| high - low);
                 let used = UsedContacts {

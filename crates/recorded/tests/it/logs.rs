@@ -73,6 +73,15 @@ fn a_ball_has_its_radius_without_lost_readings() {
         assert_eq!(estimate["class"], "peak");
     }
     assert_eq!(clean["effective_contacts"], 36.0);
+    // If the tip is nearly as large as the sphere of its centres, the object may be arbitrarily sharp.
+    let [mean, other] = ["centre", "lowest-point"].map(|reports| {
+        let given = json!({ "kind": "sphere", "tip_radius": 24.9, "reports": reports });
+        let sharp = estimate_with(&ball(&|_| None), &given).unwrap();
+        let [curvature, radius] = ["curvature", "radius"].map(|key| &sharp[key]["interval95"][1]);
+        assert!(curvature.is_null() && radius.is_number(), "{sharp}");
+        sharp["thresholds"]["mean"]["value"].as_f64().unwrap()
+    });
+    assert!((mean / other - 1.0).abs() < 1e-6, "{mean} {other}");
     assert!(
         codes(&clean).is_empty() && clean["left_out"] == json!([]),
         "{clean}"
@@ -276,11 +285,13 @@ fn a_single_stroke_is_not_resolved_across() {
         let z = (625.0 - x * x).sqrt();
         text += &format!("0,{x},{y},{},{x},0,{z}\n", z + error);
     }
-    for method in ["penalised", "quadric", "shape"] {
-        let stroke = estimate(&text, method).unwrap();
+    let methods = ["penalised", "quadric", "shape"].map(|method| (method, 0.0, 0.04));
+    for (method, tip_radius, truth) in methods.into_iter().chain([("shape", 5.0, 0.05)]) {
+        let given = json!({ "kind": method, "tip_radius": tip_radius, "reports": "centre" });
+        let stroke = estimate_with(&text, &given).unwrap();
         let [low, high] = [0, 1].map(|end| &stroke["stroke"]["curvature_along"]["interval95"][end]);
         assert!(
-            low.as_f64() < Some(0.04) && high.as_f64() > Some(0.04),
+            low.as_f64() < Some(truth) && high.as_f64() > Some(truth),
             "{stroke}"
         );
         for key in ["mean_curvature", "gaussian_curvature", "k_min", "k_max"] {
@@ -333,6 +344,9 @@ fn copies_count_once() {
         let [one, four] = [1, 4].map(|times| estimate(&rows(&glide, times), method).unwrap());
         same(&one, &four, &["mean_curvature", "effective_contacts"]);
     }
+    let stroke: String = glide.split_inclusive('\n').take(13).collect();
+    let [one, four] = [1, 4].map(|times| estimate(&rows(&stroke, times), "shape").unwrap());
+    same(&one, &four, &["stroke"]);
     // A finger that scans a raster, and moves back at the end of each line, must not count as a resting finger.
     let raster = glide.replace("\n1,", "\n0,").replace("\n2,", "\n0,");
     assert_eq!(
