@@ -13,7 +13,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::{Misfit, StatedQuantity};
 
 use super::error::RecordedError;
-use super::glide_options::{DEFAULT_OUTWARD, GlideOptions};
+use super::glide_options::GlideOptions;
 use super::glide_recording::{
     GlideRecording, ONE_FINGER, of_row, refused, shape_refused, stroke_refused,
 };
@@ -89,10 +89,10 @@ impl<'r> GlideFitResult<'r> {
         if given.tip_radius.is_none() {
             recorded.check_contacts()?;
         }
-        let (all, outward) = (&recorded.contacts, Vector3::from(given.outward));
+        let (all, outward) = (&recorded.contacts, given.outward());
         let shape_refused = |error| shape_refused(&recorded, &error);
         let refused = |error| refused(&recorded, &error);
-        let is_side_assumed = !recorded.has_normals() && given.outward == DEFAULT_OUTWARD;
+        let is_side_assumed = !recorded.has_normals() && given.outward.is_none();
         let stroke_of = |contacts: &[Contact]| {
             let stroke = stroke_curvature(contacts, &outward)?;
             Some(match is_side_assumed {
@@ -325,7 +325,7 @@ impl<'r> GlideFitResult<'r> {
         let misfits = misfit_warnings(misfits, directions.is_some(), source);
         let (of_graph, of_shape) = match &self.surface {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
-            Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
+            Surface::Shape(fit) => (None, shape_warnings(fit, self.stroke.is_some(), unit)),
         };
         // A missing uncertainty means that the noise is unknown. The exception is the method `two-pass`, which never
         // computes an uncertainty. Its fits are recognised by their status, which the fits of other methods do not

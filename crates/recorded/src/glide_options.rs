@@ -1,5 +1,6 @@
 //! Settings of an estimate from glides.
 
+use nalgebra::Vector3;
 use palpate_ep2::{RoundTip, TipPoint};
 use palpate_estimators::GlideFit;
 use palpate_geometry::ShapeThresholds;
@@ -20,9 +21,6 @@ pub enum TipReports {
     /// The centre of the spherical tip.
     Centre,
 }
-
-/// Direction that points out of the object, if none is stated.
-pub(super) const DEFAULT_OUTWARD: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Settings of an estimate that the readings do not state. Lengths are in the unit of the readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -47,10 +45,11 @@ pub struct GlideOptions {
     pub tip_radius: Option<f64>,
     /// Point of round fingertips whose position is in the readings; lowest-point by default.
     pub reports: Option<TipReports>,
-    /// Direction that points out of the object. It is used if the readings have no normals, or if they contain the
-    /// lowest points of fingertips. For readings without normals, any direction that points to the correct side of the
-    /// patch is sufficient.
-    pub outward: [f64; 3],
+    /// Direction that points out of the object; 0,0,1 by default. It is used if the readings have no normals, or if
+    /// they contain the lowest points of fingertips. For readings without normals, any direction that points to the
+    /// correct side of the patch is sufficient.
+    #[schemars(with = "[f64; 3]")]
+    pub outward: Option<[f64; 3]>,
     /// Threshold of the Gaussian curvature, 1/length². A Gaussian curvature of smaller magnitude counts as zero. The
     /// threshold must be at least the square of the threshold of the mean curvature. By default, it is computed from
     /// the size of the patch.
@@ -78,7 +77,7 @@ impl Default for GlideOptions {
             map_at_contacts: false,
             tip_radius: None,
             reports: None,
-            outward: DEFAULT_OUTWARD,
+            outward: None,
             gaussian_threshold: None,
             mean_threshold: None,
             inter_finger_distance: None,
@@ -118,7 +117,7 @@ impl GlideOptions {
             map_at_contacts: base.map_at_contacts,
             ..with_settings(&base, &own)?
         };
-        options.outward = direction(options.outward)?;
+        options.outward = options.outward.map(direction).transpose()?;
         let checked = options.estimator.check();
         checked.map_err(|reason| SettingError::new("gamma", format!("has no effect: {reason}")))?;
         let useless = |key: &str, to: &str| {
@@ -161,6 +160,11 @@ impl GlideOptions {
         thresholds.transpose().map_err(|error| {
             SettingError::new("gaussian_threshold", format!("is invalid: {error}"))
         })
+    }
+
+    /// Direction that points out of the object.
+    pub(super) fn outward(&self) -> Vector3<f64> {
+        self.outward.map_or(Vector3::z(), Vector3::from)
     }
 
     /// The round fingertip; `None` if the readings state contacts instead of points of the tip.

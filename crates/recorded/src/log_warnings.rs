@@ -9,7 +9,6 @@ use palpate_statistics::{NORMAL_95, Number};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
-use super::glide_options::DEFAULT_OUTWARD;
 use super::glide_recording::GlideRecording;
 
 const LISTED_ROWS: usize = 10;
@@ -67,7 +66,7 @@ pub(super) fn assumed_side(
     surface: Option<&ShapeFit>,
     stroke: Option<&StrokeCurvature>,
     curvature: &Curvature,
-    outward: [f64; 3],
+    outward: Option<[f64; 3]>,
 ) -> Option<Warning> {
     let std = curvature.uncertainty.map_or(0.0, |one| one.mean_std);
     let text = if let Some(stroke) = stroke {
@@ -77,7 +76,7 @@ pub(super) fn assumed_side(
         "the contacts are of one stroke without normals, and its outer side is assumed to face +z: the interval of the curvature along the stroke is valid for any outer side within 90 degrees of +z; record normals, or state setting `outward`"
     } else if surface.is_some_and(|fit| fit.is_side_assumed) {
         "the contacts have no normals and do not show which side of the object is outside, so it is assumed to be convex: record normals, or state setting `outward` if all contacts are on one side"
-    } else if outward == DEFAULT_OUTWARD && curvature.mean + NORMAL_95 * std < 0.0 {
+    } else if outward.is_none() && curvature.mean + NORMAL_95 * std < 0.0 {
         "the object is concave if its outer side faces +z, which is assumed because the contacts have no normals: if it was touched from below, state setting `outward` as 0,0,-1"
     } else {
         return None;
@@ -180,11 +179,13 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
     })
 }
 
-pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
+/// Warnings about a fitted shape. A single stroke (`is_stroke`) does not bound the radius of the shape.
+pub(super) fn shape_warnings(fit: &ShapeFit, is_stroke: bool, unit: LengthUnit) -> Vec<Warning> {
     let (unit, name) = (unit.as_str(), fit.shape.name());
     let is_none = fit.is_none_of_these();
     let is_open = fit.shape != Shape::Plane && !fit.is_resolved() && !is_none;
-    let open = is_open.then(|| match fit.radius.interval95[0].map(Number::rounded) {
+    let least = fit.radius.interval95[0].filter(|_| !is_stroke);
+    let open = is_open.then(|| match least.map(Number::rounded) {
         Some(least) => {
             format!("the contacts do not resolve the radius: it is at least {least} {unit}")
         }

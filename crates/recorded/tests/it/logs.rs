@@ -324,6 +324,10 @@ fn a_stroke_without_normals_holds_for_any_outer_side() {
     let [low, high] = [0, 1].map(|end| along["interval95"][end].as_f64().unwrap());
     assert!(low < 0.0 && 0.04 < high && high < 0.06, "{along}");
     assert!(along["std"].is_null() && codes(&stroke).contains(&"assumed-side"));
+    let given = json!({ "kind": "sphere", "outward": [0, 0, 1] });
+    let stated = estimate_with(&text, &given).unwrap();
+    assert!(stated["stroke"]["curvature_along"]["std"].is_number());
+    assert!(!stated["warnings"].to_string().contains("at least"));
 }
 
 #[test]
