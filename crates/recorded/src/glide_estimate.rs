@@ -520,32 +520,34 @@ fn near_surface(contacts: &[Contact], outward: &Vector3<f64>) -> Result<SoundCon
 }
 
 /// The options, with the position noise as a length. If the noise is stated as a fraction, it is multiplied by the
-/// stated or measured distance between fingers.
+/// stated or, if none is stated, by the measured distance between fingers.
 fn with_length_noise(
     recorded: &GlideRecording,
     options: &GlideOptions,
 ) -> Result<GlideOptions, RecordedError> {
     let mut options = options.clone();
+    if let Some(distance) = options.inter_finger_distance {
+        options.estimator = options.estimator.with_length_noise(distance);
+    }
     if options.estimator.position_fraction_of_ifd().is_none() {
         return Ok(options);
     }
-    let (all, outward) = (&recorded.contacts, Vector3::from(options.outward));
-    let sound = match GlideMethod::of(&options.estimator, options.inter_finger_distance) {
+    let (all, outward) = (&recorded.contacts, options.outward());
+    let sound = match GlideMethod::of(&options.estimator, None) {
         GlideMethod::Graph(_) => near_surface(all, &outward),
         GlideMethod::Shape(_) => SoundContacts::new(all),
     };
     let sound = sound.map_err(|error| shape_refused(recorded, &error))?;
     let contacts: Vec<Contact> = sound.rows.iter().map(|&row| all[row]).collect();
     let patch = Patch::new(&contacts, &outward);
-    let patch = patch.map_err(|error| refused(recorded, &error))?;
-    let found = patch.finger_distance;
-    let found = found.map(|distance| distance * patch.frame.scale());
-    let Some(distance) = options.inter_finger_distance.or(found) else {
+    let patch = patch.map_err(|error| refused(recorded, &of_row(error, &sound.rows)))?;
+    let Some(distance) = patch.finger_distance else {
         let message = format!(
             "{ONE_FINGER}: setting `position_fraction_of_ifd` needs setting `inter_finger_distance`"
         );
         return Err(recorded.source.fail(message));
     };
+    let distance = distance * patch.frame.scale();
     options.estimator = options.estimator.with_length_noise(distance);
     Ok(options)
 }
