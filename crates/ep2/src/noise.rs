@@ -127,10 +127,12 @@ impl Variances {
         MIN_STD * MIN_STD / self.heights
     }
 
-    pub(crate) fn estimate(&self, patch: &Patch) -> NoiseEstimate {
+    pub(crate) fn estimate(&self, patch: &Patch, known: &Noise) -> NoiseEstimate {
         NoiseEstimate {
             position_std: self.heights.sqrt() * patch.frame.scale(),
-            normal_std_rad: patch.has_normals().then(|| self.slopes.sqrt()),
+            normal_std_rad: patch
+                .has_normals()
+                .then(|| known.normal_std_rad.unwrap_or(self.slopes.sqrt())),
         }
     }
 }

@@ -273,7 +273,7 @@ impl Penalised {
         });
         variances.heights *= choice.scale;
         variances.slopes *= choice.scale;
-        fit.noise = has_noise.then(|| variances.estimate(patch));
+        fit.noise = has_noise.then(|| variances.estimate(patch, &known));
         let basis = Basis {
             square,
             quadric,

@@ -226,7 +226,7 @@ impl SquareQuadric {
         let is_determined = self
             .variances
             .update(known, bending, patch, &residuals, &unknowns);
-        self.noise = is_determined.then(|| self.variances.estimate(patch));
+        self.noise = is_determined.then(|| self.variances.estimate(patch, known));
         let mut numbers = self.unknowns.iter().chain(&self.covariance);
         match numbers.all(|x| x.is_finite()) {
             true => Ok(()),

@@ -88,10 +88,13 @@ pub(super) fn stated_noise(
         return Vec::new();
     };
     let fit = method.fit(patch).ok();
-    let Some((found, unknowns)) = fit.and_then(|fit| Some((fit.noise?, fit.effective_unknowns)))
-    else {
+    let found = fit.and_then(|fit| Some((fit.noise?, fit.effective_unknowns, fit.centre().ok()?)));
+    let Some((found, unknowns, centre)) = found else {
         return Vec::new();
     };
+    // Errors of positions tilt the normals of a curved surface. These tilts are not part of the stated noise.
+    let bending = centre.k_min.hypot(centre.k_max) / 2.0_f64.sqrt();
+    let tilts = [0.0, (bending * found.position_std / ratios[1]).to_degrees()];
     let found = [
         Some(found.position_std / ratios[0]),
         found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
@@ -100,10 +103,12 @@ pub(super) fn stated_noise(
     // normals are computed with this ratio.
     let left = 1.0 - unknowns / patch.equations() as f64;
     let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
-    let all = stated.into_iter().zip(found).zip(kinds);
-    all.filter_map(|((stated, found), (noise_of, unit, components))| {
-        let (stated, estimated) = stated.zip(found)?;
-        let ratio = estimated / stated;
+    let all = stated.into_iter().zip(found).zip(tilts).zip(kinds);
+    all.filter_map(|(((stated, found), tilt), (noise_of, unit, components))| {
+        let (stated, found) = stated.zip(found)?;
+        let ratio = found / f64::hypot(stated, tilt);
+        let without_tilt = (found * found - tilt * tilt).max(0.0).sqrt();
+        let estimated = without_tilt.max(stated * ratio);
         let freedom = (left * (components * patch.samples.len()) as f64).max(1.0);
         let larger = chi_squared_tail(freedom * ratio * ratio, freedom.round() as usize);
         let p_value = 2.0 * larger.min(1.0 - larger);

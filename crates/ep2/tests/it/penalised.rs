@@ -287,4 +287,5 @@ fn the_noise_is_estimated() {
     };
     let noise = known.fit(&patch).unwrap().noise.unwrap();
     assert!((noise.position_std - 0.5).abs() < 1e-12);
+    assert_eq!(noise.normal_std_rad, Some(0.5));
 }
