@@ -505,6 +505,13 @@ impl<'a> Problem<'a> {
                 },
             }
         };
+        let mut curvatures = [
+            curvature(larger, repulsion, angle, bounds[0]),
+            curvature(smaller, -repulsion, axis, bounds[1]),
+        ];
+        // The corrections for the noise can reverse the order of two nearly equal curvatures.
+        let [first, second] = curvatures.each_ref().map(|one| one.value);
+        (curvatures[0].value, curvatures[1].value) = (first.max(second), first.min(second));
         let [mean, mean_std] = {
             let [larger, smaller] = [
                 libm::exp(larger - repulsion),
@@ -535,10 +542,7 @@ impl<'a> Problem<'a> {
             },
             most_likely_curvature: mean,
             principal: Some(PrincipalCurvatures {
-                curvatures: [
-                    curvature(larger, repulsion, angle, bounds[0]),
-                    curvature(smaller, -repulsion, axis, bounds[1]),
-                ],
+                curvatures,
                 axis: half_turn(axis),
                 axis_std,
                 contact,

@@ -232,20 +232,16 @@ impl Scene<'_> {
         let rows = self.matched.rows.iter().copied();
         let rows: Vec<usize> = rows.filter(|&marker| moved[marker].is_some()).collect();
         let row = |marker: &usize| rows.iter().position(|one| one == marker);
-        let wrong = estimate.wrong_markers.iter().filter_map(row);
-        let wrong_markers: Vec<Row> = wrong.map(|row| reading.row(row)).collect();
+        let wrong: Vec<usize> = estimate.wrong_markers.iter().filter_map(row).collect();
+        let wrong_markers: Vec<Row> = wrong.iter().map(|&row| reading.row(row)).collect();
+        let wrong: Vec<_> = wrong.into_iter().zip(&wrong_markers).collect();
         let distances = self
             .nominal
             .markers
             .subset(&rows)
             .distances(estimate.contact);
         let radius = estimate.contact_radius.value;
-        let left_out = left_out(
-            &wrong_markers,
-            &distances,
-            radius,
-            options.indentation.is_some(),
-        );
+        let left_out = left_out(&wrong, &distances, radius, options.indentation.is_some());
         let is_layer = options.thickness().is_some();
         let large = large_contact(estimate, self.nominal.sphere.radius, is_layer);
         let in_row = |misfit: &Misfit| match *misfit {

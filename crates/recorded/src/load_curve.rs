@@ -156,11 +156,10 @@ pub fn estimate_force(
     let Some(metres) = unit.to(LengthUnit::M) else {
         return fail("the unit of the indentation is not stated; name the column indentation_mm, or give setting `length_unit`".to_owned());
     };
-    let largest = |column: usize| {
-        let all = curve.readings.iter().map(|row| row[column].abs());
-        all.fold(0.0, f64::max)
-    };
-    let [deepest, strongest] = [largest(0), largest(1)];
+    let largest =
+        |all: &dyn Fn(&[f64; 2]) -> f64| curve.readings.iter().map(all).fold(0.0, f64::max);
+    let deepest = largest(&|row| row[0]);
+    let strongest = largest(&|row| row[1].abs());
     let count = curve.readings.len();
     let pressed = curve.readings.iter().filter(|row| row[0] > 0.0);
     let pressed: HashSet<u64> = pressed.map(|row| row[0].to_bits()).collect();
@@ -259,7 +258,7 @@ pub fn estimate_force(
             )
         }
     });
-    let mut warnings = Vec::new();
+    let mut warnings = source.notes.clone();
     if (exponent - 1.5).abs() > half_width(LEVEL, 2) * exponent_std {
         let [power, std] = [exponent, exponent_std].map(Number::rounded);
         let text = format!(

@@ -73,7 +73,13 @@ pub fn estimate_press(
     let wrong_markers: Vec<Row> = estimate.wrong_markers.iter().map(row).collect();
     let distances = markers.distances(estimate.contact);
     let radius = estimate.contact_radius.value;
-    let left_out = left_out(&wrong_markers, &distances, radius, indentation.is_some());
+    let wrong: Vec<_> = estimate
+        .wrong_markers
+        .iter()
+        .copied()
+        .zip(&wrong_markers)
+        .collect();
+    let left_out = left_out(&wrong, &distances, radius, indentation.is_some());
     let swapped = swapped_columns(&fit, &reading, &estimate, &misfits);
     let warnings = of_estimate(recorded, options, &estimate, !misfits.is_empty())
         .chain(Warning::of("repeated-rows", repeated))

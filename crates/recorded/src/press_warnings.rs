@@ -56,25 +56,30 @@ pub(super) fn misfit_warning(misfit: &Misfit, source: &ReadingSource, unit: Leng
         noise_of: "displacements",
         unit: unit.as_str(),
     };
-    words.warning(misfit)
+    let mut warning = words.warning(misfit);
+    if let Misfit::Outlier { reading, .. } = *misfit {
+        let index = source.row_number(reading) - 1;
+        warning.numbers.insert("reading".into(), index as f64);
+    }
+    warning
 }
 
-/// Warning about markers that were left out as outliers. `distances` contains the distance of every marker from the
-/// contact. `has_indentation` states whether the user gave an indentation.
+/// Warning about markers that were left out as outliers. `wrong` contains the index and the row of each of these
+/// markers, and `distances` the distance of every marker from the contact. `has_indentation` states whether the user
+/// gave an indentation.
 pub(super) fn left_out(
-    wrong: &[Row],
+    wrong: &[(usize, &Row)],
     distances: &[f64],
     contact_radius: f64,
     has_indentation: bool,
 ) -> Option<Warning> {
     let (count, all) = (wrong.len(), distances.len());
     let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
-    let is_of_contact = |row: &&Row| {
-        let distance = distances.get(row.row - 1).copied();
-        distance.is_some_and(|distance| distance <= nearest || distance < contact_radius)
+    let is_of_contact = |(marker, _): &&(usize, _)| {
+        distances[*marker] <= nearest || distances[*marker] < contact_radius
     };
     let mut text = format!("{count} of {all} markers contradict the others and are not used");
-    if let Some(row) = wrong.iter().find(is_of_contact) {
+    if let Some((_, row)) = wrong.iter().find(is_of_contact) {
         let stated = match has_indentation {
             true => "the indentation or a value of the sensor",
             false => "a value of the sensor",
@@ -199,13 +204,6 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
             "a marker is displaced by {moved} {unit}, more than {sensor}: do both have the same \
              unit?"
         ),
-        () if radius == f64::INFINITY => return None,
-        () if 0.0 < extent && extent < MIN_EXTENT * radius => format!(
-            "all markers lie within {far} {unit} of the apex, much less than {sensor}: are the readings in m and the radius in mm?"
-        ),
-        () if 0.0 < largest && largest < MIN_DISPLACEMENT * radius => format!(
-            "no marker is displaced by more than {moved} {unit}, much less than {sensor}: are the displacements in m and the rest in mm?"
-        ),
         () if 0.0 < along && along < MIN_TANGENTIAL * largest => format!(
             "no marker is displaced along the skin by more than {}, much less than the normal displacements of up to {moved} {unit}: are they in m and the rest in mm?",
             Number::rounded(along)
@@ -215,6 +213,13 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
              sign wrong?"
                 .to_owned()
         }
+        () if radius == f64::INFINITY => return None,
+        () if 0.0 < extent && extent < MIN_EXTENT * radius => format!(
+            "all markers lie within {far} {unit} of the apex, much less than {sensor}: are the readings in m and the radius in mm?"
+        ),
+        () if 0.0 < largest && largest < MIN_DISPLACEMENT * radius => format!(
+            "no marker is displaced by more than {moved} {unit}, much less than {sensor}: are the displacements in m and the rest in mm?"
+        ),
         () => return None,
     };
     Some(text)

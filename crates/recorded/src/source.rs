@@ -54,7 +54,7 @@ impl ReadingSource {
             name: self.name.clone(),
             lines,
             rows: rows.to_vec(),
-            notes: Vec::new(),
+            notes: self.notes.clone(),
         }
     }
 

@@ -37,9 +37,11 @@ impl ForwardFit {
         if let Some(estimate) = estimate {
             let distances = reading.markers.distances(estimate.contact);
             let near = 2.0 * estimate.contact_radius.value;
-            kept.retain(|marker| {
-                !estimate.wrong_markers.contains(marker) || distances[*marker] <= near
-            });
+            let mut is_left_out = vec![false; kept.len()];
+            for &marker in &estimate.wrong_markers {
+                is_left_out[marker] = distances[marker] > near;
+            }
+            kept.retain(|&marker| !is_left_out[marker]);
         }
         let normal: Vec<f64> = kept.iter().map(|&marker| reading.normal[marker]).collect();
         let tangential: Option<Vec<[f64; 2]>> = reading

@@ -35,6 +35,11 @@ const ROUGHLY: f64 = 1e-2;
 /// at most 2 `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
+/// With fewer normal readings per fitted parameter, one standard deviation is estimated from the residuals of all
+/// readings. The fit follows few normal readings so closely that their residuals are much smaller than their noise.
+const MIN_READINGS_OF_KIND: usize = 2;
+/// With fewer readings, the search starts at more contacts, because few readings may fit a wrong contact well.
+const MIN_EQUATIONS: usize = 100;
 /// Number of markers with the largest displacements in the first stage of a search. The first stage also uses about as
 /// many of the other markers. If there are at most twice this number of markers, the search uses all markers from the
 /// start.
@@ -393,7 +398,8 @@ impl<'a> Search<'a> {
         let middling = 0.1 * self.problem.reading.markers.scale();
         let unsolved = self.problem.fit.body.unit_contact(middling).err();
         let mut failure = unsolved.unwrap_or_else(|| self.problem.without_contact(0.0));
-        let few = if self.find_normal { 6 } else { 2 };
+        let is_hard = self.find_normal || problem.equations() < MIN_EQUATIONS;
+        let few = if is_hard { 6 } else { 2 };
         for start in starts(&problem, few) {
             problem.keep_window(&start);
             match problem.minimum(start, ROUGHLY, None) {
@@ -472,7 +478,7 @@ impl<'a> Search<'a> {
             return;
         }
         let problem = &self.problem;
-        let normal: Vec<f64> = problem
+        let mut normal: Vec<f64> = problem
             .counting()
             .map(|marker| residuals[marker][0])
             .collect();
@@ -483,6 +489,10 @@ impl<'a> Search<'a> {
                     .counting()
                     .flat_map(|marker| [residuals[marker][1], residuals[marker][2]]),
             );
+        }
+        if normal.len() < MIN_READINGS_OF_KIND * problem.fitted.count() {
+            normal.extend(&tangential);
+            tangential.clone_from(&normal);
         }
         let correction = (problem.equations() as f64 / problem.freedom().max(1) as f64).sqrt();
         let floor = EXACT * self.largest;

@@ -18,7 +18,7 @@ use crate::ladder::{Accuracy, Ladder, Rung};
 use palpate_study::FieldError;
 use palpate_study::config::{
     self, AngularVelocityDraws, AngularVelocityNoise, ModelConfig, ObjectConfig, ProbeConfig,
-    RollAxis, RollConfig, RollModelConfig, RollMotionConfig, When,
+    RollAxis, RollConfig, RollModelConfig, RollMotionConfig, Side, When,
 };
 
 fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
@@ -53,6 +53,7 @@ impl RollScene {
             relative_rotation_std: noise.map_or(0.0, |noise| noise.relative_rotation_std())
                 * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
             rotation_std_rad: rotation_sensor.std_rad(),
+            is_rotation_measured: noise.is_some_and(|noise| noise.side == Side::Measurement),
             ..sensor.shift_noise()
         };
         let (rolls, truth) = noiseless(&roller, &commands, noise.as_ref())

@@ -106,7 +106,7 @@ impl LateralCalibration {
             residual_rms: line.residual_rms,
             residual_std: line.residual_std,
             line,
-            with_intercept: Some(fit(&along, true, WORDS)?),
+            with_intercept: fit(&along, true, WORDS).ok(),
             range: range(along.iter().map(|point| point[0])),
             normal_range: normal.map_or([0.0, 0.0], |normal| range(normal.into_iter())),
         };

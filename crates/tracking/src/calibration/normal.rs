@@ -128,7 +128,7 @@ impl NormalCalibration {
             from,
             weights,
             line,
-            with_intercept: Some(fit(&signals, true, from.words())?),
+            with_intercept: fit(&signals, true, from.words()).ok(),
             range: range(signals.iter().map(|point| point[0])),
             gains: gains(points, &signals, line.slope, from.words()),
             uses_gains: false,
