@@ -39,7 +39,7 @@ const MAX_RISE: f64 = 0.25;
 /// readings. The fit follows few normal readings so closely that their residuals are much smaller than their noise.
 const MIN_READINGS_OF_KIND: usize = 2;
 /// With fewer readings, the search starts at more contacts, because few readings may fit a wrong contact well.
-const MIN_EQUATIONS: usize = 100;
+const MIN_EQUATIONS: usize = 61;
 /// Number of markers with the largest displacements in the first stage of a search. The first stage also uses about as
 /// many of the other markers. If there are at most twice this number of markers, the search uses all markers from the
 /// start.
