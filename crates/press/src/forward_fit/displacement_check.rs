@@ -37,11 +37,13 @@ impl ForwardFit {
         if let Some(estimate) = estimate {
             let distances = reading.markers.distances(estimate.contact);
             let near = 2.0 * estimate.contact_radius.value;
-            let mut is_left_out = vec![false; kept.len()];
+            let mut is_wrong = vec![false; kept.len()];
             for &marker in &estimate.wrong_markers {
-                is_left_out[marker] = distances[marker] > near;
+                if let Some(is_wrong) = is_wrong.get_mut(marker) {
+                    *is_wrong = true;
+                }
             }
-            kept.retain(|&marker| !is_left_out[marker]);
+            kept.retain(|&marker| !is_wrong[marker] || distances[marker] <= near);
         }
         let normal: Vec<f64> = kept.iter().map(|&marker| reading.normal[marker]).collect();
         let tangential: Option<Vec<[f64; 2]>> = reading
