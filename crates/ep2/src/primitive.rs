@@ -354,9 +354,7 @@ impl ShapeSettings {
             None => choose(&candidates, stated, &used),
         };
         let candidate = &mut candidates[chosen];
-        if used.normals.is_empty() {
-            candidate.solution.pose = candidate.solution.within_noise();
-        }
+        candidate.solution.pose = candidate.solution.within_noise();
         let readings = EffectiveReadings {
             contacts: count - outliers.len(),
             distinct: used.places.len(),

@@ -95,6 +95,19 @@ impl Weights {
         }
     }
 
+    /// Weights for contacts on a large part of a shape. `cosine` is the mean cosine of the angles between the contacts'
+    /// normals and the normal of the pose. There, errors of positions reduce k only by this share of their effect on a
+    /// small cap. Therefore only this share of β k² depends on k in the fit.
+    fn with_cosine(self, cosine: f64, pose: &Pose) -> Self {
+        let [sensor, slope] = self.normals;
+        let dependent = slope * cosine.clamp(0.0, 1.0);
+        let constant = (slope - dependent) * pose.curvature * pose.curvature;
+        Self {
+            normals: [sensor + constant, dependent],
+            ..self
+        }
+    }
+
     fn of_normals(&self, pose: &Pose) -> f64 {
         let [sensor, slope] = self.normals;
         (sensor + slope * pose.curvature * pose.curvature).recip()
@@ -193,8 +206,13 @@ pub(super) fn solve(
     let mut variances = first_variances(&start, cloud, stated);
     let mut pose = start;
     let mut last = None;
+    let sum: Vector3<f64> = cloud.normals.iter().sum();
+    let mean = sum / cloud.normals.len().max(1) as f64;
+    let weights_at = |pose: &Pose, variances| {
+        Weights::new(pose, variances).with_cosine(mean.dot(&pose.axis(2)), pose)
+    };
     for _ in 0..VARIANCE_ITERATIONS {
-        let weights = Weights::new(&pose, variances);
+        let weights = weights_at(&pose, variances);
         let (next, equations) = weights.minimise(pose, cloud, iterations);
         pose = next;
         let gram = weights.gram(&pose, &equations);
@@ -231,7 +249,7 @@ pub(super) fn solve(
             left[0].max(0.0) + left[1].max(0.0)
         };
         // The variances have changed since the pose was fitted, so compute the normal equations again.
-        let gram = Weights::new(&pose, variances).gram(&pose, &equations);
+        let gram = weights_at(&pose, variances).gram(&pose, &equations);
         let is_steady = (0..2).all(|kind| (variances[kind] / before[kind] - 1.0).abs() < 0.01);
         last = Some(Solution {
             pose,

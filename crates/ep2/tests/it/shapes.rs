@@ -222,16 +222,20 @@ fn intervals_of_rounded_heights_hold_the_radius() {
 /// fit to many contacts must correct this bias of the radius.
 #[test]
 fn noise_along_a_ball_does_not_enlarge_it() {
-    let held = (0..10).filter(|case| {
-        let random = &mut Random::new(47_000 + case);
-        let contacts = (0..20_000).map(|row| {
-            let place = random.vector().normalize() * 20.0 + random.vector() * 0.4;
-            Contact::new(row, Point3::from(place), None)
+    for normal_std in [None, Some(0.1)] {
+        let held = (0..10).filter(|case| {
+            let random = &mut Random::new(47_000 + case);
+            let contacts = (0..20_000).map(|row| {
+                let out = random.vector().normalize();
+                let place = out * 20.0 + random.vector() * 0.8;
+                let normal = normal_std.map(|std| out + random.vector() * std);
+                Contact::new(row, Point3::from(place), normal)
+            });
+            holds(&sphere(&contacts.collect::<Vec<_>>()), 20.0)
         });
-        holds(&sphere(&contacts.collect::<Vec<_>>()), 20.0)
-    });
-    let held = held.count();
-    assert!(held >= 8, "{held}");
+        let held = held.count();
+        assert!(held >= 8, "{held}, {normal_std:?}");
+    }
 }
 
 #[test]
