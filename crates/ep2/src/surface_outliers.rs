@@ -91,7 +91,7 @@ impl SoundContacts {
         let mut is_outlier = outliers(all, &counts, &is_beside_path, outward);
         let pairs = is_outlier.iter().zip(&is_beside_path);
         let on_path: Vec<bool> = pairs.map(|(one, is_beside)| *one && !is_beside).collect();
-        if on_path.contains(&true) && !are_scattered(all, &on_path) {
+        if on_path.contains(&true) && !are_scattered(all, &on_path, outward) {
             is_outlier
                 .iter_mut()
                 .zip(on_path)
@@ -171,8 +171,13 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
 }
 
 /// Whether outliers are scattered among the other contacts. Contacts that lie together, such as those of a bump, are
-/// part of the surface.
-fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
+/// part of the surface. The nearest contacts along the mean plane are compared: in a dense log, outliers are nearer to
+/// each other than to the surface.
+fn are_scattered(contacts: &[Contact], is_outlier: &[bool], outward: &Vector3<f64>) -> bool {
+    let sound = contacts.iter().zip(is_outlier).filter(|(_, one)| !**one);
+    let Ok(patch) = Patch::new(&selected(sound.map(|(contact, _)| contact)), outward) else {
+        return false;
+    };
     let share = |are: &[bool]| are.iter().filter(|one| **one).count() as f64 / are.len() as f64;
     let places = contacts.iter().map(|contact| contact.position);
     let outliers: Vec<usize> = (0..contacts.len()).filter(|&one| is_outlier[one]).collect();
@@ -181,15 +186,19 @@ fn are_scattered(contacts: &[Contact], is_outlier: &[bool]) -> bool {
         let place = contacts[outlier].position;
         let others = places.clone().zip(is_outlier).enumerate();
         let others = others.filter(|(index, _)| *index != outlier);
-        let mut near: Vec<(f64, bool)> = others
-            .map(|(_, (other, is_outlier))| ((other - place).norm(), *is_outlier))
+        let mut near: Vec<(f64, f64, bool)> = others
+            .map(|(_, (other, is_outlier))| {
+                let step = other - place;
+                let along = patch.frame.direction(&step).xy().norm();
+                (along, step.norm(), *is_outlier)
+            })
             .collect();
+        let sound = near.iter().filter(|one| !one.2).map(|one| one.1);
+        let least = MIN_DISTANCE_RATIO * sound.fold(f64::INFINITY, f64::min);
+        near.retain(|(_, distance, _)| *distance >= least);
         near.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
-        let sound = near.iter().find(|(_, is_outlier)| !is_outlier);
-        let least = sound.map_or(0.0, |(distance, _)| MIN_DISTANCE_RATIO * distance);
-        near.retain(|(distance, _)| *distance >= least);
         let near = near.iter().take(NEIGHBOURS);
-        share(&near.map(|(_, is_outlier)| *is_outlier).collect::<Vec<_>>())
+        share(&near.map(|one| one.2).collect::<Vec<_>>())
     });
     let shares: Vec<f64> = shares.collect();
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;

@@ -219,6 +219,19 @@ fn outliers_are_left_out_of_any_smooth_surface() {
     assert!(clean <= 36 && 50 * kept <= count && lost <= 36, "{figures}");
 }
 
+/// In a dense log, outliers are nearer to each other than to the surface.
+#[test]
+fn scattered_outliers_of_dense_logs_are_left_out() {
+    let mut random = Random::new(16);
+    let exact = Surface::Sphere(40.0).disc(&mut random, 10.0, 6000);
+    let mut log = noisy(&mut random, &exact, 0, 0.03, None);
+    let outliers = log.iter_mut().step_by(12);
+    outliers.for_each(|one| one.position.z += random.between(0.5, 1.0));
+    let sound = SoundContacts::new(&log).unwrap();
+    let sound = sound.without_misfits(&log, &Vector3::z()).unwrap();
+    assert_eq!(sound.outliers.len(), 500);
+}
+
 /// Contacts that a polynomial does not follow, such as whole columns of an exact grid, are not outliers.
 #[test]
 fn exact_contacts_of_few_strokes_are_kept() {
