@@ -114,9 +114,8 @@ impl SoundContacts {
 
 /// Whether each contact is beside the path of its finger. The path consists of the longest chain of contacts with steps
 /// of the usual length, and of all other long chains, such as further strokes. Contacts that the chains skip are beside
-/// the path. A finger moves without jumps, so such a contact is
-/// suspect even if other contacts lie close to it. In contacts without an order, all steps are long, and no contact is
-/// beside the path.
+/// the path. A finger moves without jumps, so such a contact is suspect even if other contacts lie close to it. In
+/// contacts without an order, all steps are long, and no contact is beside the path.
 fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (index, contact) in contacts.iter().enumerate() {

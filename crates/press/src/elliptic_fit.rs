@@ -9,6 +9,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use palpate_statistics::student_half_width;
 
+use crate::forward_fit::MIN_READINGS_PER_PARAMETER;
 use crate::{
     Bounds, EllipticContact, Estimated, ForwardFit, GoodnessOfFit, Interval, Markers, Measured,
     Place, PressError, PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
@@ -426,13 +427,18 @@ impl<'a> Problem<'a> {
         let count = self.reading.normal.len();
         let share = 1.0 - UNKNOWNS as f64 / self.readings().max(UNKNOWNS + 1) as f64;
         let mut is_changed = false;
-        let kinds = [0..count, count..self.readings()];
+        // With few markers, one standard deviation is estimated from all residuals, as in `ForwardFit`.
+        let kinds = match count < MIN_READINGS_PER_PARAMETER * UNKNOWNS {
+            true => [0..self.readings(), 0..self.readings()],
+            false => [0..count, count..self.readings()],
+        };
+        let stds = self.stds;
         for (kind, range) in kinds.into_iter().enumerate() {
             if self.is_estimated[kind] && !range.is_empty() {
-                let residuals = &fit.residuals[range];
-                let squared: f64 = residuals.iter().map(|one| one * one).sum();
-                let std = (squared / residuals.len() as f64 / share).sqrt();
-                self.stds[kind] *= std.max(1e-9);
+                let length = |index| fit.residuals[index] * stds[usize::from(index >= count)];
+                let readings = range.len() as f64;
+                let squared: f64 = range.map(|index| length(index) * length(index)).sum();
+                self.stds[kind] = (squared / readings / share).sqrt().max(1e-9 * stds[kind]);
                 is_changed = true;
             }
         }
@@ -440,13 +446,22 @@ impl<'a> Problem<'a> {
     }
 
     fn outcome(&self, best: &Fit) -> Result<PressEstimate, PressError> {
-        let what = "the markers do not determine both curvatures";
-        let stds = Stds::new(&best.hessian).ok_or(PressError::Undetermined { what })?;
         let uses_tangential = self.reading.tangential.is_some();
         let is_estimated = self.is_estimated[0] || uses_tangential && self.is_estimated[1];
-        let freedom = self.readings() + usize::from(self.reading.indentation.is_some()) - UNKNOWNS;
+        let equations = self.readings() + usize::from(self.reading.indentation.is_some());
+        let needed = UNKNOWNS + usize::from(is_estimated);
+        if equations < needed {
+            return Err(PressError::TooFewMarkers {
+                markers: self.reading.normal.len(),
+                equations,
+                needed,
+            });
+        }
+        let freedom = equations - UNKNOWNS;
+        let what = "the markers do not determine both curvatures";
+        let stds = Stds::new(&best.hessian).ok_or(PressError::Undetermined { what })?;
         let limit = if is_estimated {
-            student_half_width(0.95, freedom.max(1))
+            student_half_width(0.95, freedom)
         } else {
             student_half_width(0.95, 1_000_000)
         };
@@ -509,9 +524,10 @@ impl<'a> Problem<'a> {
             curvature(larger, repulsion, angle, bounds[0]),
             curvature(smaller, -repulsion, axis, bounds[1]),
         ];
-        // The corrections for the noise can reverse the order of two nearly equal curvatures.
-        let [first, second] = curvatures.each_ref().map(|one| one.value);
-        (curvatures[0].value, curvatures[1].value) = (first.max(second), first.min(second));
+        // If both curvatures are about equal, the corrections may reverse their order.
+        let values = curvatures.map(|curvature| curvature.value);
+        curvatures[0].value = values[0].max(values[1]);
+        curvatures[1].value = values[0].min(values[1]);
         let [mean, mean_std] = {
             let [larger, smaller] = [
                 libm::exp(larger - repulsion),

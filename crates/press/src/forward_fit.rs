@@ -14,6 +14,7 @@ use crate::outcome::Stds;
 use crate::unknowns::State;
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
 use problem::Problem;
+pub(crate) use search::MIN_READINGS_PER_PARAMETER;
 use search::Search;
 
 /// The readings of one press: displacements of the markers.
@@ -108,7 +109,8 @@ pub struct ForwardFit {
     /// Prior of the gain, a factor on all normal displacements. Its ideal value is 1.
     pub gain: Prior,
     /// Standard deviation (length) of the noise of normal displacements. If the value is `None` or 0, the noise is
-    /// estimated from the residuals. The estimate is at least 1e-10 of the largest normal displacement.
+    /// estimated from the residuals. The estimate is at least 1e-10 of the largest normal displacement. If there are
+    /// fewer than three markers per fitted parameter, normal and tangential noise are assumed equal for this estimate.
     pub normal_std: Option<f64>,
     /// Standard deviation (length) of the noise of each tangential displacement component. If the value is `None` or 0,
     /// the noise is estimated from the residuals. The estimate is at least 1e-10 of the largest normal displacement.

@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::RecordedFile;
 use super::error::RecordedError;
 use super::reading_table::{ReadingTable, header};
-use super::source::ReadingSource;
+use super::source::{ReadingSource, copies};
 use super::text_table::TextTable;
 use super::value::{FORMAT_VERSION, Value, finite};
 
@@ -39,6 +39,9 @@ const LEAST_NOISE: f64 = 1e-10;
 /// Confidence level of the test whether the force grows with the power 3/2 of the indentation. It is the probability
 /// that readings of a Hertzian contact pass the test. If the readings fail the test, there is a warning.
 const LEVEL: f64 = 0.995;
+
+/// Maximum number of steps of the fit of the exponent.
+const MAX_STEPS: usize = 100;
 
 /// A recorded load curve: the forces that were measured at several indentations.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,8 +114,8 @@ pub struct LoadEstimate {
     /// Curvature of the object: 1/R minus the curvature of the sensor, where R is the effective radius. `None` if
     /// Young's modulus or the radius of the sensor is not given.
     object_curvature: Option<Value>,
-    /// Exponent n of the power law F ∝ δⁿ that fits the forces F best, where δ is the indentation. It is computed by
-    /// one Gauss–Newton step from n = 3/2, the exponent of a Hertzian contact.
+    /// Exponent n of the power law F ∝ δⁿ that fits the forces F best, where δ is the indentation. It is 3/2 for a
+    /// Hertzian contact.
     exponent: Value,
     /// Standard deviation of the noise of each force, N. It is stated by the user or estimated from the residuals.
     force_std_n: f64,
@@ -121,17 +124,23 @@ pub struct LoadEstimate {
     warnings: Vec<Warning>,
 }
 
-/// Reads a load curve. Each row is one reading, with the indentation and the force.
+/// Reads a load curve. Each row is one reading, with the indentation and the force. Copies of earlier rows are left
+/// out.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_load_curve(file: RecordedFile) -> Result<LoadCurve, RecordedError> {
     let table = TextTable::of(&file, &[&LOADS])?;
     header(&table, &LOADS)?;
-    let sheet = ReadingTable::read(&table, &LOADS, &[])?;
-    let rows = sheet.rows().map(|(_, row)| [row[0], row[1]]).collect();
+    let mut sheet = ReadingTable::read(&table, &LOADS, &[])?;
+    let rows: Vec<_> = sheet.rows().map(|(_, row)| [row[0], row[1]]).collect();
+    let repeated = sheet.source.repeated("reading", rows.iter().copied(), 0.0);
+    let repeated = Warning::of("repeated-rows", repeated);
+    sheet.source.notes.extend(repeated);
+    let copied = copies(rows.iter().copied());
+    let distinct = (0..rows.len()).filter(|row| copied.binary_search(row).is_err());
     Ok(LoadCurve {
-        readings: rows,
+        readings: distinct.map(|row| rows[row]).collect(),
         unit: sheet.unit,
         source: sheet.source,
     })
@@ -157,9 +166,8 @@ pub fn estimate_force(
         return fail("the unit of the indentation is not stated; name the column indentation_mm, or give setting `length_unit`".to_owned());
     };
     let largest =
-        |all: &dyn Fn(&[f64; 2]) -> f64| curve.readings.iter().map(all).fold(0.0, f64::max);
-    let deepest = largest(&|row| row[0]);
-    let strongest = largest(&|row| row[1].abs());
+        |number: fn(&[f64; 2]) -> f64| curve.readings.iter().map(number).fold(0.0, f64::max);
+    let [deepest, strongest] = [largest(|row| row[0]), largest(|row| row[1].abs())];
     let count = curve.readings.len();
     let pressed = curve.readings.iter().filter(|row| row[0] > 0.0);
     let pressed: HashSet<u64> = pressed.map(|row| row[0].to_bits()).collect();
@@ -194,20 +202,49 @@ pub fn estimate_force(
     };
     let slope_std = std / information.sqrt();
 
-    // Fit the exponent n of the law F = q δ^n by one linear step from n = 3/2. The step uses the derivative of q δ^n
-    // with respect to n, without its part that is proportional to δ^(3/2), because this part changes only q.
-    let log = |[load, depth, _]: &[f64; 3]| match *depth > 0.0 {
-        true => load * libm::log(*depth),
-        false => 0.0,
+    // Fit the exponent n of the law F = q δ^n by Gauss–Newton steps. A step uses the derivative of q δ^n with respect
+    // to n, without its part that is proportional to δ^n, because this part changes only q. `step` returns the sum of
+    // squared residuals, the change of the exponent and its standard deviation.
+    let step = |exponent: f64| {
+        let rows = scaled.iter().map(|[_, depth, force]| {
+            let load = libm::pow(*depth, exponent);
+            let log = if load > 0.0 {
+                load * libm::log(*depth)
+            } else {
+                0.0
+            };
+            [load, log, *force]
+        });
+        let rows: Vec<[f64; 3]> = rows.collect();
+        let sum = |term: &dyn Fn(&[f64; 3]) -> f64| rows.iter().map(term).sum::<f64>();
+        let information = sum(&|[load, ..]| load * load);
+        let slope = sum(&|[load, _, force]| load * force) / information;
+        let along = sum(&|[load, log, _]| log * load) / information;
+        let beside = |[load, log, _]: &[f64; 3]| log - along * load;
+        let of_exponent = sum(&|row| beside(row).powi(2));
+        let change = sum(&|row| beside(row) * (row[2] - slope * row[0])) / of_exponent;
+        let left = sum(&|[load, _, force]| (force - slope * load).powi(2));
+        let rest = (left - change * change * of_exponent).max(0.0);
+        let rest = (rest / (count - 2) as f64).sqrt().max(LEAST_NOISE);
+        let std = stated.unwrap_or(rest) / of_exponent.sqrt() / slope;
+        (left, change / slope, std)
     };
-    let along = sum(&|row| log(row) * row[0]) / information;
-    let beside = |row: &[f64; 3]| log(row) - along * row[0];
-    let of_exponent = sum(&|row| beside(row).powi(2));
-    let change = sum(&|row| beside(row) * (row[2] - slope * row[0])) / of_exponent;
-    let rest = (left - change * change * of_exponent).max(0.0);
-    let rest = (rest / (count - 2) as f64).sqrt().max(LEAST_NOISE);
-    let exponent_std = stated.unwrap_or(rest) / of_exponent.sqrt() / slope;
-    let exponent = 1.5 + change / slope;
+    let hertz = step(1.5);
+    let (mut exponent, mut best) = (1.5, hertz);
+    let mut change = hertz.1;
+    for _ in 0..MAX_STEPS {
+        let next = exponent + change.clamp(-0.5 * exponent, exponent);
+        let tried = step(next);
+        if tried.0 < best.0 && tried.2 > 0.0 && tried.2.is_finite() {
+            (exponent, best, change) = (next, tried, tried.1);
+        } else {
+            change *= 0.5;
+        }
+        if change.abs() < 1e-12 {
+            break;
+        }
+    }
+    let exponent_std = best.2;
 
     // `per_kpa` converts F/δ^(3/2), in N per length^(3/2), to the stiffness in kPa √length. It contains the factor 4/3
     // of the Hertz law.
@@ -259,7 +296,7 @@ pub fn estimate_force(
         }
     });
     let mut warnings = source.notes.clone();
-    if (exponent - 1.5).abs() > half_width(LEVEL, 2) * exponent_std {
+    if hertz.1.abs() > half_width(LEVEL, 2) * hertz.2 {
         let [power, std] = [exponent, exponent_std].map(Number::rounded);
         let text = format!(
             "the force grows with the power {power} of the indentation (standard deviation {std}), not 1.5: is the indentation 0 at first touch, and the body a thick half-space?"

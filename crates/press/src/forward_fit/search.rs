@@ -35,11 +35,13 @@ const ROUGHLY: f64 = 1e-2;
 /// at most 2 `MAX_RISE`.
 const MAX_NOISE_CHANGE: f64 = 1e-3;
 const MAX_RISE: f64 = 0.25;
-/// With fewer normal readings per fitted parameter, one standard deviation is estimated from the residuals of all
-/// readings. The fit follows few normal readings so closely that their residuals are much smaller than their noise.
-const MIN_READINGS_OF_KIND: usize = 2;
-/// With fewer readings, the search starts at more contacts, because few readings may fit a wrong contact well.
-const MIN_EQUATIONS: usize = 61;
+/// If there are fewer normal readings per fitted parameter, normal and tangential noise are assumed equal, and one
+/// standard deviation is estimated. The fit follows few normal readings so closely that their residuals hide their
+/// noise.
+pub(crate) const MIN_READINGS_PER_PARAMETER: usize = 3;
+/// Fits of up to this number of markers use all start values. With few markers, chi-squared often has several
+/// minima.
+const FEW_MARKERS: usize = 40;
 /// Number of markers with the largest displacements in the first stage of a search. The first stage also uses about as
 /// many of the other markers. If there are at most twice this number of markers, the search uses all markers from the
 /// start.
@@ -398,8 +400,11 @@ impl<'a> Search<'a> {
         let middling = 0.1 * self.problem.reading.markers.scale();
         let unsolved = self.problem.fit.body.unit_contact(middling).err();
         let mut failure = unsolved.unwrap_or_else(|| self.problem.without_contact(0.0));
-        let is_hard = self.find_normal || problem.equations() < MIN_EQUATIONS;
-        let few = if is_hard { 6 } else { 2 };
+        let few = match self.find_normal {
+            _ if problem.kept.len() <= FEW_MARKERS => usize::MAX,
+            true => 6,
+            false => 2,
+        };
         for start in starts(&problem, few) {
             problem.keep_window(&start);
             match problem.minimum(start, ROUGHLY, None) {
@@ -490,7 +495,7 @@ impl<'a> Search<'a> {
                     .flat_map(|marker| [residuals[marker][1], residuals[marker][2]]),
             );
         }
-        if normal.len() < MIN_READINGS_OF_KIND * problem.fitted.count() {
+        if normal.len() < MIN_READINGS_PER_PARAMETER * problem.fitted.count() {
             normal.extend(&tangential);
             tangential.clone_from(&normal);
         }

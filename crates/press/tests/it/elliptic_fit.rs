@@ -138,6 +138,8 @@ fn intervals_hold_both_curvatures() {
             let known = measured(press.indentation + error, 0.02);
             let found = fit.estimate(&readings.reading(&markers, known)).unwrap();
             count += 1;
+            let [larger, smaller] = found.principal.unwrap().curvatures.map(|one| one.value);
+            assert!(larger >= smaller, "{larger} < {smaller}");
             for (hits, (found, curvature)) in hits.iter_mut().zip(
                 found
                     .principal

@@ -1,7 +1,8 @@
 //! Tests the errors for presses that are impossible, and for readings without information.
 
 use palpate_press::{
-    Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,
+    Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Prior, Reading, Skin, Verdict,
+    calibrated_c,
 };
 
 use crate::sensor::{
@@ -209,6 +210,28 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(counts.1 >= 7 && counts.2 <= 2, "{counts:?}");
 }
 
+#[test]
+fn chi_squared_of_few_markers_is_at_most_that_of_the_truth() {
+    let body = Body::half_space(0.5, 0.0).unwrap();
+    let skin = Skin::new(RADIUS).unwrap();
+    let contact = skin.contact(&body, 1.0 / 30.0, 1.5).unwrap();
+    for trial in 0..60_u32 {
+        let share = |number: f64| 16.0 * ((number * f64::from(trial + 1)).fract() - 0.5);
+        let place = |marker: u32| [2.0_f64, 3.0].map(|n| share(f64::from(marker + 1) * n.sqrt()));
+        let markers = Markers::new(skin, &(0..12).map(place).collect::<Vec<_>>()).unwrap();
+        let exact = Readings::of(&markers, &contact, [0.0; 2]);
+        let readings = exact.noisy(0.02, trial.into());
+        let pairs = readings.normal.iter().zip(&exact.normal);
+        let of_truth: f64 = pairs.map(|(a, b)| ((a - b) / 0.02).powi(2)).sum();
+        let found = fit_of(&body, 0.02).estimate(&readings.reading(&markers, None));
+        let chi_squared = 8.0 * found.unwrap().reduced_chi_squared;
+        assert!(
+            chi_squared <= of_truth,
+            "trial {trial}: {chi_squared} > {of_truth}"
+        );
+    }
+}
+
 fn five_markers() -> (Markers, Readings) {
     let places = [[0.0, 0.0], [4.0, 0.5], [-4.0, 1.0], [0.5, 4.0], [0.0, -4.0]];
     let skin = Skin::new(RADIUS).unwrap();
@@ -219,14 +242,25 @@ fn five_markers() -> (Markers, Readings) {
     (markers, exact)
 }
 
-/// The noise can only be estimated from the residuals if there are more used markers than fitted parameters.
+/// The noise can only be estimated from the residuals if there are more used readings than fitted parameters.
 #[test]
-fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
+fn noise_is_not_estimated_without_more_used_readings_than_parameters() {
     let (markers, exact) = five_markers();
     let fit = ForwardFit::new(half_space());
+    let with_baseline = ForwardFit {
+        baseline: Prior::Free,
+        ..fit.clone()
+    };
     let mut estimated = 0;
     for trial in 0..200 {
-        let mut readings = exact.noisy(0.05, trial);
+        let mut readings = exact.noisy_along(0.05, 0.05, trial);
+        let reading = Reading {
+            tangential: Some(&readings.tangential),
+            ..readings.reading(&markers, None)
+        };
+        if let Ok(found) = with_baseline.estimate(&reading) {
+            assert!(found.normal_std > 1e-4, "trial {trial}: {found:?}");
+        }
         readings.normal[trial as usize % 5] += 1.0;
         if let Ok(found) = fit.estimate(&readings.reading(&markers, measured(1.0, 0.02))) {
             estimated += 1;
@@ -234,6 +268,12 @@ fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
         }
     }
     assert!(estimated > 20, "{estimated}");
+    let elliptic = ForwardFit {
+        is_elliptic: true,
+        ..fit
+    };
+    let found = elliptic.estimate(&exact.reading(&markers, measured(1.0, 0.02)));
+    assert_eq!(refusal(found), "too-few-markers");
 }
 
 /// No contact with the assumed model of the soft body fits the readings. The error must not be `no-contact`, even if

@@ -60,6 +60,15 @@ fn exact_forces_determine_the_radius() {
     close("exponent", 1.5);
     assert!((number(&found["object_curvature"]["value"]) - 1.0 / 80.0).abs() < 1e-12);
     assert_eq!(found["warnings"], Value::Array(Vec::new()));
+    // Neither a copied row nor the indentation before touch may change the estimate.
+    let far = table(hertz)
+        + "0.1,x\n-900,0\n"
+            .replace("x", &hertz(0.1).to_string())
+            .as_str();
+    let far = estimate(&far, &OPTIONS).unwrap();
+    assert_eq!(far["readings"], 21);
+    assert_eq!(far["warnings"][0]["code"], "repeated-rows");
+    assert_eq!(far["warnings"].as_array().unwrap().len(), 1);
     // The same load curve, with indentations in m and forces in mN, must give the same curvature.
     let rows = (1..=20).map(|step| {
         let indentation = 0.1 * f64::from(step);
@@ -123,6 +132,9 @@ fn other_laws_have_warnings() {
         let found = estimate(&table(force), options).unwrap();
         found["warnings"][0]["code"].as_str().map(str::to_owned)
     };
+    let cubic = table(|indentation| indentation.powi(3));
+    let exponent = number(&estimate(&cubic, &OPTIONS).unwrap()["exponent"]["value"]);
+    assert!((exponent - 3.0).abs() < 1e-9, "{exponent}");
     // These two curves must cause warnings: the force of a flat punch, and the force of a contact that is too wide.
     let punch = |indentation: f64| 3.0 * indentation;
     assert_eq!(code(&punch, &OPTIONS).as_deref(), Some("other-body"));
