@@ -113,13 +113,14 @@ pub(crate) fn crossings(
 }
 
 /// The rotation vector at the change from the pad of the run `before` to the pad of the run `after`. A run consists of
-/// successive samples on one pad. The second result is a standard deviation (rad): turn the rotation vector by 90° into
-/// the direction of rolling, and take its component along `across`.
+/// successive samples on one pad. The second result is the standard deviation (rad) of the drive along `across`. The
+/// drive is the rotation vector, turned by 90° into the direction of rolling.
 ///
 /// The active pad changes between two samples, so the time of the change is uncertain by one sampling interval. A
 /// parabola is fitted to the measured rotations near the change, to average their noise. The result is the value of the
-/// parabola at the change. A straight line would be biased while the probe starts or stops. The parabola ends on both
-/// sides where it is long enough on one side, so that it includes little of a rest before or after the roll.
+/// parabola at the change. A straight line would be biased while the probe starts or stops. Both halves of the parabola
+/// have the same number of samples, unless a run is too short. The half in which the probe rotates faster determines
+/// this number, so that the parabola includes little of a rest before or after the roll.
 fn rotation_at_change(
     samples: &[RollSample],
     before: &Run,

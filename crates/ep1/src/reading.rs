@@ -89,9 +89,9 @@ impl ReadingNoise {
         self.relative_rotation_std > 0.0 || self.rotation_std_rad > 0.0 || self.shift_std > 0.0
     }
 
-    /// The part of the sum of the squares of one component over `count` measured rotations that comes from errors.
-    /// `squares` is the sum of the squared magnitudes of the rotations, and `least` the smallest sum of the squares of
-    /// a component.
+    /// Part of the sum Σ x² that comes from errors. Here, x is the component of a measured rotation in one direction,
+    /// and the sum is over `count` rotations. `squares` is the sum of the squared magnitudes of the rotations. `least`
+    /// is the smallest sum Σ x² of all directions that the fit uses.
     ///
     /// # Errors
     /// [`Ep1Error::NoisyRotations`] if the result exceeds half of `least`.

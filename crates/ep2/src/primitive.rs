@@ -273,7 +273,7 @@ impl ShapeSettings {
         let selection: Vec<Contact> = evenly_spaced(all.len(), MAX_COMPARED)
             .map(|contact| all[contact])
             .collect();
-        // If the selection has an error, fit all contacts, so that the error names all rows.
+        // If the fit to the selection fails, fit all contacts, so that the error refers to all contacts.
         let Ok(chosen) = self.fit(&selection) else {
             return self.fit_sound(contacts.len(), sound);
         };

@@ -112,10 +112,11 @@ impl SoundContacts {
     }
 }
 
-/// Whether each contact is beside the path of its finger. The path consists of the longest chain of contacts with steps
-/// of the usual length, and of all other long chains, such as further strokes. Contacts that the chains skip are beside
-/// the path. A finger moves without jumps, so such a contact is suspect even if other contacts lie close to it. In
-/// contacts without an order, all steps are long, and no contact is beside the path.
+/// Whether each contact is beside the path of its finger. A chain is a sequence of contacts without jumps, which are
+/// steps much longer than the median step. A chain may skip contacts. The path consists of the longest chain and of all
+/// other long chains, such as further strokes. All other contacts are beside the path. A finger moves without jumps, so
+/// such a contact is suspect even if other contacts lie close to it. In contacts without an order, the median step is
+/// long too, so there are no jumps, and no contact is beside the path.
 fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
     for (index, contact) in contacts.iter().enumerate() {

@@ -412,8 +412,10 @@ fn columns<'a>(
             rows if rows.starts_with('{') => {
                 serde_json::from_str::<NumberedRows<'_>>(rows).map(|rows| {
                     let (own, column): (Vec<_>, _) = rows.into_iter().unzip();
-                    if *row_numbers.get_or_insert_with(|| own.clone()) != own {
-                        other = Some(name.clone());
+                    let (first, numbers) =
+                        row_numbers.get_or_insert_with(|| (name.clone(), own.clone()));
+                    if *numbers != own {
+                        other = Some([first.clone(), name.clone()]);
                     }
                     column
                 })
@@ -446,10 +448,9 @@ fn columns<'a>(
             column.len()
         )));
     }
-    if let Some(name) = other {
+    if let Some([one, other]) = other {
         return Err(file.error(format!(
-            "has columns with different rows: `{}` and `{name}` differ in the numbers of their rows",
-            names[0]
+            "has columns with different rows: `{one}` and `{other}` differ in the numbers of their rows"
         )));
     }
     for (name, value) in shared {

@@ -65,8 +65,8 @@ pub struct RollEstimate {
     pub(super) series: Option<SeriesResult>,
     /// Curvature along the contact's path, if all rolls have the same direction; otherwise `None`.
     pub(super) single_direction: Option<DirectedCurvature>,
-    /// The readings and the artificial roll of [`single_direction`], if all rolls have the same direction; otherwise
-    /// `None`.
+    /// The readings for the tests of the fit, if all rolls have the same direction: the recorded readings and the
+    /// artificial roll of [`single_direction()`]. If `None`, the tests use only the recorded readings.
     tested: Option<Vec<ProbeReading>>,
 }
 

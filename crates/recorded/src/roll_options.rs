@@ -75,8 +75,9 @@ impl RollOptions {
         }
     }
 
-    /// Replaces the noise by that of the difference between the last and the first sample of a time series.
-    /// `has_start_rotations` states whether the first sample has an error of the rotation.
+    /// Replaces the noise of one sample of a time series by the noise of the difference between the last and the first
+    /// sample. `has_start_rotations` states whether the rotation of the first sample was measured, so that it has an
+    /// error too.
     pub(super) fn difference_noise(&mut self, has_start_rotations: bool) {
         let (series, noise) = (&self.series, &mut self.noise);
         if series.contact_std > 0.0 && noise.shift_resolution == 0.0 {

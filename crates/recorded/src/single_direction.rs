@@ -26,17 +26,21 @@ pub struct DirectedCurvature {
     pub direction_deg: f64,
 }
 
-/// If all rolls have one direction, returns the angle of the contact's path (from u towards v), and readings for a fit.
-/// The readings for the fit contain one artificial roll, because the recorded rolls alone do not determine the fit. The
-/// artificial roll is perpendicular to the recorded rolls. Its shift is that of a roll on a plane.
+/// If all rolls have one direction, returns the angle of the contact's path (from u towards v), readings for a fit, and
+/// the noise of these readings.
 ///
-/// Let g be the direction in which the probe is turned (perpendicular to the rotation axis), and b the displacement of
-/// the contact per radian. The relative curvature along b is b·g/(|b|²|g|). This curvature does not depend on the
-/// curvature across b, so the artificial roll has no effect on the curvature along b.
+/// The recorded rolls alone do not determine the fit, so the readings also contain an artificial roll. It is
+/// perpendicular to the recorded rolls. Its shift in its own direction is that of a roll on a plane. The other
+/// component of its shift follows from the recorded rolls, because the mobility (the contact's travel per radian) is a
+/// symmetric matrix.
+///
+/// Let g be the unit vector in the direction of rolling (perpendicular to the rotation axis), and b the displacement of
+/// the contact per radian. The relative curvature along b is b·g/|b|². It does not depend on the curvature across b, so
+/// the artificial roll has no effect on it.
 ///
 /// The artificial roll has no rotation noise, so the fit itself must not correct the bias from the rotation noise.
-/// Instead, the returned rotations are shortened by the share of the noise. The third result is the noise for the fit:
-/// the standard deviation of the shifts contains the rotation noise.
+/// Instead, the recorded rotations are multiplied by 1 − s, where s is the share of noise in the sum of their squares.
+/// In the returned noise, the standard deviation of the shifts includes the effect of the rotation noise.
 ///
 /// # Errors
 /// [`Ep1Error::NoisyRotations`] if the rotations are hardly longer than their noise.

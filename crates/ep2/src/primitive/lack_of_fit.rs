@@ -201,8 +201,8 @@ fn tested(
     // If the contacts lie on one line, errors of their positions across the line change the normals of the fitted
     // shape. Therefore only distances are tested in this case.
     let is_line = super::shape_choice::is_line(pose, cloud, solution.variances[0]);
-    // Only distances are also tested if the normals scatter less than the fit assumes. The fit then gives them too
-    // little weight, so their residuals are not independent.
+    // If the normals scatter less than the fit assumes, the fit gives them too little weight, so their residuals are
+    // not independent. Only distances are tested in this case, too.
     let is_exact = solution.weights()[1] * solution.variances[1] < MIN_NORMALS_VARIANCE;
     let kinds = if is_line || is_exact || cloud.normals.is_empty() {
         1

@@ -279,8 +279,8 @@ fn bad_logs_are_errors() {
             }
         }
     }
-    // A third of the contacts lie on another object, so the fit must return an error that lists them. The fit computes
-    // the limits for outliers from at most 20,000 contacts.
+    // A third of the contacts lie on another object, so the fit must return an error that lists them. The second log
+    // has 24,000 contacts, because the fit computes the limits for outliers from at most 20,000 contacts.
     for each in [50, 8000] {
         let mut log = ball_log(&mut Random::new(7), each);
         for contact in &mut log[2 * each..] {

@@ -123,7 +123,8 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
 
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Swept fields in which the drawn cells differ, except `panel`: each of its values has its own panel.
+    /// Swept fields that distinguish the series within a panel, because the drawn cells differ in them. `panel` is
+    /// excluded, because each value of `panel` has its own panel.
     names: Vec<&'a Axis>,
 }
 
