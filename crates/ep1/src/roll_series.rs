@@ -1,6 +1,6 @@
 //! Time series of readings of rolls: rotations of the probe, and active pads or contact points.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::SeriesError;
 use crate::crossings::{Run, without_chatter};
@@ -10,6 +10,10 @@ use crate::rolled_path::drive_of;
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
 /// this number of groups, and the fit uses the mean of each group.
 const GROUPS: usize = 12;
+/// The rolls count as reversed if a ratio is below this value. The numerator is the sum of the contacts' travels along
+/// the directions of the rolls, and the denominator is the sum of the magnitudes of these travels. The ratio is near 1
+/// for sound rolls, −1 for reversed rolls, and 0 for noise.
+const REVERSED: f64 = -0.8;
 
 /// One sample of a roll: time, rotation of the probe, and place of the contact or pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -259,4 +263,27 @@ pub(crate) fn groups(samples: &[RollSample], scale: f64) -> (Vec<Vector3<f64>>, 
         observations.push(Observation::Contact(place * scale, (to - from) as f64));
     }
     (rotations, observations)
+}
+
+/// Whether the contacts moved against the direction of the rolls, for example because the rotations have the wrong
+/// sign.
+pub(crate) fn are_reversed(rolls: &[RollSeries]) -> bool {
+    let ends = |roll: &RollSeries| Some((*roll.samples.first()?, *roll.farthest()?));
+    let (mut along, mut travel) = (0.0, 0.0);
+    for (first, last) in rolls.iter().filter_map(ends) {
+        let moved = last.place - first.place;
+        let drive = drive_of(&last.rotation);
+        along += moved.dot(&drive) / drive.norm().max(f64::MIN_POSITIVE);
+        travel += moved.norm();
+    }
+    along < REVERSED * travel
+}
+
+/// The error for rolls that do not determine the curvature. It contains the direction in which the rolls are shortest.
+pub(crate) fn undetermined(rolls: &[RollSeries]) -> SeriesError {
+    let drives = rolls.iter().filter_map(RollSeries::farthest);
+    let drives = drives.map(|last| drive_of(&last.rotation));
+    let gram: Matrix2<f64> = drives.map(|drive| drive * drive.transpose()).sum();
+    let direction_rad = 0.5 * libm::atan2(-2.0 * gram[(0, 1)], gram[(1, 1)] - gram[(0, 0)]);
+    SeriesError::Undetermined { direction_rad }
 }

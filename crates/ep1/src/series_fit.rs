@@ -6,7 +6,7 @@ use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 use crate::crossings::{Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
-use crate::roll_series::{check, groups};
+use crate::roll_series::{are_reversed, check, groups, undetermined};
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::symmetric::{inverse_slopes, largest_spread};
@@ -41,11 +41,6 @@ const FLAT: LocalShape = LocalShape {
 /// The mobility counts as dependent on the direction if the difference between its largest and its smallest value,
 /// divided by their sum, exceeds this limit.
 const ISOTROPY: f64 = 0.02;
-
-/// The rolls count as reversed if a ratio is below this value. The numerator is the sum of the contacts' travels along
-/// the directions of the rolls, and the denominator is the sum of the magnitudes of these travels. The ratio is near 1
-/// for sound rolls, −1 for reversed rolls, and 0 for noise.
-const REVERSED: f64 = -0.8;
 
 /// The curvature from time series of rolls of a probe of `radius`.
 ///
@@ -97,7 +92,7 @@ impl Problem<'_> {
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
         let tolerance = if is_set { ROUGH_TOLERANCE } else { TOLERANCE };
         let mut noise = self.fit_noise();
-        let undetermined = self.undetermined();
+        let rolls = self.rolls;
         loop {
             let mut data = self.prepare(&Matrix2::identity());
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
@@ -119,16 +114,16 @@ impl Problem<'_> {
             if usable < 2 {
                 return Err(SeriesError::TooFewRolls { rolls: usable });
             }
-            if self.is_reversed() {
+            if are_reversed(rolls) {
                 return Err(SeriesError::NotRolling);
             }
-            let mut first = first.ok_or(undetermined)?;
+            let mut first = first.ok_or_else(|| undetermined(rolls))?;
             let mobility = first.shape.relative().try_inverse().unwrap_or_default();
             let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
             if uneven > ISOTROPY * mobility.trace() && !self.noise.is_exact() {
                 data = self.prepare(&mobility);
-                first =
-                    SeriesFit::new(&data, &noise, first.shape, tolerance).ok_or(undetermined)?;
+                first = SeriesFit::new(&data, &noise, first.shape, tolerance)
+                    .ok_or_else(|| undetermined(rolls))?;
             }
             let scale = first.estimated.map_or(1.0, |noise| noise.variance);
             // Use the same smallest variance in all fits. Only then are the information criteria of fits with different
@@ -138,7 +133,7 @@ impl Problem<'_> {
             }
             let mobility = first.shape.relative().try_inverse().unwrap_or_default();
             if scale.sqrt() * largest_spread(&mobility, &first.covariance) > MAX_SPREAD {
-                return Err(undetermined);
+                return Err(undetermined(rolls));
             }
             let (found, worst) = match self.method {
                 SeriesMethod::Trajectory => self.trajectory(&data, &noise, first),
@@ -151,20 +146,6 @@ impl Problem<'_> {
                 return Ok(found);
             }
         }
-    }
-
-    /// Whether the contacts moved against the direction of the rolls, for example because the rotations have the wrong
-    /// sign.
-    fn is_reversed(&self) -> bool {
-        let ends = |roll: &RollSeries| Some((*roll.samples.first()?, *roll.farthest()?));
-        let (mut along, mut travel) = (0.0, 0.0);
-        for (first, last) in self.rolls.iter().filter_map(ends) {
-            let moved = last.place - first.place;
-            let drive = drive_of(&last.rotation);
-            along += moved.dot(&drive) / drive.norm().max(f64::MIN_POSITIVE);
-            travel += moved.norm();
-        }
-        along < REVERSED * travel
     }
 
     /// The estimate from exact rotations and active pads. `fit` is the least-squares fit to the crossings of pad edges.
@@ -181,7 +162,7 @@ impl Problem<'_> {
         if let Some(set) = self.set(cell, data, fit) {
             return self.of_set(set);
         }
-        let fit = fit.ok_or(self.undetermined())?;
+        let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
         // No curvature agrees with all rolls. Try to leave out each roll in turn, first the roll whose crossings of pad
         // edges contradict the other rolls most.
         self.p_values(data, fit);
@@ -248,7 +229,7 @@ impl Problem<'_> {
             return Err(SeriesError::NotRolling);
         }
         if set.is_wide() && set.is_open() {
-            return Err(self.undetermined());
+            return Err(undetermined(self.rolls));
         }
         let lengths = self.rolls.iter().filter_map(RollSeries::farthest);
         let lengths = lengths.map(|last| (mobility * drive_of(&last.rotation)).norm());
@@ -584,21 +565,5 @@ impl Problem<'_> {
             arc_length,
             uncertainty,
         )
-    }
-
-    /// The error for readings that do not determine the curvature. It contains the direction in which the rolls are
-    /// shortest.
-    fn undetermined(&self) -> SeriesError {
-        let mut gram = Matrix2::zeros();
-        for roll in self.rolls {
-            if let Some(last) = roll.farthest() {
-                let drive = drive_of(&last.rotation);
-                gram += drive * drive.transpose();
-            }
-        }
-        let direction = 0.5 * libm::atan2(-2.0 * gram[(0, 1)], gram[(1, 1)] - gram[(0, 0)]);
-        SeriesError::Undetermined {
-            direction_rad: direction,
-        }
     }
 }
