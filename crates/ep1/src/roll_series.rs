@@ -10,6 +10,8 @@ use crate::rolled_path::drive_of;
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
 /// this number of groups, and the fit uses the mean of each group.
 const GROUPS: usize = 12;
+/// Number of samples among which the sample with the largest rotation is searched.
+const COMPARED: usize = 64;
 /// The rolls count as reversed if a ratio is below this value. The numerator is the sum of the contacts' travels along
 /// the directions of the rolls, and the denominator is the sum of the magnitudes of these travels. The ratio is near 1
 /// for sound rolls, −1 for reversed rolls, and 0 for noise.
@@ -44,11 +46,13 @@ pub struct RollSeries {
 }
 
 impl RollSeries {
-    /// The sample with the largest rotation. It is the last sample, unless the roll returns towards its start.
+    /// The sample with the largest rotation among about 64 evenly spaced samples. It is the last sample, unless
+    /// the roll returns towards its start.
     pub fn farthest(&self) -> Option<&RollSample> {
+        let step = self.samples.len().div_ceil(COMPARED).max(1);
         let size = |one: &RollSample| drive_of(&one.rotation).norm_squared();
-        let order = |one: &&RollSample, other: &&RollSample| size(one).total_cmp(&size(other));
-        self.samples.iter().max_by(order)
+        let order = |one: &&RollSample, other: &&RollSample| size(other).total_cmp(&size(one));
+        self.samples.iter().rev().step_by(step).min_by(order)
     }
 }
 
