@@ -281,7 +281,7 @@ impl RollRows {
         root: &Matrix3<f64>,
     ) -> Vec<usize> {
         let mut rows = self.of_mobility(response, cell);
-        retain_needed(&mut rows, mean, root);
+        retain_needed(&mut rows, mean, root, NODE_RADIUS);
         rows.into_iter().map(|row| row.number).collect()
     }
 }
@@ -299,8 +299,13 @@ struct MobilityRow {
 
 /// Removes each bound of the mobility that is implied, at all integration nodes, by another bound from the same edge of
 /// the pad. `mean` is the mean of the mobility (contact travel per radian), `root` the Cholesky factor of its
-/// covariance.
-fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix3<f64>) {
+/// covariance, and `radius` the largest distance of an integration node from the mean, in standard deviations.
+fn retain_needed(
+    rows: &mut Vec<MobilityRow>,
+    mean: &Vector3<f64>,
+    root: &Matrix3<f64>,
+    radius: f64,
+) {
     let at_mean = |row: &MobilityRow| row.slack - row.form.dot(mean);
     let mut tightest: [Option<MobilityRow>; 6] = [None; 6];
     for row in &*rows {
@@ -311,7 +316,7 @@ fn retain_needed(rows: &mut Vec<MobilityRow>, mean: &Vector3<f64>, root: &Matrix
     }
     rows.retain(|row| {
         tightest[row.edge].is_none_or(|best| {
-            let reach = root.tr_mul(&(row.form - best.form)).norm() * NODE_RADIUS * NODE_WIDTH;
+            let reach = root.tr_mul(&(row.form - best.form)).norm() * radius * NODE_WIDTH;
             row.number == best.number || at_mean(row) - at_mean(&best) < reach
         })
     });
@@ -339,8 +344,15 @@ pub(crate) fn distribution(
     for (pass, nodes) in NODES.into_iter().enumerate() {
         let root = spread.cholesky()?.unpack();
         let mut near = all.clone();
-        near.iter_mut()
-            .for_each(|rows| retain_needed(rows, &mean, &root));
+        let radius = normal_nodes()[nodes - 1].radius;
+        for (rows, roll) in near.iter_mut().zip(rolls) {
+            retain_needed(rows, &mean, &root, radius);
+            // If the start is known, a bound that no node violates has no effect.
+            rows.retain(|row| {
+                let reach = root.tr_mul(&row.form).norm() * radius * NODE_WIDTH;
+                !roll.is_start_known || row.slack - row.form.dot(&mean) < reach
+            });
+        }
         let root = root * NODE_WIDTH;
         let (mut sum, mut squares) = (0.0, 0.0);
         let (mut first, mut second) = (Vector3::zeros(), Matrix3::zeros());
@@ -349,7 +361,7 @@ pub(crate) fn distribution(
                 std::array::from_fn(|at| mean + root * block[at].node);
             let parts = [0, 1, 2].map(|part| points.map(|point| point[part]));
             let mut areas = [1.0; BLOCK];
-            for (rows, roll) in near.iter().zip(rolls) {
+            for (rows, roll) in near.iter().zip(rolls).filter(|(rows, _)| !rows.is_empty()) {
                 multiply_areas(rows, roll.is_start_known, cell, &parts, &mut areas);
             }
             for ((point, area), node) in points.iter().zip(areas).zip(block) {
@@ -366,12 +378,14 @@ pub(crate) fn distribution(
             return None;
         }
         mean = first / sum;
+        let effective = sum * sum / squares;
+        // If few nodes are in the set, their mean is in it too, because the set is convex. Search closer to this mean.
+        if effective < 6.0 {
+            spread *= 0.25;
+            continue;
+        }
         spread = second / sum - mean * mean.transpose();
         spread += Matrix3::identity() * (1e-24 + 1e-9 * spread.trace());
-        let effective = sum * sum / squares;
-        if effective < 6.0 {
-            return None;
-        }
         if pass > 0 && effective > MIN_EFFECTIVE * nodes as f64 {
             return Some((mean, spread));
         }
@@ -435,16 +449,24 @@ fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
 pub(crate) struct Node {
     pub(crate) node: Vector3<f64>,
     weight: f64,
+    /// The largest distance from the origin, of this node and the nodes before it.
+    radius: f64,
 }
 
 /// Points of a low-discrepancy sequence, transformed to normally distributed coordinates.
 pub(crate) fn normal_nodes() -> &'static [Node] {
     static NODES: OnceLock<Vec<Node>> = OnceLock::new();
     let all = || {
+        let mut radius: f64 = 0.0;
         let node = |index| {
             let node = normal_node(index);
             let weight = libm::exp(0.5 * node.norm_squared());
-            Node { node, weight }
+            radius = radius.max(node.norm());
+            Node {
+                node,
+                weight,
+                radius,
+            }
         };
         (1..=MOST_NODES).map(node).collect()
     };

@@ -142,7 +142,7 @@ impl PadEdgeSet {
         cell: &PadCell,
         rolls: Vec<BoundedRoll>,
         shape: LocalShape,
-        covariance: Option<Matrix3<f64>>,
+        mut covariance: Option<Matrix3<f64>>,
     ) -> Option<Self> {
         let mut set = Self {
             cell: *cell,
@@ -158,8 +158,9 @@ impl PadEdgeSet {
         let mut starts: Vec<_> = set.rolls.iter().map(|roll| roll.start).collect();
         for pass in 0..=CENTRES {
             set.rows = set.linearised(&set.shape, &starts)?;
-            let is_fit = pass == 0 && covariance.is_some();
-            if is_fit && set.distribute(Vector3::zeros(), covariance?).is_some() {
+            if let Some(covariance) = covariance
+                && set.distribute(Vector3::zeros(), covariance).is_some()
+            {
                 break;
             }
             let found = middle(&set.rows);
@@ -178,6 +179,7 @@ impl PadEdgeSet {
             let stds = half_widths * STD_OF_HALF_WIDTH;
             let guess = Matrix3::from_diagonal(&stds.component_mul(&stds));
             (set.mean, set.covariance) = (change, guess);
+            covariance = is_found.then_some(guess);
             let is_open = half_widths.max() > 0.9 * OPEN;
             if is_open || (is_found && pass > 0) {
                 if !is_open {
