@@ -303,7 +303,7 @@ impl ShapeSettings {
         };
         let mut fits: Vec<RobustFit> = shapes
             .iter()
-            .map(|&shape| robust_fit(shape, cloud, stated))
+            .map(|&shape| robust_fit(shape, cloud))
             .collect();
         let to_few: Option<Vec<_>> = fits.iter().map(|fit| fit.inliers_of_few(cloud)).collect();
         let most = |inliers: &Vec<bool>| inliers.iter().filter(|one| **one).count();
@@ -337,7 +337,7 @@ impl ShapeSettings {
         let mut candidates: Vec<Candidate> = fits
             .drain(..)
             .map(|fit| {
-                let solution = match fit.is_used == is_used {
+                let solution = match fit.is_used == is_used && stated == [None; 2] {
                     true => fit.solution,
                     false => solve(fit.solution.pose, &used, stated, [1.0; 2], ITERATIONS),
                 };

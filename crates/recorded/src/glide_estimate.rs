@@ -20,7 +20,9 @@ use super::glide_recording::{
 use super::glide_report::{
     GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, of_size, tidy,
 };
-use super::glide_warnings::{directions, distant, misfit_warnings, normals, spacing, stated_noise};
+use super::glide_warnings::{
+    FoundNoise, directions, distant, misfit_warnings, normals, spacing, stated_noise,
+};
 use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings, two_groups};
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
@@ -348,14 +350,18 @@ impl<'r> GlideFitResult<'r> {
         let spacing = of_graph.and_then(|graph| spacing(&graph.patch, &self.given, unit));
         let row = |contact: usize| source.row(used.rows[contact]);
         let distant = of_graph.and_then(|_| distant(contacts, unit, &row));
-        let stated = of_graph.map(|graph| {
-            stated_noise(
-                &graph.patch,
-                &self.options.estimator,
-                graph.noise_ratios,
-                unit,
-            )
-        });
+        let (estimator, stated) = self.options.estimator.clone().without_noise();
+        let found = || match &self.surface {
+            Surface::Graph(graph) => {
+                let (_, fitted) = &**graph;
+                FoundNoise::of_graph(&fitted.patch, &estimator, fitted.noise_ratios)
+            }
+            Surface::Shape(fit) => FoundNoise::of_shape(fit, contacts),
+        };
+        let stated = (stated != [None; 2])
+            .then(found)
+            .flatten()
+            .map(|found| stated_noise(stated, &found, unit));
         let stroke = self.stroke.as_ref();
         let shape = match &self.surface {
             Surface::Graph(_) => None,

@@ -1,7 +1,10 @@
 //! Warnings about the contacts of a patch: values that contradict the settings, and likely mistakes.
 
 use nalgebra::{Matrix3, Vector3};
-use palpate_ep2::{Contact, Method, Patch, Quadric};
+use palpate_ep2::{
+    Contact, EffectiveReadings, Method, NoiseEstimate, Patch, Quadric, Shape, ShapeFit,
+    ShapeSettings,
+};
 use palpate_estimators::{GlideFit, GlideMethod};
 use palpate_statistics::{
     Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail, evenly_spaced,
@@ -71,45 +74,94 @@ pub(super) fn distant(
 /// estimated standard deviation. A larger ratio makes the intervals wrong, so it causes a warning.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
-/// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. A contact of the
-/// patch may be the mean of several recorded contacts and then has less noise. `ratios` contains the standard deviation
-/// of such a mean divided by that of a single contact, for positions and for normals.
-pub(super) fn stated_noise(
-    patch: &Patch,
-    estimator: &GlideEstimatorConfig,
+/// Noise that a fit without stated noise finds in the contacts.
+pub(super) struct FoundNoise {
+    noise: NoiseEstimate,
+    /// Root mean square (1/length) of the principal curvatures of the fitted surface.
+    bending: f64,
+    /// A fitted contact may be the mean of several recorded contacts and then has less noise. These are the standard
+    /// deviations of its position and of its normal, divided by those of a recorded contact.
     ratios: [f64; 2],
+    /// Degrees of freedom for each position and for each component of a normal.
+    freedoms: [f64; 2],
+}
+
+impl FoundNoise {
+    /// `None` if the same method does not find the noise.
+    pub(super) fn of_graph(
+        patch: &Patch,
+        estimator: &GlideEstimatorConfig,
+        ratios: [f64; 2],
+    ) -> Option<Self> {
+        let GlideMethod::Graph(method) = GlideMethod::of(estimator, None) else {
+            return None;
+        };
+        let fit = method.fit(patch).ok()?;
+        let centre = fit.centre().ok()?;
+        let left = 1.0 - fit.effective_unknowns / patch.equations() as f64;
+        Some(Self {
+            noise: fit.noise?,
+            bending: centre.k_min.hypot(centre.k_max) / 2.0_f64.sqrt(),
+            ratios,
+            freedoms: [left * patch.samples.len() as f64; 2],
+        })
+    }
+
+    /// `None` if the contacts do not determine the noise, or if they are not on a plane, sphere or cylinder.
+    pub(super) fn of_shape(fit: &ShapeFit, contacts: &[Contact]) -> Option<Self> {
+        let settings = ShapeSettings {
+            shape: Some(fit.shape),
+            ..ShapeSettings::default()
+        };
+        let found = settings.fit(contacts).ok()?;
+        let curvature = found.curvature.value?;
+        let count = found.readings.distinct as f64;
+        let has_normals = contacts.iter().any(|one| one.normal.is_some());
+        let equations = if has_normals { 3.0 } else { 1.0 } * count;
+        let left = (1.0 - fit.unknowns() as f64 / equations) * count;
+        let EffectiveReadings {
+            position_correlation,
+            normal_correlation,
+            ..
+        } = found.readings;
+        Some(Self {
+            noise: found.noise.filter(|_| !fit.is_none_of_these())?,
+            bending: match fit.shape {
+                Shape::Cylinder => curvature / 2.0_f64.sqrt(),
+                Shape::Plane | Shape::Sphere => curvature,
+            },
+            ratios: [1.0; 2],
+            freedoms: [left / position_correlation, left / normal_correlation],
+        })
+    }
+}
+
+/// Warnings if the noise of the contacts was stated as `stated`, but differs from the noise that the same method finds.
+pub(super) fn stated_noise(
+    stated: [Option<f64>; 2],
+    found: &FoundNoise,
     unit: LengthUnit,
 ) -> Vec<Warning> {
-    let (estimator, stated) = estimator.clone().without_noise();
-    if stated == [None; 2] {
-        return Vec::new();
-    }
-    let GlideMethod::Graph(method) = GlideMethod::of(&estimator, None) else {
-        return Vec::new();
-    };
-    let fit = method.fit(patch).ok();
-    let found = fit.and_then(|fit| Some((fit.noise?, fit.effective_unknowns, fit.centre().ok()?)));
-    let Some((found, unknowns, centre)) = found else {
-        return Vec::new();
-    };
+    let (noise, ratios) = (&found.noise, found.ratios);
     // Errors of positions tilt the normals of a curved surface. These tilts are not part of the stated noise.
-    let bending = centre.k_min.hypot(centre.k_max) / 2.0_f64.sqrt();
-    let tilts = [0.0, (bending * found.position_std / ratios[1]).to_degrees()];
-    let found = [
-        Some(found.position_std / ratios[0]),
-        found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
+    let tilt = found.bending * noise.position_std / ratios[1];
+    let tilts = [0.0, tilt.to_degrees()];
+    let sizes = [
+        Some(noise.position_std / ratios[0]),
+        noise.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
-    // Degrees of freedom of the fit divided by the number of its equations. The degrees of freedom of positions and of
-    // normals are computed with this ratio.
-    let left = 1.0 - unknowns / patch.equations() as f64;
-    let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
-    let all = stated.into_iter().zip(found).zip(tilts).zip(kinds);
-    all.filter_map(|(((stated, found), tilt), (noise_of, unit, components))| {
+    let freedoms = found.freedoms;
+    let kinds = [
+        ("positions", unit.as_str(), freedoms[0]),
+        ("normals", "degrees", 2.0 * freedoms[1]),
+    ];
+    let all = stated.into_iter().zip(sizes).zip(tilts).zip(kinds);
+    all.filter_map(|(((stated, found), tilt), (noise_of, unit, freedom))| {
         let (stated, found) = stated.zip(found)?;
         let ratio = found / f64::hypot(stated, tilt);
         let without_tilt = (found * found - tilt * tilt).max(0.0).sqrt();
         let estimated = without_tilt.max(stated * ratio);
-        let freedom = (left * (components * patch.samples.len()) as f64).max(1.0);
+        let freedom = freedom.max(1.0);
         let larger = chi_squared_tail(freedom * ratio * ratio, freedom.round() as usize);
         let p_value = 2.0 * larger.min(1.0 - larger);
         let is_far = ratio.max(ratio.recip()) > MAX_NOISE_RATIO && p_value < SIGNIFICANCE_LEVEL;

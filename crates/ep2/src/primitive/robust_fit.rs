@@ -52,6 +52,8 @@ const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
 pub(super) type StatedNoise = [Option<f64>; 2];
 
+const ESTIMATED: StatedNoise = [None; 2];
+
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution {
     pub(super) pose: Pose,
@@ -370,14 +372,15 @@ pub(super) struct RobustFit {
     fit_to_few: Option<(Pose, Limits)>,
 }
 
-/// Fits a shape such that a few outliers hardly change the result.
-pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
+/// Fits a shape such that a few outliers hardly change the result. The noise is estimated even if it is stated:
+/// otherwise, with too small a stated noise, sound contacts would be outliers.
+pub(super) fn robust_fit(shape: Shape, cloud: &Cloud) -> RobustFit {
     let thinned = cloud.thinned(START_CONTACTS);
     let fits = starts(shape, &thinned)
         .into_iter()
-        .map(|start| solve(start, &thinned, stated, [1.0; 2], 12));
+        .map(|start| solve(start, &thinned, ESTIMATED, [1.0; 2], 12));
     let best = fits.min_by(|one, other| {
-        let [one, other] = [one, other].map(|fit| fit.deviance(stated, [1.0; 2]));
+        let [one, other] = [one, other].map(|fit| fit.deviance(ESTIMATED, [1.0; 2]));
         one.total_cmp(&other)
     });
     let start = best.map_or_else(
@@ -385,7 +388,7 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
         |fit| fit.pose,
     );
     let sample = cloud.thinned(MAX_CONTACTS);
-    let robust = with_growth(start, &sample, &thinned, stated);
+    let robust = with_growth(start, &sample, &thinned);
     if sample.places.len() == cloud.places.len() {
         return robust;
     }
@@ -395,7 +398,7 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
         solution: solve(
             robust.solution.pose,
             &selected,
-            stated,
+            ESTIMATED,
             [1.0; 2],
             ITERATIONS,
         ),
@@ -406,23 +409,24 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
 
 /// A robust fit that starts at the pose `start` and also at poses through subsets of the contacts. The subsets are
 /// drawn from `thinned`, a selection of the contacts.
-fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise) -> RobustFit {
-    let plain_all = solve(start, cloud, stated, [1.0; 2], ITERATIONS);
-    let mut plain = grown(plain_all, cloud, stated);
+fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud) -> RobustFit {
+    let plain_all = solve(start, cloud, ESTIMATED, [1.0; 2], ITERATIONS);
+    let mut plain = grown(plain_all, cloud);
     let Some(pose) = through_most(&plain.solution.pose, thinned) else {
         return plain;
     };
     // Both `plain_all` and `other` are fits to all contacts. `plain_all` starts at `start`, and `other` at the pose
     // through a subset of the contacts. Use `other` if it has the smaller deviance.
-    let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
-    if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
-        plain = grown(other, cloud, stated);
+    let other = solve(pose, cloud, ESTIMATED, [1.0; 2], ITERATIONS);
+    if other.deviance(ESTIMATED, [1.0; 2]) < plain_all.deviance(ESTIMATED, [1.0; 2]) - MIN_DECREASE
+    {
+        plain = grown(other, cloud);
     }
     let from_subset = Solution {
         pose,
         ..plain.solution
     };
-    let from_subset = grown(from_subset, cloud, stated);
+    let from_subset = grown(from_subset, cloud);
     let variances = [&from_subset, &plain].map(|fit| fit.solution.variances[0]);
     if from_subset.leaves_out_too_many() {
         let is_clear = variances[0] < MAX_FEW_VARIANCE_SHARE * variances[1];
@@ -520,7 +524,7 @@ impl Limits {
 
 /// Fits the contacts near the pose of `solution`. Selects the contacts again after each fit, until the selection no
 /// longer changes.
-fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
+fn grown(mut solution: Solution, cloud: &Cloud) -> RobustFit {
     let unknowns = solution.pose.unknowns();
     let quantile = |used: usize| {
         let freedom = used.saturating_sub(unknowns);
@@ -539,7 +543,7 @@ fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFi
         solution = solve(
             solution.pose,
             &selected,
-            stated,
+            ESTIMATED,
             [1.0; 2],
             GROWTH_FIT_ITERATIONS,
         );
