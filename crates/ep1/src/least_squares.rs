@@ -13,7 +13,7 @@
 //! has no cancellation: readings of a flat object give exactly zero curvature. If the error of the measured rotations
 //! is stated, its variance is subtracted from the sum of the squared rotations. Without this correction, the contact
 //! would seem to move less per radian than it does. A relative error is subtracted only if
-//! [`ReadingNoise::is_rotation_measured`] is true.
+//! [`ReadingNoise::is_rotation_measured`] is true; then the bias of second order is subtracted too.
 //!
 //! If the readings are exact and the probes roll equally in all directions, the curvatures `k` have a relative error of
 //! at most `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁`
@@ -191,9 +191,10 @@ impl LeastSquares {
             stds,
             moved,
             in_range,
-        } = match is_stated {
-            true => self.law.solve::<true>(moments),
-            false => self.law.solve::<false>(moments),
+        } = match (is_stated, self.noise.is_rotation_measured) {
+            (true, true) => self.law.solve::<true, true>(moments),
+            (true, false) => self.law.solve::<true, false>(moments),
+            (false, _) => self.law.solve::<false, false>(moments),
         };
         if !moved {
             return Err(self.not_moving(&travel));
@@ -259,9 +260,16 @@ impl LeastSquares {
         estimates: &mut BatchEstimates,
     ) -> usize {
         estimates.have_stds = self.noise.is_stated();
-        match estimates.have_stds {
-            true => self.law.solve_batch::<true>(moments, count, estimates),
-            false => self.law.solve_batch::<false>(moments, count, estimates),
+        match (estimates.have_stds, self.noise.is_rotation_measured) {
+            (true, true) => self
+                .law
+                .solve_batch::<true, true>(moments, count, estimates),
+            (true, false) => self
+                .law
+                .solve_batch::<true, false>(moments, count, estimates),
+            (false, _) => self
+                .law
+                .solve_batch::<false, false>(moments, count, estimates),
         }
         estimates.determined(count)
     }

@@ -53,7 +53,7 @@ pub fn rounding_std(radius: f64, curvature: f64) -> f64 {
 
 impl Law {
     #[inline(always)]
-    pub(crate) fn solve_batch<const IS_STATED: bool>(
+    pub(crate) fn solve_batch<const IS_STATED: bool, const IS_MEASURED: bool>(
         self,
         moments: &BatchMoments,
         count: usize,
@@ -61,7 +61,7 @@ impl Law {
     ) {
         for place in 0..count.min(BATCH_SIZE) {
             let moments = moments.at(place);
-            let solution = self.solve::<IS_STATED>(&moments);
+            let solution = self.solve::<IS_STATED, IS_MEASURED>(&moments);
             estimates.put::<IS_STATED>(
                 place,
                 solution.moved & solution.in_range,
@@ -77,9 +77,13 @@ impl Law {
         moments.lengths * self.per_probe
     }
 
-    /// Fits one set of readings without branches, so that many sets can be fitted together.
+    /// Fits one set of readings without branches, so that many sets can be fitted together. `IS_MEASURED` states
+    /// whether the relative errors are errors of the measured rotations.
     #[inline(always)]
-    pub(crate) fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
+    pub(crate) fn solve<const IS_STATED: bool, const IS_MEASURED: bool>(
+        self,
+        moments: &Moments,
+    ) -> Solution {
         // K₁ is the probe's curvature, and K_rel = K₁ + K₂ is the relative curvature. The matrix D maps the rotation
         // vector of a roll, turned by 90°, to the deviation of its shift from the shift on a plane. `deviation` is the
         // matrix K₁ D. `travel` is the matrix I + K₁ D, which is the inverse of K_rel / K₁.
@@ -102,11 +106,14 @@ impl Law {
         // The object's curvature is −K₁ (I + K₁ D)⁻¹ K₁ D. This matrix is symmetric, because K₁ is a multiple of the
         // identity I and both other factors are functions of the symmetric matrix D.
         let mixed = deviation.uv * deviation.uv;
-        let curvature = Symmetric {
+        let mut curvature = Symmetric {
             uu: scale * (mixed - travel.vv * deviation.uu),
             uv: -scale * deviation.uv,
             vv: scale * (mixed - travel.uu * deviation.vv),
         };
+        if IS_MEASURED {
+            curvature.add(&self.bias(&travel), scale / (determinant * determinant));
+        }
         let gaussian = curvature.determinant();
         let mean = curvature.uu * 0.5 + curvature.vv * 0.5;
         let arc_length = self.arc_length(moments);
@@ -136,6 +143,40 @@ impl Law {
     pub(crate) fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
         self.from_shifts
             .plus(&self.from_rotations, &travel.square())
+    }
+
+    /// Bias of the estimated curvature, with the opposite sign: the errors of the measured rotations decrease the
+    /// curvature by this matrix, to second order. The result is in units of `K₁ / det³`, where `det` is the determinant
+    /// of `travel` = `K₁ B`, K₁ the probe's curvature and B the mobility (contact travel per radian).
+    ///
+    /// An error δB of the mobility changes `K_rel = B⁻¹` by `K_rel δB K_rel δB K_rel` to second order. Errors of the
+    /// rotations are also errors of the matrix of the normal equations, which are correlated with δB. In a star of
+    /// rolls, they change the mean of B by twice the mean of `δB K_rel δB`. The result is the difference of both.
+    #[inline(always)]
+    fn bias(self, travel: &Symmetric) -> Symmetric {
+        let w = relative(travel);
+        let covariance = Symmetric3::default().plus(&self.from_rotations, &travel.square());
+        let [of_uu, of_vv, of_uv] = covariance.rows();
+        let inner = Symmetric {
+            uu: w.uu * of_uu[0] + 2.0 * w.uv * of_uu[2] + w.vv * of_uv[2],
+            vv: w.uu * of_uv[2] + 2.0 * w.uv * of_vv[2] + w.vv * of_vv[1],
+            uv: w.uu * of_uu[2] + w.uv * (of_uu[1] + of_uv[2]) + w.vv * of_vv[2],
+        };
+        let (u, v) = (
+            [
+                w.uu * inner.uu + w.uv * inner.uv,
+                w.uu * inner.uv + w.uv * inner.vv,
+            ],
+            [
+                w.uv * inner.uu + w.vv * inner.uv,
+                w.uv * inner.uv + w.vv * inner.vv,
+            ],
+        );
+        Symmetric {
+            uu: u[0] * w.uu + u[1] * w.uv,
+            vv: v[0] * w.uv + v[1] * w.vv,
+            uv: u[0] * w.uv + u[1] * w.vv,
+        }
     }
 
     /// Standard errors of K_uu, K_vv, the Gaussian and the mean curvature. The results are in units of `unit` = `K₁ /
@@ -183,19 +224,24 @@ impl Law {
 /// multiplied by `−det²/K₁`, where `det` is the determinant of `K₁ B`.
 #[inline(always)]
 pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
-    // `w` is the relative curvature of object and probe, in units of K₁ / det, where det is the determinant of
-    // `travel`.
-    let w = Symmetric {
-        uu: travel.vv,
-        vv: travel.uu,
-        uv: -travel.uv,
-    };
+    let w = relative(travel);
     let (uu_uv, uv_vv, uv_uv) = (w.uu * w.uv, w.uv * w.vv, w.uv * w.uv);
     [
         [w.uu * w.uu, uv_uv, uu_uv + uu_uv],
         [uv_uv, w.vv * w.vv, uv_vv + uv_vv],
         [uu_uv, uv_vv, w.uu * w.vv + uv_uv],
     ]
+}
+
+/// The relative curvature of object and probe, in units of K₁ / det. K₁ is the probe's curvature, and det the
+/// determinant of `travel`.
+#[inline(always)]
+fn relative(travel: &Symmetric) -> Symmetric {
+    Symmetric {
+        uu: travel.vv,
+        vv: travel.uu,
+        uv: -travel.uv,
+    }
 }
 
 /// Square root of a variance. A variance that is negative due to rounding counts as 0.

@@ -99,6 +99,12 @@ impl Symmetric3 {
         }
     }
 
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> [[f64; 3]; 3] {
+        let ([d1, d2, d3], [b1, b2, b3]) = (self.diagonal, self.beside);
+        [[d1, b1, b2], [b1, d2, b3], [b2, b3, d3]]
+    }
+
     /// The product of this matrix and the vector `v`, whose components are the entries `uu`, `vv`, `uv` of a matrix.
     #[inline(always)]
     pub(crate) fn times(&self, v: &[f64; 3]) -> Symmetric {

@@ -195,7 +195,7 @@ fn stated_errors_of_rotations_do_not_bias_the_curvature() {
             .single_direction
             .map(|found| found.curvature_along.value);
         let value = along.unwrap_or(values.mean_curvature.value).unwrap();
-        assert!((value - 1.0 / 30.0).abs() < 1e-9, "{setting}: {value}");
+        assert!((value - 1.0 / 30.0).abs() < 1e-5, "{setting}: {value}");
         assert!(estimate.p_value().is_some(), "{setting}");
     }
 }
