@@ -7,6 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use nalgebra::{Point3, Vector3};
 
 use crate::Contact;
+use crate::gross_outliers::{MAX_BLOCK, MAX_OUTLIER_SHARE};
 use crate::patch::FingerMap;
 use crate::surface_outliers::median;
 
@@ -56,6 +57,9 @@ const MAX_NOISY_EXTENT: f64 = 2.5;
 /// the contacts may only be in no order. This constant is the smallest accepted median distance of the other contacts
 /// from the position, divided by the largest distance that is allowed within the rest.
 const MIN_REST_DISTANCE: f64 = 4.0;
+/// A contact may be a lost reading if its distance from the median position exceeds this multiple of the distance
+/// within which four fifths of the contacts lie.
+const MIN_FAR_RATIO: f64 = 10.0;
 /// The correlation between residuals is estimated from strokes until these contain this number of residuals. Further
 /// strokes are not used.
 const MAX_RESIDUALS: usize = 60_000;
@@ -106,15 +110,17 @@ impl DistinctContacts {
     /// its steps are clearly shorter than the steps of a moving finger. Lost readings (such as 9999) among the contacts
     /// do not affect the result.
     pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
-        let distinct = Runs::new(contacts, 0.0, true).merged(contacts);
-        let distinct = match rests(&distinct.contacts) {
-            Some(rests) => distinct.again(rests),
-            None => distinct,
-        };
-        match noisy_rests(&distinct.contacts) {
-            Some(rests) => distinct.again(rests),
-            None => distinct,
+        let mut distinct = Runs::new(contacts, 0.0, true).merged(contacts);
+        for merged in [rests, noisy_rests] {
+            // The steps to and from a lost reading are long, so all other steps seem to be those of a resting finger.
+            let near = without_far(&distinct.contacts);
+            if near.is_none_or(|near| merged(&near).is_some())
+                && let Some(rests) = merged(&distinct.contacts)
+            {
+                distinct = distinct.again(rests);
+            }
         }
+        distinct
     }
 
     /// Merges further contacts: consecutive contacts of a finger whose distance is at most a tenth of a long step (the
@@ -346,6 +352,24 @@ fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
     near as f64 / all.max(1) as f64
 }
 
+/// The contacts without single contacts that are very far from most contacts. `None` if there are no such contacts.
+fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
+    if contacts.is_empty() {
+        return None;
+    }
+    let coordinates = |axis| contacts.iter().map(|one| one.position[axis]).collect();
+    let centre = Point3::from([0, 1, 2].map(|axis| median(coordinates(axis))));
+    let distance = |one: &Contact| (one.position - centre).norm();
+    let mut distances: Vec<f64> = contacts.iter().map(distance).collect();
+    let place = (distances.len() as f64 * (1.0 - MAX_OUTLIER_SHARE)) as usize;
+    let (_, &mut usual, _) = distances.select_nth_unstable_by(place, f64::total_cmp);
+    let is_near = |one: &&Contact| distance(one) <= MIN_FAR_RATIO * usual;
+    let blocks = contacts.chunk_by(|one, other| is_near(&one) == is_near(&other));
+    let far = blocks.filter(|block| !is_near(&&block[0]));
+    let longest = far.map(<[Contact]>::len).max()?;
+    (longest <= MAX_BLOCK).then(|| contacts.iter().filter(is_near).copied().collect())
+}
+
 /// Merges the contacts of resting fingers. The short steps must be separated from the long steps by a gap. During short
 /// steps, a finger must stay at one position, and it must leave this position by a long step. `None` if the contacts do
 /// not fulfil these conditions.
@@ -408,8 +432,8 @@ fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
         if count < MIN_NOISY_REST || 2 * count <= rows.len() {
             continue;
         }
-        let others = contacts.iter().filter(|one| !is_near(one.position));
-        let others: Vec<f64> = others.map(|one| (one.position - centre).norm()).collect();
+        let others = rows.iter().map(position).filter(|&at| !is_near(at));
+        let others: Vec<f64> = others.map(|at| (at - centre).norm()).collect();
         if others.is_empty() || median(others) < MIN_REST_DISTANCE * limit {
             continue;
         }

@@ -27,7 +27,7 @@ const MIN_PLACES_WITH_GAP: usize = 20;
 /// Contacts beyond a gap (in the distances from the spatial median) are outliers only if they form short blocks of
 /// consecutive rows. This constant is the largest mean number of rows in a block. Longer blocks are strokes of a
 /// finger.
-const MAX_BLOCK: usize = 3;
+pub(crate) const MAX_BLOCK: usize = 3;
 /// Largest share of outliers among the contacts of a log. A larger share is an error.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
 /// A contact that is not a gross outlier counts as an outlier of the fitted surface if the p-value of its residuals is

@@ -124,12 +124,17 @@ impl FoundNoise {
             normal_correlation,
             ..
         } = found.readings;
+        let bending = match fit.shape {
+            Shape::Cylinder => curvature / 2.0_f64.sqrt(),
+            Shape::Plane | Shape::Sphere => curvature,
+        };
+        let mut noise = found.noise.filter(|_| !fit.is_none_of_these())?;
+        // The fit has removed the tilts due to errors of positions from the noise of the normals.
+        let tilt = bending * noise.position_std;
+        noise.normal_std_rad = noise.normal_std_rad.map(|std| std.hypot(tilt));
         Some(Self {
-            noise: found.noise.filter(|_| !fit.is_none_of_these())?,
-            bending: match fit.shape {
-                Shape::Cylinder => curvature / 2.0_f64.sqrt(),
-                Shape::Plane | Shape::Sphere => curvature,
-            },
+            noise,
+            bending,
             ratios: [1.0; 2],
             freedoms: [left / position_correlation, left / normal_correlation],
         })

@@ -24,6 +24,9 @@ const MAX_VARIANCE_RATIO: f64 = 1e8;
 /// The estimated variance of normals includes the effect of errors of positions, which is subtracted. At least this
 /// share of the estimated variance remains, as the variance of the normals' own errors.
 const MIN_SENSOR_SHARE: f64 = 0.05;
+/// Largest variance that errors of positions add to the normals. Errors of unit normals are limited, so without this
+/// limit, the sum of squares would be smallest at an infinite curvature.
+const MAX_BENDING: f64 = 0.25;
 /// Eigenvalues of scaled normal equations count as rounding errors if they are below this share of the largest
 /// eigenvalue.
 const RANK_TOLERANCE: f64 = 1e-12;
@@ -112,7 +115,8 @@ impl Weights {
 
     fn of_normals(&self, pose: &Pose) -> f64 {
         let [sensor, slope] = self.normals;
-        (sensor + slope * pose.curvature * pose.curvature).recip()
+        let bending = slope * pose.curvature * pose.curvature;
+        (sensor + bending.min(MAX_BENDING)).recip()
     }
 
     /// The cost is the weighted sum of squares. The variance of the normals depends on the curvature k, so the
