@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Contact, Shape, ShapeError, ShapeFit, ShapeSettings};
+use palpate_ep2::{Contact, Noise, Shape, ShapeError, ShapeFit, ShapeSettings};
 
 use super::drawn_shapes::{Random, Surface, ball_log, inside, noisy, placed};
 
@@ -152,7 +152,17 @@ fn the_right_shape_is_chosen() {
         let noise = extent * random.scale(0.001, 0.006);
         let normal_std = (random.uniform() < 0.5).then_some(0.01);
         let contacts = noisy(&mut random, &exact, each, noise, normal_std);
-        let fit = fit(None, &placed(&mut random, &contacts, 2.0 * extent)).unwrap();
+        // In every second case, the noise is stated.
+        let stated = Noise {
+            position_std: Some(noise),
+            normal_std_rad: normal_std,
+        };
+        let settings = ShapeSettings {
+            noise: [Noise::default(), stated][case as usize / 6 % 2],
+            ..ShapeSettings::default()
+        };
+        let contacts = placed(&mut random, &contacts, 2.0 * extent);
+        let fit = settings.fit(&contacts).unwrap();
         confusion[kind][if fit.is_none_of_these() {
             3
         } else {
