@@ -39,7 +39,8 @@ pub(crate) struct Run {
 pub(crate) struct Crossing {
     pub(crate) normal: Vector2<f64>,
     pub(crate) offset: f64,
-    /// Distance between the facing edges of the pads before and after the crossing; 0 if the pads are neighbours.
+    /// Distance between the facing edges of the pads before and after the crossing, but at most the pitch; 0 if the
+    /// pads are neighbours. A dead pad can cause such a gap.
     pub(crate) gap: f64,
     /// Rotation vector of the probe, from the start of the roll to the crossing.
     pub(crate) rotation: Vector3<f64>,
@@ -48,14 +49,18 @@ pub(crate) struct Crossing {
 }
 
 /// A run consists of successive samples on one pad. If the active pad changes and changes back, the runs in between are
-/// removed. While two pads are active alternately, the active pad does not locate the contact.
-pub(crate) fn without_chatter(all: &[Run]) -> Vec<Run> {
+/// removed. While two pads are active alternately, the active pad does not locate the contact. The centres of such pads
+/// are less than `reach` apart.
+pub(crate) fn without_chatter(all: &[Run], reach: f64) -> Vec<Run> {
     let mut kept = Vec::with_capacity(all.len());
     let mut at = 0;
     while at < all.len() {
         kept.push(all[at]);
         let mut end = at;
-        while end + 2 < all.len() && all[end + 2].centre == all[end].centre {
+        while end + 2 < all.len()
+            && all[end + 2].centre == all[end].centre
+            && (all[end + 1].centre - all[end].centre).norm() < reach
+        {
             end += 1;
         }
         at = end + 1;
@@ -103,7 +108,7 @@ pub(crate) fn crossings(
             all.push(Crossing {
                 normal,
                 offset: 0.5 * (edges[0] + edges[1]),
-                gap: (edges[1] - edges[0]).max(0.0),
+                gap: (edges[1] - edges[0]).clamp(0.0, pitch),
                 rotation,
                 std: std.max(MIN_STD),
             });

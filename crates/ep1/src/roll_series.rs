@@ -17,6 +17,9 @@ const COMPARED: usize = 64;
 /// for sound rolls, −1 for reversed rolls, and 0 for noise.
 const REVERSED: f64 = -0.8;
 
+/// The centres of two neighbouring pads are less than this multiple of the pitch apart.
+const NEIGHBOURS: f64 = 1.5;
+
 /// One sample of a roll: time, rotation of the probe, and place of the contact or pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollSample {
@@ -196,7 +199,10 @@ pub(crate) fn check(
     if !(is_radius && is_place_sound && are_sizes) {
         return Err(SeriesError::OutOfRange);
     }
-    let has_pads = matches!(places, Places::Pads(_));
+    let pitch = match places {
+        Places::Pads(cell) => Some(cell.pitch / radius),
+        Places::Contacts { .. } => None,
+    };
     let mut all = Vec::with_capacity(rolls.len());
     for (roll, series) in rolls.iter().enumerate() {
         let start = series.start.unwrap_or_default();
@@ -232,7 +238,7 @@ pub(crate) fn check(
             if !is_on_probe(radius, &place) {
                 return Err(SeriesError::OffProbe { roll, sample });
             }
-            if has_pads {
+            if pitch.is_some() {
                 if let Some(run) = runs.last_mut() {
                     run.last = sample - 1;
                 }
@@ -243,7 +249,10 @@ pub(crate) fn check(
                 });
             }
         }
-        all.push(without_chatter(&runs));
+        all.push(without_chatter(
+            &runs,
+            NEIGHBOURS * pitch.unwrap_or_default(),
+        ));
     }
     Ok(all)
 }

@@ -133,6 +133,11 @@ impl Problem<'_> {
             }
             let mobility = first.shape.relative().try_inverse().unwrap_or_default();
             if scale.sqrt() * largest_spread(&mobility, &first.covariance) > MAX_SPREAD {
+                // Perhaps one roll contradicts the others so much that the fit seems undetermined.
+                let worst = self.p_values(&data, &first);
+                if self.leaves_out(worst) {
+                    continue;
+                }
                 return Err(undetermined(rolls));
             }
             let (found, worst) = match self.method {
@@ -358,7 +363,7 @@ impl Problem<'_> {
         if fit.estimated.is_some_and(is_small) {
             return None;
         }
-        let mut worst = (OUTLIER_LEVEL / data.len() as f64, None);
+        let mut worst = (OUTLIER_LEVEL / data.len() as f64, 0.0, None);
         for (roll, state) in data.iter().zip(&fit.rolls) {
             let Some((fall, freedom)) = fit.fall_without(state) else {
                 continue;
@@ -377,11 +382,14 @@ impl Problem<'_> {
                 }
             };
             self.reports[roll.roll].p_value = Some(p_value);
-            if p_value < worst.0 {
-                worst = (p_value, Some(roll.roll));
+            // Several p-values may be so small that they are rounded to 0. The roll with the largest mean square
+            // contradicts the others most.
+            let mean_square = fall / freedom as f64;
+            if p_value < worst.0 || (p_value == worst.0 && mean_square > worst.1) {
+                worst = (p_value, mean_square, Some(roll.roll));
             }
         }
-        worst.1
+        worst.2
     }
 
     /// The weighted mean of fits of polynomials with different numbers of terms, and the roll that contradicts the
