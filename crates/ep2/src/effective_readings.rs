@@ -43,6 +43,9 @@ const MIN_CHANCE_DEVIATIONS: f64 = 5.0;
 /// each run is tested on its own. Let n be the expected number of runs of its length in contacts in a random order. The
 /// run counts as a rest of a finger only if n is below this value.
 const MAX_CHANCE_RUNS: f64 = 0.01;
+/// A run whose contacts are spread over the whole allowed distance is no rest. This constant is the largest root mean
+/// square distance of its contacts from their mean, divided by the allowed distance from the first contact.
+const MAX_CHANCE_EXTENT: f64 = 0.4;
 /// Several gaps in the sorted step lengths are tried as the limit between short and long steps, beginning with the gap
 /// between the shortest steps. This constant is the largest number of gaps that are tried.
 const MAX_GAPS: usize = 4;
@@ -151,8 +154,16 @@ impl DistinctContacts {
             let merged = runs.merged(&self.contacts);
             return self.again(merged);
         }
+        let mut squares = vec![0.0; lengths.len()];
+        for (contact, &run) in self.contacts.iter().zip(&runs.of_row) {
+            let mean = runs.mean(run, &self.contacts).position;
+            squares[run] += (contact.position - mean).norm_squared();
+        }
         let is_rest = |run: usize| {
-            lengths[run] > 1 && expected * share.powi(lengths[run] - 2) < MAX_CHANCE_RUNS
+            let extent = (squares[run] / lengths[run] as f64).sqrt();
+            lengths[run] > 1
+                && extent <= MAX_CHANCE_EXTENT * limit
+                && expected * share.powi(lengths[run] - 2) < MAX_CHANCE_RUNS
         };
         if !(0..lengths.len()).any(is_rest) {
             return self;
