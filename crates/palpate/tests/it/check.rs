@@ -120,18 +120,10 @@ const EXTREME: [&str; 3] = [
 ];
 
 #[test]
-fn no_number_of_a_roll_makes_check_print_nan_or_infinity() {
-    check_of_extremes_is_finite("roll", EXTREME[0]);
-}
-
-#[test]
-fn no_number_of_a_press_makes_check_print_nan_or_infinity() {
-    check_of_extremes_is_finite("press", EXTREME[1]);
-}
-
-#[test]
-fn no_number_of_a_glide_makes_check_print_nan_or_infinity() {
-    check_of_extremes_is_finite("glide", EXTREME[2]);
+fn no_number_makes_check_print_nan_or_infinity() {
+    for (kind, scene) in ["roll", "press", "glide"].into_iter().zip(EXTREME) {
+        check_of_extremes_is_finite(kind, scene);
+    }
 }
 
 fn check_of_extremes_is_finite(kind: &str, scene: &str) {

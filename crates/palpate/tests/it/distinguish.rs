@@ -108,12 +108,9 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
 const QUESTIONS: &str = "
 --set scene.object.radius=5 | no field of `scene.object` is swept
 --quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"
---quantity weather | no quantity \"weather\" (known: normal_curvature_u
 --confidence 1 | confidence is 1; it must be above 0 and below 1
---confidence nan | confidence is NaN
 --vary scene.object.radius=1..2 | list the values of scene.object.radius
 --vary scene.object.radius=1,1 | occurs twice on this axis
---vary scene.object.radius=0,1 | must be > 0, is 0
 --vary scene.object.radios=1,2 | c.toml: scene.object.radios
 ";
 

@@ -38,62 +38,6 @@ fn mean(json: &Value) -> f64 {
 }
 
 #[test]
-fn contacts_without_a_patch_are_refused() {
-    let ball = grid(BARE, 12, |u, v| {
-        let (sin, cos) = libm::sincos(3.1 * u);
-        let (height, radius) = libm::sincos(1.5 * v);
-        format!("{},{},{}", radius * cos, radius * sin, height)
-    });
-    let flat = grid(&format!("{BARE},normal_x,normal_y,normal_z"), 6, |x, y| {
-        format!("{x},{y},0,0,0,1")
-    });
-    let with = |normal: &str| flat.replacen("-1,-1,0,0,0,1", &format!("-1,-1,0,{normal}"), 1);
-    for (contacts, message) in [
-        (ball, "r.csv: the contacts have no mean plane"),
-        (
-            with("0,0,0"),
-            "r.csv:2: contact 0 (counting from 0): the normal has no direction",
-        ),
-        (
-            with("1,0,0"),
-            "r.csv:2: the patch is not a graph over its mean plane",
-        ),
-    ] {
-        desk(&contacts)
-            .palpate("estimate glide r.csv")
-            .fails(1, message);
-    }
-}
-
-#[test]
-fn a_vertical_wall_needs_the_outward_direction() {
-    // The patch is on the +x side of a cylinder of radius 5 around the z axis. The default outward direction is z,
-    // which lies in the plane of this patch, so `--outward` is needed.
-    let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
-    desk(&wall)
-        .palpate("estimate glide r.csv")
-        .fails(1, "give another with --outward");
-    for (outward, sign) in [("1,0,0", 1.0), ("-2,0,0", -1.0)] {
-        let found = estimate(&wall, &format!("--outward {outward}"));
-        assert_close(mean(&found), sign * 0.1, 0.02);
-    }
-}
-
-#[test]
-fn duplicates_and_one_finger() {
-    let bowl = bowl();
-    let rows = || bowl.lines().skip(1);
-    let doubled: String = rows().map(|row| format!("{row}\n{row}\n")).collect();
-    // A single finger that moves back and forth over the patch results in the same estimate as several fingers.
-    let one: String = rows().map(|row| format!("9{}\n", &row[1..])).collect();
-    for (rows, fingers) in [(doubled, 6), (one, 1)] {
-        let json = estimate(&format!("{BARE}\n{rows}"), "");
-        assert_eq!(json["fingers"], fingers);
-        assert_close(mean(&json), -0.4, 1e-9);
-    }
-}
-
-#[test]
 fn stated_thresholds_and_noise_are_used() {
     let json = estimate(
         &bowl(),
@@ -110,32 +54,6 @@ fn stated_thresholds_and_noise_are_used() {
     );
     assert_close(number(&json, "/noise/position_std/value"), 0.02, 1e-9);
     assert!(number(&json, "/mean_curvature/std") > 1e-3);
-}
-
-#[test]
-fn two_pass_of_one_finger_needs_a_unit() {
-    let bowl = bowl();
-    let rows = bowl.lines().skip(1);
-    let one: String = rows.map(|row| format!("0{}\n", &row[1..])).collect();
-    let one = format!("{BARE}\n{one}");
-    desk(&one)
-        .palpate("estimate glide r.csv --method two-pass")
-        .fails(1, "needs --inter-finger-distance");
-    // The fingers of the grid are 0.4 apart. The method `two-pass` uses this distance as its unit of length. If the
-    // command states the distance, the estimate stays the same.
-    let given = estimate(&bowl, "--method two-pass --inter-finger-distance 0.4");
-    let found = estimate(&bowl, "--method two-pass");
-    assert_close(mean(&given), mean(&found), 1e-9);
-    assert!(found["status"].is_string() && estimate(&bowl, "")["status"].is_null());
-    assert!(
-        mean(&estimate(
-            &one,
-            "--method two-pass --inter-finger-distance 0.4"
-        )) < 0.0
-    );
-    desk(&bowl)
-        .palpate("estimate glide r.csv --method two-pass --inter-finger-distance 1e300")
-        .fails(1, "--inter-finger-distance is 1e300");
 }
 
 #[test]

@@ -75,17 +75,6 @@ fn a_run_writes_cells_trace_and_maps() {
     assert_eq!(map.text(middle, "class"), "minimal");
     assert_eq!(map.text(middle, "true_class"), "minimal");
     assert_eq!((map.text(0, "cell"), map.text(49, "cell")), ("0", "1"));
-
-    // A run of the config `run.toml`, which contains all defaults, writes the same bytes.
-    let again = desk.palpate("run o/run.toml --out again --threads 1");
-    assert_eq!(again.status, Some(0), "{again:?}");
-    for name in names {
-        assert_eq!(
-            desk.read(&format!("o/{name}")),
-            desk.read(&format!("again/{name}")),
-            "{name}"
-        );
-    }
 }
 
 #[test]
@@ -164,7 +153,7 @@ fn two_pass_has_no_standard_errors() {
     desk.palpate("trace c.toml --out t --cell 1 --trial 0")
         .printed();
     let json = desk.json("estimate glide t/readings.csv --method two-pass --map m.csv");
-    assert!(json["gaussian_curvature"]["std"].is_null());
+    assert!(json["gaussian_curvature"]["std"].is_null() && json["status"].is_string());
     assert!(json["class_probabilities"].is_null() && json["noise"].is_null());
     let map = desk.table("m.csv");
     assert_eq!(map.text(0, "mean_curvature_std_per_mm"), "");
@@ -188,13 +177,6 @@ fn check_prints_models_noise_and_estimator() {
     Desk::with(&beyond)
         .palpate("check c.toml")
         .prints("warning: the grid extends beyond the contacts");
-}
-
-#[test]
-fn check_does_not_warn_if_the_finger_distance_is_that_of_the_fingers() {
-    let close = edited(GLIDE, "[-15.0, 0.0, 15.0]", "[10.0, -10.0, 0.0]");
-    let printed = Desk::with(&close).palpate("check c.toml").printed();
-    assert!(!printed.contains("inter_finger_distance"), "{printed}");
 }
 
 #[test]

@@ -38,12 +38,3 @@ fn no_command_shows_first_steps() {
     let printed = Desk::new().palpate("").printed();
     assert_eq!(printed.matches("\n  palpate ").count(), 4, "{printed}");
 }
-
-#[test]
-fn the_version_is_printed() {
-    let printed = Desk::new().palpate("--version").printed();
-    assert_eq!(
-        printed,
-        concat!("palpate ", env!("CARGO_PKG_VERSION"), "\n")
-    );
-}

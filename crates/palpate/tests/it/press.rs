@@ -138,16 +138,6 @@ fn a_run_writes_cells_trace_and_profiles() {
         middle,
         0.1,
     );
-
-    // A run of the config `run.toml`, which contains all defaults, writes the same bytes.
-    desk.palpate("run o/run.toml --out again --threads 1");
-    for name in names {
-        assert_eq!(
-            desk.read(&format!("o/{name}")),
-            desk.read(&format!("again/{name}")),
-            "{name}"
-        );
-    }
 }
 
 #[test]

@@ -28,7 +28,7 @@ const PRESSES: &str = r#"
 "#;
 const ROLLS: &str = "
 --pitch 0.5 | []
---shift-std 1e-6 | larger than the noise explains
+--shift-std 1e-300 | larger than the noise explains
 --rotation-std-rad 0.01 | []
 --rotation-std-rad 0.5 | roll further, or measure the rotations more exactly
 ";
@@ -69,7 +69,8 @@ fn stated_values_that_contradict_the_readings_cause_warnings() {
             } else {
                 ended.said(1)
             };
-            assert!(message.contains(words), "{row}: {message}");
+            let is_right = message.contains(words) && !message.contains("inf ");
+            assert!(is_right, "{row}: {message}");
         }
     }
 }

@@ -175,7 +175,6 @@ const QUESTIONS: &str = "
 --vary scene.noise.angular_velocity.kind=uniform,gaussian --minimise scene.noise.angular_velocity.kind | no largest or smallest value, because \"uniform\" is not a number
 --maximise scene.probe.radius --minimise scene.probe.radius | cannot be used with
 --vary scene.noise.angular_velocity.fraction=1,2 | is given twice
---vary scene.object.radius=5,20 --set scene.object.radius=1 | scene.object.radius is given twice
 --vary scene.object.radius=1..9 --vary scene.probe.radius=1..9 --vary scene.motion.duration_s=1..2 --vary scene.motion.rate_rad_per_s=0.1,0.2,0.3 | 81 combinations of values would each be searched; at most 64 are allowed
 ";
 
