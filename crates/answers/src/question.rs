@@ -115,10 +115,8 @@ impl Question {
         let varied = self.grid.iter().chain([&self.searched]);
         let mut paths: Vec<&String> = set.chain(varied.map(|vary| &vary.path)).collect();
         paths.sort_unstable();
-        match paths.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(AnswerError::Twice(pair[0].clone())),
-            None => Ok(()),
-        }
+        let twice = paths.windows(2).find(|pair| pair[0] == pair[1]);
+        twice.map_or(Ok(()), |pair| Err(AnswerError::Twice(pair[0].clone())))
     }
 }
 

@@ -166,10 +166,7 @@ impl SceneTarget {
             true => estimate.map(libm::log),
             false => None,
         };
-        let score = match logs {
-            Some(logs) => of(&logs, libm::log(limit)),
-            None => of(estimate, limit),
-        };
+        let score = logs.map_or_else(|| of(estimate, limit), |logs| of(&logs, libm::log(limit)));
         let is_share = statistic.is_coverage()
             || statistic == Statistic::Mean && self.quantity().kind == QuantityKind::Share;
         if !(is_share && limit > 0.0 && limit < 1.0) {

@@ -238,10 +238,8 @@ impl ForwardFit {
             let tangential = reading.tangential.map_or([0.0; 2], |given| given[*marker]);
             !(sound(reading.normal[*marker]) && tangential.into_iter().all(sound))
         };
-        match (0..markers).find(is_bad) {
-            Some(marker) => Err(PressError::NotFinite { marker }),
-            None => Ok(()),
-        }
+        let bad = (0..markers).find(is_bad);
+        bad.map_or(Ok(()), |marker| Err(PressError::NotFinite { marker }))
     }
 }
 

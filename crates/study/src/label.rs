@@ -123,10 +123,8 @@ pub fn spoken_unit(text: &str) -> String {
     if text.is_empty() || text == "1" || text == "-" {
         return String::new();
     }
-    let text = match text.strip_prefix("per_") {
-        Some(rest) => format!("1/{rest}"),
-        None => text.replace("_per_", "/"),
-    };
+    let inverse = text.strip_prefix("per_");
+    let text = inverse.map_or_else(|| text.replace("_per_", "/"), |rest| format!("1/{rest}"));
     let plural = |part: &str| if part == "turn" { "turns" } else { part }.to_owned();
     let text = text.split('/').map(plural).collect::<Vec<_>>().join("/");
     text.replace("um", "µm")

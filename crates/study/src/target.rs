@@ -141,10 +141,8 @@ impl FromStr for Target {
         }
         let statistic = statistic_of(statistic)?;
         let quantity = quantity.map(quantity_of).transpose()?;
-        let (digits, unit) = match limit.strip_suffix('%') {
-            Some(percent) => (percent.trim_end(), 0.01),
-            None => (limit, 1.0),
-        };
+        let percent = limit.strip_suffix('%');
+        let (digits, unit) = percent.map_or((limit, 1.0), |percent| (percent.trim_end(), 0.01));
         let number = digits.parse().ok().map(|number: f64| number * unit);
         let limit = number
             .filter(|number| number.is_finite())
@@ -203,10 +201,8 @@ fn statistic_of(name: &str) -> Result<Statistic, TargetError> {
         name: name.to_owned(),
         known: known(),
     })?;
-    match refusal(statistic) {
-        Some(why) => Err(TargetError::NoTarget(statistic.name(), why)),
-        None => Ok(statistic),
-    }
+    let no_target = |why| Err(TargetError::NoTarget(statistic.name(), why));
+    refusal(statistic).map_or(Ok(statistic), no_target)
 }
 
 fn quantity_of(name: &str) -> Result<Quantity, TargetError> {

@@ -202,10 +202,8 @@ fn filled(sentence: &str, text: impl Fn(&str, fn(f64) -> String) -> Option<Strin
     let mut filled = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (key, rest) = part.split_once('}').unwrap_or((part, ""));
-        let shown = match key.strip_suffix('%') {
-            Some(key) => text(key, percent),
-            None => text(key, short),
-        };
+        let share = key.strip_suffix('%');
+        let shown = share.map_or_else(|| text(key, short), |key| text(key, percent));
         filled += &shown.unwrap_or_default();
         filled += rest;
     }

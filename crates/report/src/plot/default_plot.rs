@@ -22,10 +22,8 @@ const MIN_LOG_RATIO: f64 = 8.0;
 pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     let table = study.cells();
     let is_first = |first: &&Quantity| table.quantities().values().contains(&first.name.to_owned());
-    let quantity = match PREFERRED.iter().find(is_first) {
-        Some(first) => first.name,
-        None => table.quantity(0),
-    };
+    let first = PREFERRED.iter().find(is_first);
+    let quantity = first.map_or(table.quantity(0), |first| first.name);
     let of = |row: &usize| table.quantity(*row) == quantity;
     let mut rows: Vec<usize> = (0..table.rows()).filter(of).collect();
     let mut axes: Vec<&Axis> = Vec::new();

@@ -107,10 +107,8 @@ impl PressScene {
         for place in 0..PLACES {
             let share = f64::from(place) / f64::from(PLACES - 1);
             let position = REACH * contact.radius() * share;
-            let estimate = match &estimated {
-                Ok(displacement) => displacement(position),
-                Err(_) => [None, None],
-            };
+            let estimate = estimated.as_ref();
+            let estimate = estimate.map_or([None, None], |displacement| displacement(position));
             let truth = contact.displacement(position);
             table.text(cell);
             let numbers = [position, truth.normal, truth.radial].map(Some);

@@ -265,10 +265,8 @@ impl SweptValue {
     }
 
     pub(super) fn text(&self) -> Cow<'_, str> {
-        match &self.label {
-            Some(label) => label.into(),
-            None => tree::text(&self.value).into(),
-        }
+        let label = self.label.as_ref();
+        label.map_or_else(|| tree::text(&self.value).into(), Into::into)
     }
 }
 

@@ -101,13 +101,10 @@ fn tagged(variants: &[Json], node: &Value) -> Result<(), Fault> {
     let Some(name) = kind.as_str() else {
         return Err(wrong_type("a string", kind).under("kind"));
     };
-    match variants
-        .iter()
-        .find(|variant| kind_of(variant) == Some(name))
-    {
-        Some(variant) => object(variant, variants, node),
-        None => Err(not_among("unknown kind", name, &kinds).under("kind")),
-    }
+    let is_meant = |variant: &&Json| kind_of(variant) == Some(name);
+    let variant = variants.iter().find(is_meant);
+    let unknown = || not_among("unknown kind", name, &kinds).under("kind");
+    object(variant.ok_or_else(unknown)?, variants, node)
 }
 
 fn choice(variants: &[Json], node: &Value) -> Result<(), Fault> {
@@ -128,10 +125,8 @@ fn choice(variants: &[Json], node: &Value) -> Result<(), Fault> {
 }
 
 fn not_among(what: &str, word: &str, known: &[&str]) -> Fault {
-    let did_you_mean = match nearest(word, known.iter().copied()) {
-        Some(nearest) => format!("; did you mean `{nearest}`?"),
-        None => String::new(),
-    };
+    let nearest = nearest(word, known.iter().copied());
+    let did_you_mean = nearest.map_or_else(String::new, |word| format!("; did you mean `{word}`?"));
     Fault::new(format!(
         "{what} {word:?}{did_you_mean} (known: {})",
         known.join(", ")

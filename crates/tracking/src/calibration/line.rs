@@ -131,8 +131,6 @@ pub(super) fn finite<'a>(
     mut points: impl Iterator<Item = &'a [f64]>,
 ) -> Result<(), CalibrationError> {
     let bad = |point: &[f64]| point.iter().any(|one| one.is_nan() || one.abs() > LARGEST);
-    match points.position(bad) {
-        Some(point) => Err(CalibrationError::NotFinite { point }),
-        None => Ok(()),
-    }
+    let bad = points.position(bad);
+    bad.map_or(Ok(()), |point| Err(CalibrationError::NotFinite { point }))
 }

@@ -170,10 +170,8 @@ fn rungs(rungs: &Rungs) -> Vec<String> {
         } => {
             let errors = errors_of(ladder);
             let first = format!("models, cheapest first, in cell {cell}; errors: {errors}");
-            let chosen = match ladder.tolerance {
-                Some(tolerance) => format!("chosen for a tolerance of {tolerance:e}: "),
-                None => String::new(),
-            };
+            let chosen = |tolerance| format!("chosen for a tolerance of {tolerance:e}: ");
+            let chosen = ladder.tolerance.map_or_else(String::new, chosen);
             let reason = format!("  {chosen}{}", ladder.reason);
             let rungs = rung_lines(ladder, times);
             [first, reason].into_iter().chain(rungs).collect()

@@ -43,16 +43,13 @@ fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
 pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(estimate).map_err(Failure::work)?;
     let lines = text.lines().map(|line| {
-        let (value, comma) = match line.strip_suffix(',') {
-            Some(value) => (value, ","),
-            None => (line, ""),
-        };
+        let (value, comma) = line
+            .strip_suffix(',')
+            .map_or((line, ""), |value| (value, ","));
         // Replace the number -0.0 by 0.0. If a line ends in -0.0, its value is a number, because a string would end in
         // a quotation mark.
-        match value.strip_suffix("-0.0") {
-            Some(key) => format!("{key}0.0{comma}"),
-            None => line.to_owned(),
-        }
+        let key = value.strip_suffix("-0.0");
+        key.map_or_else(|| line.to_owned(), |key| format!("{key}0.0{comma}"))
     });
     Ok(lines.collect::<Vec<_>>().join("\n"))
 }

@@ -86,10 +86,8 @@ pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
 
 /// Returns an error if the unit of one of the first `columns` columns of a table is not `unit`.
 fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
-    match (0..columns).find(|column| table.unit(*column) != unit) {
-        None => Ok(()),
-        Some(column) => Err(table.in_another_unit(column, unit)),
-    }
+    let other = (0..columns).find(|column| table.unit(*column) != unit);
+    other.map_or(Ok(()), |column| Err(table.in_another_unit(column, unit)))
 }
 
 fn pair(table: &Records, row: usize, first: usize) -> Result<[f64; 2], ReportError> {

@@ -95,10 +95,8 @@ impl OutputDir {
             let path = path.display();
             return Err(Failure::work(anyhow!("cannot write {path}: {why}")));
         }
-        let is_harmless = match contents {
-            Some(contents) => contents.are_in(&path),
-            None => holds(&path, &[]),
-        };
+        let is_harmless =
+            contents.map_or_else(|| holds(&path, &[]), |contents| contents.are_in(&path));
         let is_open = is_stream(&path) && !self.guard.reads(&path);
         if self.guard.force || is_harmless || is_open || fs::metadata(&path).is_err() {
             return Ok(());

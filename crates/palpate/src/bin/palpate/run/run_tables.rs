@@ -64,10 +64,7 @@ impl TrialsOut {
 
     /// Prints a message to stdout, or to stderr if the table of trials goes to stdout.
     pub(crate) fn print(trials_out: Option<&Self>, text: &str) -> Result<(), Failure> {
-        match trials_out {
-            Some(trials) => trials.file.print(text),
-            None => output::print(text),
-        }
+        trials_out.map_or_else(|| output::print(text), |trials| trials.file.print(text))
     }
 
     fn begin(&self, columns: Vec<Column>, study: &StudyId) -> Result<TrialsTable<'_>, Failure> {
