@@ -114,12 +114,7 @@ pub fn check(scores: &[Score]) -> Result<()> {
         "distinguish: {pairs_right} of {pairs} probabilities are within their intervals"
     );
     for score in scores.iter().filter(|score| score.command == DESIGN) {
-        let Score {
-            scene,
-            cases,
-            right,
-            ..
-        } = score;
+        let (scene, cases, right) = (&score.scene, score.cases, score.right);
         ensure!(20 * right >= 16 * cases, "{scene}: {right} of {cases}");
     }
     Ok(())

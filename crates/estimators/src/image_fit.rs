@@ -109,30 +109,21 @@ impl ImageFitSetup<'_> {
 /// Standard deviation of each value of a [`Departure`]. Such a value is the difference between a parameter of the
 /// sensor and its nominal value.
 pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
-    let SensorNoise {
-        centre_px,
-        scale,
-        place,
-        turn_deg,
-        disc_depth,
-        disc_diameter,
-        colour,
-    } = *noise;
-    let turn = turn_deg.to_radians();
+    let turn = noise.turn_deg.to_radians();
     // The lens coefficients k3 and k5 are assumed to be exact, so their standard deviations stay 0.
     let mut stds = [0.0; Departure::NUMBERS];
-    stds[13..19].fill(colour);
+    stds[13..19].fill(noise.colour);
     stds[..13].copy_from_slice(&[
-        disc_depth,
-        disc_depth,
-        disc_diameter,
-        disc_diameter,
-        centre_px,
-        centre_px,
-        scale,
-        place,
-        place,
-        place,
+        noise.disc_depth,
+        noise.disc_depth,
+        noise.disc_diameter,
+        noise.disc_diameter,
+        noise.centre_px,
+        noise.centre_px,
+        noise.scale,
+        noise.place,
+        noise.place,
+        noise.place,
         turn,
         turn,
         turn,

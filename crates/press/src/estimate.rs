@@ -190,20 +190,16 @@ impl PressEstimate {
 
     /// Effective radius R = 1/C_r (length) of the best fit. Unlike the curvature, the radius has almost no bias.
     pub fn effective_radius(&self) -> Estimated {
-        let Estimated {
-            value,
-            std,
-            interval,
-        } = self.relative_curvature;
+        let curvature = self.relative_curvature;
         let most_likely = self.most_likely_curvature;
         let inverse = |end: Option<f64>| end.filter(|&end| end > 0.0).map(f64::recip);
         Estimated {
             value: most_likely.recip(),
             // The effective radius and its inverse, the relative curvature, have the same relative standard error.
-            std: std / (value * most_likely),
+            std: curvature.std / (curvature.value * most_likely),
             interval: Interval {
-                low: Some(interval.high.map_or(0.0, f64::recip)),
-                high: inverse(interval.low),
+                low: Some(curvature.interval.high.map_or(0.0, f64::recip)),
+                high: inverse(curvature.interval.low),
             },
         }
     }
@@ -232,15 +228,11 @@ impl PressEstimate {
     /// this value is corrected for bias.
     pub fn object_curvature(&self) -> Estimated {
         let shift = |end: f64| end - self.sensor_curvature;
-        let Estimated {
-            value,
-            std,
-            interval,
-        } = self.relative_curvature;
+        let relative = self.relative_curvature;
         Estimated {
-            value: shift(value),
-            std,
-            interval: interval.map(shift),
+            value: shift(relative.value),
+            std: relative.std,
+            interval: relative.interval.map(shift),
         }
     }
 }

@@ -139,13 +139,9 @@ impl PatternSums {
     /// the gradient is not 0, the part of the residuals that a change of the fit parameters could explain is removed
     /// (Neyman's C(α)).
     fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
-        let Self {
-            by_slopes,
-            by_patterns,
-            by_residuals,
-        } = self;
+        let (by_slopes, by_patterns) = (&self.by_slopes, &self.by_patterns);
         let taken = by_slopes.transpose() * covariance;
-        let residuals = by_residuals + taken * sums.gradient;
+        let residuals = self.by_residuals + taken * sums.gradient;
         let remaining = by_patterns - taken * by_slopes;
         let (first, count) = (range.start, range.len());
         let squares: Vec<f64> = range.map(|one| by_patterns[(one, one)]).collect();

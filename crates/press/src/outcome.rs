@@ -56,16 +56,7 @@ pub(crate) fn outcome<P: LeastSquares>(
     let stds = Stds::new(problem, state, covariance)?;
     let (skin, _) = problem.press();
     let around = |value: f64, std: f64| Estimated::normal(value, std, half_width).positive();
-    let OfReadings {
-        relative_curvature,
-        baseline,
-        gain,
-        wrong_markers,
-        normal_std,
-        tangential_std,
-        r_squared,
-        goodness,
-    } = readings;
+    let relative_curvature = readings.relative_curvature;
     Ok(PressEstimate {
         sensor_curvature: skin.curvature(),
         relative_curvature,
@@ -75,14 +66,14 @@ pub(crate) fn outcome<P: LeastSquares>(
         contact_radius: around(contact.radius, stds.contact_radius),
         contact: skin.chart(state.place.direction.as_ref()),
         contact_std: stds.contact,
-        baseline,
-        gain,
-        wrong_markers,
-        normal_std,
-        tangential_std,
-        r_squared,
+        baseline: readings.baseline,
+        gain: readings.gain,
+        wrong_markers: readings.wrong_markers,
+        normal_std: readings.normal_std,
+        tangential_std: readings.tangential_std,
+        r_squared: readings.r_squared,
         reduced_chi_squared: sums.chi_squared / problem.freedom().max(1) as f64,
-        goodness,
+        goodness: readings.goodness,
         is_detected: true,
         only_marker: None,
         verdict: Verdict::of(relative_curvature.interval, skin.curvature()),

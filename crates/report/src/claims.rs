@@ -111,8 +111,9 @@ pub fn score(studies: &[Study]) -> Vec<Score> {
 
 fn of_claim(claims: &[Claim], study: &Study, number: u32) -> Score {
     let claim = claims.iter().find(|claim| claim.number == number);
-    let claim = claim.ok_or("no claim has this number".to_owned());
-    let finding = claim.and_then(|claim| claim.finding(study));
+    let finding = claim
+        .ok_or("no claim has this number".to_owned())
+        .and_then(|claim| claim.finding(study));
     let verdict = match &finding {
         Ok(finding) if finding.holds => Verdict::Holds,
         Ok(_) => Verdict::Differs,

@@ -66,10 +66,7 @@ impl Runner {
     /// # Errors
     /// [`NoThreads`] if the threads cannot be started.
     pub fn new(options: &RunOptions) -> Result<Self, NoThreads> {
-        let RunOptions {
-            threads,
-            whole_blocks,
-        } = *options;
+        let threads = options.threads;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads.map_or(0, NonZeroUsize::get))
             .build();
@@ -78,6 +75,7 @@ impl Runner {
             Err(source) if has_no_threads(&source) => None,
             Err(source) => return Err(NoThreads { threads, source }),
         };
+        let whole_blocks = options.whole_blocks;
         Ok(Self { pool, whole_blocks })
     }
 

@@ -102,12 +102,8 @@ impl Field {
         }
         let mut triangulation = DelaunayTriangulation::new();
         for (marker, displaced) in markers.iter().enumerate() {
-            let Displaced {
-                place: [x, y],
-                tangential: [along_x, along_y],
-                normal,
-            } = *displaced;
-            let is_sound = [along_x, along_y, normal]
+            let ([x, y], [along_x, along_y]) = (displaced.place, displaced.tangential);
+            let is_sound = [along_x, along_y, displaced.normal]
                 .iter()
                 .all(|one| one.abs() <= 1e100)
                 && libm::hypot(x, y) <= std::f64::consts::PI;
@@ -230,12 +226,9 @@ impl Field {
     fn mean(&self, place: [f64; 2], weights: impl Iterator<Item = (usize, f64)>) -> Displaced {
         let mut sum = [0.0; 4];
         for (marker, weight) in weights {
-            let Displaced {
-                tangential: [x, y],
-                normal,
-                ..
-            } = self.markers[marker];
-            for (sum, part) in sum.iter_mut().zip([x, y, normal, 1.0]) {
+            let displaced = self.markers[marker];
+            let [x, y] = displaced.tangential;
+            for (sum, part) in sum.iter_mut().zip([x, y, displaced.normal, 1.0]) {
                 *sum += weight * part;
             }
         }

@@ -68,27 +68,16 @@ impl Optics {
     /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] if no sensor has these
     /// parameters, or if a transmittance is below -1 or above 2.
     pub fn departed(&self, departure: &Departure) -> Result<Self, OpticsError> {
-        let Departure {
-            depths,
-            diameters,
-            centre_px,
-            px_per_rad,
-            place,
-            turn_rad,
-            magenta,
-            yellow,
-            odd_terms,
-        } = *departure;
         let middle = 0.5 * (f64::from(self.camera.size_px()) - 1.0);
         let centre = self.camera.centre_px();
-        let offset = [0, 1].map(|axis| centre[axis] - middle + centre_px[axis]);
-        let focal = self.camera.px_per_rad() * (1.0 + px_per_rad);
+        let offset = [0, 1].map(|axis| centre[axis] - middle + departure.centre_px[axis]);
+        let focal = self.camera.px_per_rad() * (1.0 + departure.px_per_rad);
         let share = |colour: [f64; 3], more: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|channel| colour[channel] + more[channel])
         };
         let colours = Colours {
-            magenta: share(self.colours.magenta, magenta),
-            yellow: share(self.colours.yellow, yellow),
+            magenta: share(self.colours.magenta, departure.magenta),
+            yellow: share(self.colours.yellow, departure.yellow),
             ..self.colours
         };
         for (setting, colour) in [("magenta", colours.magenta), ("yellow", colours.yellow)] {
@@ -98,14 +87,20 @@ impl Optics {
             }
         }
         let optics = Self {
-            array: self.array.clone().remade(depths, diameters)?,
-            camera: self.camera.departed(odd_terms)?.adjusted(offset, focal)?,
+            array: self
+                .array
+                .clone()
+                .remade(departure.depths, departure.diameters)?,
+            camera: self
+                .camera
+                .departed(departure.odd_terms)?
+                .adjusted(offset, focal)?,
             colours,
             blemishes: self.blemishes,
             contrasts: colours.contrasts(),
             pose: None,
         };
-        optics.seen_from(self.pose().moved(place, turn_rad))
+        optics.seen_from(self.pose().moved(departure.place, departure.turn_rad))
     }
 
     /// The departure that is nearest to `departure` among those for which the sensor is physically possible: all

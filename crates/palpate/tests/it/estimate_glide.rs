@@ -33,10 +33,6 @@ fn estimate(contacts: &str, options: &str) -> Value {
     desk(contacts).json(&format!("estimate glide r.csv {options}"))
 }
 
-fn mean(json: &Value) -> f64 {
-    number(json, "/mean_curvature/value")
-}
-
 #[test]
 fn stated_thresholds_and_noise_are_used() {
     let json = estimate(

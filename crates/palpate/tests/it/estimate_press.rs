@@ -1,6 +1,6 @@
 //! Tests `palpate estimate press` with simulated markers.
 
-use super::desk::{Desk, assert_close, number_at};
+use super::desk::{Desk, number_at};
 
 #[test]
 fn both_curvatures_of_a_roller_are_estimated() {

@@ -158,19 +158,13 @@ fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
 
 impl Sums {
     fn displacement(&self, place: Spheroidal) -> [f64; 2] {
-        let Spheroidal {
-            xi,
-            eta,
-            off_axis,
-            r,
-            edge,
-        } = place;
+        let (xi, eta) = (place.xi, place.eta);
         // `lift` is z/(a (ξ² + η²)), where z is the depth, a the contact's radius, and ξ and η are the spheroidal
         // coordinates.
-        let lift = xi * eta / edge;
-        let down = eta * (1.0 + xi * xi) * self.by_xi + xi * off_axis * self.by_eta;
+        let lift = xi * eta / place.edge;
+        let down = eta * (1.0 + xi * xi) * self.by_xi + xi * place.off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
-        [self.value - lift * down, -lift * r * outward]
+        [self.value - lift * down, -lift * place.r * outward]
     }
 
     fn field(&self, place: Spheroidal, a: f64) -> Field {

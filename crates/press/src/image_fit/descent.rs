@@ -77,12 +77,8 @@ impl Resting<'_> {
             }
         }
         let (minimum, _) = least.ok_or(PressError::OutOfRange)?;
-        let Minimum {
-            state,
-            pictures,
-            cost,
-        } = minimum;
-        let mut readings = self.frame.weights.iter().zip(&pictures);
+        let (state, squares) = (minimum.state, minimum.cost.squares);
+        let mut readings = self.frame.weights.iter().zip(&minimum.pictures);
         let is_hidden =
             |(weight, picture): (&Option<_>, &Option<_>)| weight.is_some() && picture.is_none();
         if let Some(marker) = readings.position(is_hidden) {
@@ -90,9 +86,9 @@ impl Resting<'_> {
         }
         let slopes = self.slopes(&state).ok_or(PressError::OutOfRange)?;
         let equations = self.equations(&state, &slopes, 0.0);
-        let equations = equations.filter(|_| cost.squares.is_finite());
+        let equations = equations.filter(|_| squares.is_finite());
         let equations = equations.ok_or(PressError::OutOfRange)?;
-        Ok(self.result(state, equations, slopes, cost.squares))
+        Ok(self.result(state, equations, slopes, squares))
     }
 
     /// Finds the minimum by a sequence of searches. Each search multiplies the variances of the readings by a factor,

@@ -238,14 +238,9 @@ impl<'a> Problem<'a> {
     }
 
     pub(super) fn reached(&self, tried: Tried) -> Result<FitState, PressError> {
-        let Tried {
-            state,
-            residuals,
-            moving: Moving { moved, slopes },
-            ..
-        } = tried;
-        let pictures = self.by_displacements(&moved)?;
-        self.fitted(state, residuals, &pictures, &slopes)
+        let Moving { moved, slopes } = &tried.moving;
+        let pictures = self.by_displacements(moved)?;
+        self.fitted(tried.state, tried.residuals, &pictures, slopes)
     }
 
     pub(super) fn by_displacements(

@@ -243,16 +243,15 @@ impl MapLayout {
 }
 
 fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
-    let CellMap {
-        side,
-        truth,
-        estimated,
-        ..
-    } = map.map;
+    let CellMap { side, truth, .. } = map.map;
     mesh(panel)?;
     let [x, y] = [&map.map.x, &map.map.y].map(|lines| ends(lines));
     let corner = |(i, j): (usize, usize)| (x[i], y[j]);
-    let classes = if map.is_truth { truth } else { estimated };
+    let classes = if map.is_truth {
+        truth
+    } else {
+        &map.map.estimated
+    };
     let reach = [panel.x_range(), panel.y_range()].map(|range| OVERLAP * (range.end - range.start));
     // Neighbouring rectangles overlap. Draw them in the order of increasing x and y, so that each rectangle covers its
     // overlap with the previous one.

@@ -182,20 +182,15 @@ impl Plot {
             true => sample.with(Symbol::new(style, size)),
             false => sample,
         };
-        let SeriesKey {
-            title,
-            entries,
-            compared,
-            points,
-        } = &self.series;
-        let series = entries.iter().map(|(text, style)| {
+        let key = &self.series;
+        let series = key.entries.iter().map(|(text, style)| {
             let sample = match self.x.is_named() {
                 true => Sample::symbol(Symbol::new(*style, MARKER)),
                 false => marked(Sample::line(line(style.colour)), *style, MARKER),
             };
             (sample, text.clone())
         });
-        let compared = compared.iter().flat_map(|(solid, dashed)| {
+        let compared = key.compared.iter().flat_map(|(solid, dashed)| {
             let disc = Style {
                 colour: QUIET,
                 marker: Marker::Circle,
@@ -206,12 +201,12 @@ impl Plot {
                 (Sample::dashed(line(QUIET)), dashed.clone()),
             ]
         });
-        let points = points.iter().map(|(text, style)| {
+        let points = key.points.iter().map(|(text, style)| {
             let symbol = Symbol::new(*style, OPEN_MARKER).open();
             (Sample::symbol(symbol), text.clone())
         });
         Legend {
-            title: title.clone(),
+            title: key.title.clone(),
             entries: series.chain(compared).chain(points).collect(),
         }
     }

@@ -115,25 +115,16 @@ impl SimulatedCamera {
         config: &CameraConfig,
         is_rendered: bool,
     ) -> Result<Self, FieldError> {
-        let CameraConfig {
-            size_px,
-            field_deg,
-            k3,
-            k5,
-            frames,
-            light_at_rim,
-            blur_px,
-            seam_width,
-            ..
-        } = *config;
+        let (k3, k5, seam_width) = (config.k3, config.k5, config.seam_width);
         let noise = &setup.config.noise;
         let pixel = noise.pixel.map(|ReadingNoise::Gaussian { std }| std.0);
         let pixel = gaussian(pixel, "pixel")?;
         let lens = Lens::fisheye(OddTerms { k3, k5 });
-        let camera = Camera::new(lens, size_px, field_deg).map_err(|error| optics_error(&error))?;
+        let camera = Camera::new(lens, config.size_px, config.field_deg)
+            .map_err(|error| optics_error(&error))?;
         let blemishes = Blemishes {
-            light_at_rim,
-            blur_px,
+            light_at_rim: config.light_at_rim,
+            blur_px: config.blur_px,
             seams: match setup.sphere.layout {
                 Layout::Gores { gores, .. } if seam_width > 0.0 => Some(Seams {
                     gores,
@@ -141,7 +132,7 @@ impl SimulatedCamera {
                 }),
                 _ => None,
             },
-            pixel_std: pixel.averaged(frames).std(),
+            pixel_std: pixel.averaged(config.frames).std(),
         };
         let array = setup.sphere.made(setup.places, setup.seed)?;
         let pose = Pose::new(config.place, config.turn_deg.map(f64::to_radians));
@@ -151,7 +142,7 @@ impl SimulatedCamera {
         let (model, is_random) = if is_rendered {
             (CameraModel::Rendered, pixel.is_random())
         } else {
-            let noise = ImageNoise::new(noise)?.averaged(frames);
+            let noise = ImageNoise::new(noise)?.averaged(config.frames);
             (CameraModel::Projected(noise), noise.is_random())
         };
         let lens = Equidistant::new(camera.centre_px(), camera.px_per_rad())

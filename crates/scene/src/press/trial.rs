@@ -490,17 +490,13 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
 /// distribution. On a side where the 95 % interval has no limit, the half-widths are computed from the standard error
 /// `std`.
 fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
-    let Estimated {
-        value,
-        std,
-        interval,
-    } = *estimated;
+    let (value, interval) = (estimated.value, estimated.interval);
     let end = if truth < value {
         interval.low
     } else {
         interval.high
     };
-    let one_std = end.map_or(std, |end| (end - value).abs() / NORMAL_95);
+    let one_std = end.map_or(estimated.std, |end| (end - value).abs() / NORMAL_95);
     let [narrowest, narrow, _] = HALF_WIDTHS.map(|width| (truth - value).abs() <= width * one_std);
     [narrowest, narrow, interval.holds(truth)]
 }

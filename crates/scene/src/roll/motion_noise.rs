@@ -102,12 +102,8 @@ impl NoiseTrial {
         let Some((noise, stream)) = &mut self.0 else {
             return Ok((*displacement, *rotation));
         };
-        let MotionNoise {
-            error,
-            instants,
-            side,
-        } = noise;
-        match (side, *instants) {
+        let error = &noise.error;
+        match (noise.side, noise.instants) {
             (Side::Motion, 1) => {
                 let motion = [disturbed(command, error, stream)];
                 Ok((cleared_shift(roller, &motion, terrain)?, *rotation))

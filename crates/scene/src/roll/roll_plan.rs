@@ -17,8 +17,8 @@ use crate::config_conversion::{range_error, sensor_error, shape};
 use crate::ladder::{Accuracy, Ladder, Rung};
 use palpate_study::FieldError;
 use palpate_study::config::{
-    self, AngularVelocityDraws, AngularVelocityNoise, ModelConfig, ObjectConfig, ProbeConfig,
-    RollAxis, RollConfig, RollModelConfig, RollMotionConfig, Side, When,
+    self, AngularVelocityNoise, ModelConfig, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
+    RollModelConfig, RollMotionConfig, Side, When,
 };
 
 fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
@@ -140,24 +140,18 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
         AngularVelocityNoise::Uniform(draws) => (Distribution::Uniform, draws),
         AngularVelocityNoise::Gaussian(draws) => (Distribution::Gaussian, draws),
     };
-    let AngularVelocityDraws {
-        fraction,
-        when,
-        side,
-        instants,
-    } = *draws;
-    let error = AngularVelocityError::new(distribution, fraction)
+    let error = AngularVelocityError::new(distribution, draws.fraction)
         .map_err(|error| sensor_error("scene.noise.angular_velocity", error))?;
-    if fraction == 0.0 {
+    if draws.fraction == 0.0 {
         return Ok(None);
     }
     let noise = MotionNoise {
         error,
-        instants: match when {
+        instants: match draws.when {
             When::PerProbe => 1,
-            When::PerInstant => instants,
+            When::PerInstant => draws.instants,
         },
-        side,
+        side: draws.side,
     };
     if noise.pieces() > 1 && config.motion.axis == RollAxis::Chart {
         let message = "\"per-instant\" noise of the motion needs axis = \"transported\": with the axis held \

@@ -316,15 +316,10 @@ impl RotationTrial<'_> {
     /// Returns the rotation (rad) that the sensor reports for the true rotation `rotation`. `duration_s` is the
     /// duration of the roll, over which the drift accumulates.
     pub(super) fn read(&mut self, rotation: Vector2<f64>, duration_s: f64) -> Vector2<f64> {
-        let RotationSensor {
-            error,
-            drift_rad_per_s,
-            encoder,
-            sample_error: _,
-        } = self.sensor;
-        let drifted = drift_rad_per_s * duration_s;
-        let measured = rotation.map(|angle| angle + drifted + error.draw(&mut self.errors));
-        match encoder {
+        let sensor = self.sensor;
+        let drifted = sensor.drift_rad_per_s * duration_s;
+        let measured = rotation.map(|angle| angle + drifted + sensor.error.draw(&mut self.errors));
+        match &sensor.encoder {
             Some(encoder) => encoder.read(&mut self.phases, &measured),
             None => measured,
         }
@@ -339,23 +334,18 @@ impl RotationTrial<'_> {
         fractions: &[f64],
         duration_s: f64,
     ) {
-        let RotationSensor {
-            error,
-            drift_rad_per_s,
-            encoder,
-            sample_error,
-        } = self.sensor;
-        let drifted = drift_rad_per_s * duration_s;
-        let mut at_end = || drifted + error.draw(&mut self.errors);
+        let sensor = self.sensor;
+        let drifted = sensor.drift_rad_per_s * duration_s;
+        let mut at_end = || drifted + sensor.error.draw(&mut self.errors);
         let at_end = Vector2::new(at_end(), at_end());
         // The phase of the encoder is random, but all samples of a roll must have the same phase. Therefore, the stream
         // of random phases is reset before each sample.
         let first_phase = self.phases.clone();
         for (rotation, &fraction) in rotations.iter_mut().zip(fractions) {
-            let error = Vector2::from_fn(|_, _| sample_error.draw(&mut self.samples));
+            let error = Vector2::from_fn(|_, _| sensor.sample_error.draw(&mut self.samples));
             let measured = *rotation + at_end * fraction + error;
             self.phases = first_phase.clone();
-            *rotation = match encoder {
+            *rotation = match &sensor.encoder {
                 Some(encoder) => encoder.read(&mut self.phases, &measured),
                 None => measured,
             };

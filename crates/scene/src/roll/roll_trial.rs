@@ -147,16 +147,13 @@ impl RollScene {
 
     #[inline]
     pub(crate) fn truths(&self) -> [f64; ROLL_QUANTITIES.len()] {
-        let Truth {
-            curvature,
-            arc_length,
-        } = &self.truth;
+        let curvature = &self.truth.curvature;
         [
             curvature.k_uu,
             curvature.k_vv,
             curvature.gaussian_curvature(),
             curvature.mean_curvature(),
-            *arc_length,
+            self.truth.arc_length,
         ]
     }
 

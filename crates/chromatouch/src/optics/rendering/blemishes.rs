@@ -46,20 +46,14 @@ impl Default for Blemishes {
 
 impl Blemishes {
     pub(in super::super) fn checked(self) -> Result<Self, OpticsError> {
-        let Self {
-            light_at_rim,
-            blur_px,
-            seams,
-            pixel_std,
-        } = self;
         for (setting, value, most, expected) in [
-            ("light_at_rim", light_at_rim, 1.0, "from 0 to 1"),
-            ("blur_px", blur_px, 16.0, "from 0 to 16"),
-            ("pixel_std", pixel_std, 255.0, "from 0 to 255"),
+            ("light_at_rim", self.light_at_rim, 1.0, "from 0 to 1"),
+            ("blur_px", self.blur_px, 16.0, "from 0 to 16"),
+            ("pixel_std", self.pixel_std, 255.0, "from 0 to 255"),
         ] {
             OpticsError::unless((0.0..=most).contains(&value), setting, value, expected)?;
         }
-        if let Some(Seams { gores, width }) = seams {
+        if let Some(Seams { gores, width }) = self.seams {
             let good = (1..=MOST_GORES).contains(&gores);
             OpticsError::unless(good, "gores", f64::from(gores), "from 1 to 360")?;
             let good = width >= 0.0 && width.is_finite();
