@@ -67,7 +67,7 @@ pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
     )
     .quiet()
     .run()?;
-    let size = size_mb(&wheel)?;
+    let size = fs::metadata(&wheel)?.len() as f64 / 1e6;
     println!("{}: {size:.1} MB", wheel.display());
     ensure!(
         size <= MAX_WHEEL_MB,
@@ -204,8 +204,4 @@ fn wheel(shell: &Shell, python: &Path, place: &Path) -> Result<PathBuf> {
         .into_iter()
         .next()
         .context("maturin did not build a wheel")
-}
-
-fn size_mb(path: &Path) -> Result<f64> {
-    Ok(fs::metadata(path)?.len() as f64 / 1e6)
 }

@@ -89,16 +89,3 @@ fn words(command: &str) -> (&str, Vec<&str>) {
     let mut words = command.split(' ');
     (words.next().unwrap_or_default(), words.collect())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_program_is_there_or_not() {
-        let shell = Shell::new().unwrap();
-        assert!(has(&shell, "cargo"));
-        assert!(!has(&shell, "no-such-program-of-palpate"));
-        assert!(output(&shell, "cargo no-such-command").is_none());
-    }
-}

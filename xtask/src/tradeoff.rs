@@ -142,22 +142,4 @@ mod tests {
         keep(AUTO_CHECK, &fresh, &out).unwrap();
         assert_eq!(table(&fresh).as_deref(), Some("new"));
     }
-
-    #[test]
-    fn a_new_folder_replaces_the_old_one() {
-        let parent = tempfile::tempdir().unwrap();
-        let out = parent.path().join("tradeoff");
-        std::fs::create_dir(&out).unwrap();
-        std::fs::write(out.join("old.csv"), "old").unwrap();
-        let fresh = parent.path().join("temporary").join("fresh");
-        std::fs::create_dir_all(&fresh).unwrap();
-        std::fs::write(fresh.join("rungs.csv"), "new").unwrap();
-        replace(&fresh, &out).unwrap();
-        assert!(!out.join("old.csv").exists());
-        assert_eq!(
-            std::fs::read_to_string(out.join("rungs.csv")).unwrap(),
-            "new"
-        );
-        assert!(parent.path().join("temporary/replaced/old.csv").exists());
-    }
 }

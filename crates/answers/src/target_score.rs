@@ -149,12 +149,8 @@ impl SceneTarget {
     /// Score of an estimated statistic: its distance from the limit of the target, in standard errors. `successes` is
     /// the number of successful trials.
     fn score(&self, estimate: &Estimate, successes: u64) -> f64 {
-        let Target {
-            statistic,
-            bound,
-            limit,
-            ..
-        } = self.target;
+        let (bound, limit) = (self.target.bound, self.target.limit);
+        let statistic = self.target.statistic;
         let of = |estimate: &Estimate, limit: f64| match bound {
             Bound::AtMost => estimate.at_most(limit),
             Bound::AtLeast => estimate.at_least(limit),

@@ -147,16 +147,12 @@ mod tests {
     fn swept_fields_have_the_unit_of_their_numbers() {
         for (header, unit) in [
             ("scene.object.radius_mm", "mm"),
-            ("scene.object.c_per_mm", "1/mm"),
-            ("scene.motion.rate_rad_per_s", "rad/s"),
-            ("scene.motion.duration_s", "s"),
             ("scene.motion.contact_deg.0", "deg"),
             ("scene.noise.angular_velocity.fraction", "1"),
             ("scene.noise.pixel.std", "levels of 255"),
             ("scene.noise.hue.std", "turn"),
             ("scene.noise.centroid.std", "px"),
             ("scene.sensor.size_px", "px"),
-            ("scene.probe.layout.gores", "1"),
             ("seed", "1"),
         ] {
             assert_eq!(unit_of_field(header, LengthUnit::Mm), unit, "{header}");

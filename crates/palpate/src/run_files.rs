@@ -129,16 +129,12 @@ impl Fields {
 
 /// Makes the rows of a cell, one for each quantity, and passes each row to `take`.
 fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn FnMut(&[String])) {
-    let Row {
-        cell,
-        truth: cell_truth,
-        statistics,
-    } = ran;
+    let (cell_truth, statistics) = (&ran.truth, &ran.statistics);
     let mut row = Fields::default();
     let quantities = cell_truth.quantities.iter().zip(&statistics.quantities);
     for (place, (quantity, summary)) in quantities.enumerate() {
         row.used = 0;
-        row.text(cell);
+        row.text(ran.cell);
         swept(study).for_each(|place| row.text(&cell_truth.coordinates[place]));
         row.text(quantity.name);
         row.text(quantity.unit.of(study.config.length_unit));

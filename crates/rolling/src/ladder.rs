@@ -202,7 +202,7 @@ impl Setting<'_> {
         if rolls.spin() || rolls.slide() {
             return Err("the motion spins or slides".to_owned());
         }
-        if rolls.in_pieces() {
+        if rolls.rolls.iter().any(|roll| roll.len() > 1) {
             return Err("the motion changes on the way".to_owned());
         }
         Ok(Rung::Meridian(rung))

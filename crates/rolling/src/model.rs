@@ -158,8 +158,4 @@ impl<'a> Rolls<'a> {
     pub(crate) fn slide(&self) -> bool {
         self.motions().any(Motion::slides)
     }
-
-    pub(crate) fn in_pieces(&self) -> bool {
-        self.rolls.iter().any(|roll| roll.len() > 1)
-    }
 }

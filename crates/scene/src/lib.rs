@@ -26,7 +26,7 @@ pub use pattern::{CutPattern, marker_places};
 pub use press::{PressFailure, PressFlaw, PressScene};
 pub use principal_curvatures::drop_undefined_moments;
 pub use roll::{Arch, RollScene};
-pub use scene::{Need, Scene, SceneTrial, Scenes, Trials, map_table_of, quantities_of};
+pub use scene::{Need, Observer, Scene, SceneTrial, Scenes, Trials, map_table_of, quantities_of};
 
 pub use trace::{CameraTrace, Trace, TraceError};
 

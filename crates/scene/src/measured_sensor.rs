@@ -7,7 +7,7 @@ use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProb
 use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
 
-use crate::scene::{Need, Trials};
+use crate::scene::{Need, Observer, Trials};
 
 /// A sensor without contact, and its computed properties. Nothing is estimated or random.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,11 +78,7 @@ impl Trials for MeasuredSensor {
         false
     }
 
-    fn trial(
-        &self,
-        _trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
-    ) -> Result<(), &'static str> {
+    fn trial(&self, _trial: u64, observe: Observer<'_>) -> Result<(), &'static str> {
         for (quantity, value) in self.values.iter().enumerate() {
             observe(quantity, Observation::exact(value.ok_or("out-of-field")?));
         }

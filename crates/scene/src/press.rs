@@ -11,9 +11,9 @@ mod sensor_variation;
 mod trial;
 mod truth;
 
+use crate::scene::Observer;
 use palpate_chromatouch::OpticsError;
 use palpate_press::{PressError, Reading};
-use palpate_sweep::Observation;
 use palpate_tracking::TrackingError;
 use strum::IntoStaticStr;
 use thiserror::Error;
@@ -68,7 +68,7 @@ impl PressScene {
         &self,
         trial: u64,
         flaw: PressFlaw,
-        observe: &mut dyn FnMut(usize, Observation),
+        observe: Observer<'_>,
     ) -> Result<Vec<&'static str>, &'static str> {
         let mut reading = self
             .reading(Some(trial))
@@ -100,7 +100,7 @@ impl PressScene {
     fn warnings(
         &self,
         reading: &PressReading,
-        observe: &mut dyn FnMut(usize, Observation),
+        observe: Observer<'_>,
     ) -> Result<Vec<&'static str>, PressFailure> {
         let estimate = self.estimate(reading)?;
         let given = self.given_indentation(reading);

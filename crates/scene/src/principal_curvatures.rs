@@ -1,6 +1,7 @@
 //! Principal curvatures, their direction and the radius. Rolls and glides report these quantities only if the config
 //! has `principal_curvatures`.
 
+use crate::scene::Observer;
 use palpate_geometry::{CurvatureForm, UNKNOWN_DIRECTION_STD};
 use palpate_statistics::HALF_WIDTHS;
 use palpate_study::Quantity;
@@ -96,12 +97,7 @@ impl PointCurvature {
     }
 
     /// Calls `observe` with each quantity of the scene (`quantities`) that this estimate determines.
-    pub(crate) fn report(
-        &self,
-        truth: &Self,
-        quantities: &[Quantity],
-        observe: &mut dyn FnMut(usize, Observation),
-    ) {
+    pub(crate) fn report(&self, truth: &Self, quantities: &[Quantity], observe: Observer<'_>) {
         for (place, quantity) in quantities.iter().enumerate() {
             if let Some(outcome) = self.outcome(truth, *quantity) {
                 observe(place, outcome);

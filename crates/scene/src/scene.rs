@@ -226,6 +226,9 @@ fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     }
 }
 
+/// Function that receives the outcomes of a trial, each with the index of its quantity.
+pub type Observer<'a> = &'a mut (dyn FnMut(usize, Observation) + 'a);
+
 /// Trials of a scene. A trial simulates readings and estimates the true values from them.
 ///
 /// ```
@@ -274,11 +277,7 @@ pub trait Trials {
     ///
     /// # Errors
     /// The name of the failure, which stays the same in all versions. Outcomes of a failed trial must be ignored.
-    fn trial(
-        &self,
-        trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
-    ) -> Result<(), &'static str>;
+    fn trial(&self, trial: u64, observe: Observer<'_>) -> Result<(), &'static str>;
 
     /// Runs a trial like [`Trials::trial`]. In addition, it returns the names of the warnings about the estimate. The
     /// warnings state how the readings contradict the estimator's model.
@@ -288,7 +287,7 @@ pub trait Trials {
     fn trial_with_warnings(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
+        observe: Observer<'_>,
     ) -> Result<Vec<&'static str>, &'static str> {
         self.trial(trial, observe).map(|()| Vec::new())
     }

@@ -112,22 +112,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn without_an_error_nothing_is_drawn() {
-        let sensor = PositionError::new(Distribution::Gaussian, 0.0, PositionAxes::Xyz).unwrap();
-        assert!(!sensor.is_random());
-        let mut stream = Stream::new(11, 0, Channel::Position);
-        assert_eq!(sensor.read(&mut stream, &POINT), POINT);
-        let untouched = Stream::new(11, 0, Channel::Position).symmetric_uniform();
-        assert_eq!(stream.symmetric_uniform(), untouched);
-    }
-
-    #[test]
-    fn impossible_sizes_are_refused() {
-        for size in [-1.0, 1e200, f64::NAN, f64::INFINITY] {
-            let made = PositionError::new(Distribution::Uniform, size, PositionAxes::Z);
-            assert_eq!(made.unwrap_err().setting, "size");
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! Centroid, hue and size of a marker, and their standard errors. These values are computed from sums over the window
 //! of pixels around the marker.
 
-use crate::measure::{PixelErrors, Sums};
+use crate::measure::Sums;
 use crate::{Ground, Marker};
 use palpate_statistics::hue_turns;
 
@@ -95,13 +95,8 @@ impl MarkerErrors {
 }
 
 pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErrors {
-    let PixelErrors {
-        window,
-        pixel,
-        common,
-        radius_px,
-    } = sums.errors;
-    let [count, x, y, xx, xy, yy] = window;
+    let (pixel, radius_px) = (sums.errors.pixel, sums.errors.radius_px);
+    let [count, x, y, xx, xy, yy] = sums.errors.window;
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
     let strongest = (0..3).fold(0, |best, colour| {
@@ -162,7 +157,11 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         let all = [numbers[0], numbers[1], turn * count, size * count];
         for row in 0..4 {
             for column in row..4 {
-                add(row, column, common[colour] * all[row] * all[column]);
+                add(
+                    row,
+                    column,
+                    sums.errors.common[colour] * all[row] * all[column],
+                );
             }
         }
     }

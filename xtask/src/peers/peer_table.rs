@@ -130,21 +130,17 @@ pub(crate) fn render(rows: &[Row]) -> String {
             task = &row.peer.task;
             text += &format!("\n{task}, target {} x\n", row.target);
         }
-        let Row {
-            peer,
-            ours,
-            ratio,
-            verdict,
-            ..
-        } = row;
+        let (peer, ours) = (&row.peer, &row.ours);
         text += &format!(
-            "  {:<44}{:>12.4} us  err {:<9.2e}| {:<44}{:>12.4} us  err {:<9.2e}| {ratio:>9.2} x  {verdict}\n",
+            "  {:<44}{:>12.4} us  err {:<9.2e}| {:<44}{:>12.4} us  err {:<9.2e}| {:>9.2} x  {}\n",
             format!("{} {}", peer.peer, peer.version),
             peer.time_us,
             peer.error,
             ours.peer,
             ours.time_us,
             ours.error,
+            row.ratio,
+            row.verdict,
         );
     }
     text

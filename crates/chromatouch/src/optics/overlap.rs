@@ -186,16 +186,12 @@ fn lens(
 /// the centre. The segment lies at positive coordinates of the axis.
 #[inline]
 fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
-    let &HalfAngle {
-        angle,
-        sine: half,
-        cosine: to_chord,
-    } = half_angle;
+    let (half, to_chord) = (half_angle.sine, half_angle.cosine);
     let square = radius * radius;
     // `triangle` is the product r² sin β cos β, and `half_square` is r² sin² β. Here r is the radius of the disc, and β
     // is half of the angle that the segment covers.
     let (triangle, half_square) = (half * to_chord, half * half);
-    let area = square * angle - triangle;
+    let area = square * half_angle.angle - triangle;
     let fourth = half_square * triangle;
     Moments {
         area,
@@ -230,19 +226,15 @@ impl Part {
     /// and `around` (in the azimuthal direction).
     #[inline]
     pub(super) fn seen(&self, local: &Local, [outward, around]: [f64; 2]) -> Region {
-        let Moments {
-            area,
-            first,
-            second_along,
-            second_across,
-        } = self.moments;
-        let first = [first * outward, first * around];
+        let moments = self.moments;
+        let first = [outward, around].map(|part| moments.first * part);
+        let (second_along, second_across) = (moments.second_along, moments.second_across);
         let [outer, middle, inner] = [
             second_along * outward * outward + second_across * around * around,
             (second_along - second_across) * outward * around,
             second_along * around * around + second_across * outward * outward,
         ];
-        let solid = area - 0.5 * (second_along + second_across);
+        let solid = moments.area - 0.5 * (second_along + second_across);
         let curved = local.area_curve * outer + local.area_bend * inner;
         let moved = 2.0 * local.area_slope * local.radial + local.area * local.radial_slope;
         let turned = local.area_slope * local.lateral + local.area * local.lateral_slope;

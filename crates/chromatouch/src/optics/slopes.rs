@@ -123,15 +123,10 @@ impl Shared<'_> {
         sight: &MarkerSight,
         motion: &MarkerMotion,
     ) -> Option<MarkerSlopes> {
-        let Optics {
-            array,
-            camera,
-            contrasts,
-            ..
-        } = self.optics;
+        let (camera, contrasts) = (&self.optics.camera, &self.optics.contrasts);
         let projection = MarkerProjection::new(camera, sight)?;
         let seen = projection.features(camera, contrasts)?;
-        let pose = self.optics.pose();
+        let (array, pose) = (&self.optics.array, self.optics.pose());
         let by_sights = array.sight_slopes(marker, sight, motion, &pose, &self.turns);
         let by_discs = [0, 1].map(|disc| {
             let mut by_disc = Matrix4x3::zeros();

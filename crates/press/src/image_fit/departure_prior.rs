@@ -33,10 +33,7 @@ impl DeparturePrior {
     /// of all sensor parameters. The value 0 means that a sensor parameter is exact; a prior of an exact parameter is
     /// an error.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
-        let Self {
-            numbers,
-            covariance,
-        } = self;
+        let (numbers, covariance) = (&self.numbers, &self.covariance);
         let is_free = |number: &usize| stds.get(*number).is_some_and(|std| *std > 0.0);
         let place = |number: &usize| is_free(number).then(|| (0..*number).filter(is_free).count());
         let places: Option<Vec<usize>> = numbers.iter().map(place).collect();

@@ -31,10 +31,7 @@ impl Made for Found {
     }
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let Self {
-            discrimination,
-            study,
-        } = self;
+        let (discrimination, study) = (&self.discrimination, &self.study);
         match name {
             "table" => table(py, &discrimination.table(), study),
             _ => figure(py, discrimination.figure("distinguish", study.heading())),

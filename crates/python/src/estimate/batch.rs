@@ -158,18 +158,13 @@ fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny
         rows.push(match one {
             Some(Alone::Number(number)) => [number.unwrap_or(f64::NAN); 4],
             Some(Alone::Value(value)) => {
-                let Value {
-                    value,
-                    std,
-                    interval95,
-                    unit: of_value,
-                } = value;
-                unit = Some(of_value);
-                let [low, high] = interval95
+                unit = Some(value.unit);
+                let [low, high] = value
+                    .interval95
                     .unwrap_or_default()
                     .map(|end| end.unwrap_or(f64::NAN));
                 let or_nan = |number: Option<f64>| number.unwrap_or(f64::NAN);
-                [or_nan(value), or_nan(std), low, high]
+                [or_nan(value.value), or_nan(value.std), low, high]
             }
             None => [f64::NAN; 4],
         });

@@ -261,22 +261,17 @@ impl<'a> Lines<'a> {
     }
 
     fn points(&self) -> Result<Points, ReportError> {
-        let Selection {
-            of,
-            series,
-            panels,
-            rows,
-            ..
-        } = self.of;
+        let of = self.of.of;
         if self.categories.is_some() && !of.plot.points.is_empty() {
             let x = of.plot.x.as_deref().unwrap_or_default();
             return Err(of.bad(format!(
                 "points need numbers along x, and {x:?} holds labels"
             )));
         }
+        let (panels, rows) = (self.of.panels, &self.of.rows);
         let panels = panels.map_or(Vec::new(), |axis| axis.among(rows));
         let style_of = |name: &str| {
-            let axis = series.ok_or("the plot has no `series`")?;
+            let axis = self.of.series.ok_or("the plot has no `series`")?;
             let values = || axis.values().iter().map(String::as_str);
             let found = values().find(|value| same(value, name));
             found.map(|value| style(axis, value)).ok_or_else(|| {

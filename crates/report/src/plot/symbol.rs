@@ -56,11 +56,7 @@ impl<C, B: DrawingBackend> Drawable<B> for Placed<C> {
         let Some(place) = places.next() else {
             return Ok(());
         };
-        let Symbol {
-            style,
-            size,
-            is_open,
-        } = self.1;
+        let (style, size, is_open) = (self.1.style, self.1.size, self.1.is_open);
         fill(backend, style.marker, place, (size, RIM), &WHITE)?;
         fill(backend, style.marker, place, (size, 0.0), &style.colour)?;
         match style.marker {

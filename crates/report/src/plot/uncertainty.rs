@@ -216,6 +216,15 @@ mod tests {
                 None
             );
         }
+        // A standard error needs at least two trials.
+        for gone in [99.0, 100.0] {
+            let columns = [
+                (S::Failures, gone),
+                (S::RmsError, 1.0),
+                (S::RmsErrorStd, 1.0),
+            ];
+            assert_eq!(found("class", &columns, S::RmsError), None);
+        }
         let huge = [(S::RmsError, 1e308), (S::RmsErrorStd, 1e308)];
         assert_eq!(found("mean_curvature", &huge, S::RmsError), None);
         let zero = [
@@ -228,18 +237,5 @@ mod tests {
             0.0,
             0.0,
         );
-    }
-
-    #[test]
-    fn fewer_than_two_trials_have_no_interval() {
-        use Statistic as S;
-        for gone in [99.0, 100.0] {
-            let columns = [
-                (S::Failures, gone),
-                (S::RmsError, 1.0),
-                (S::RmsErrorStd, 1.0),
-            ];
-            assert_eq!(found("class", &columns, S::RmsError), None);
-        }
     }
 }

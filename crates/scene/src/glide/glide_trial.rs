@@ -13,7 +13,7 @@ use palpate_statistics::BadSetting;
 
 use crate::ladder::Ladder;
 use crate::principal_curvatures::PointCurvature;
-use crate::scene::{Need, Trials};
+use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape, map_table};
 use palpate_study::config::{GlideConfig, LengthUnit};
@@ -189,11 +189,7 @@ impl GlideScene {
         }
     }
 
-    fn compare(
-        &self,
-        fit: &GlideSurface,
-        observe: &mut dyn FnMut(usize, Observation),
-    ) -> Result<(), Ep2Error> {
+    fn compare(&self, fit: &GlideSurface, observe: Observer<'_>) -> Result<(), Ep2Error> {
         for place in &self.grid.places {
             let curvature = fit.curvature_at(&place.point)?;
             let uncertainty = curvature.uncertainty;
@@ -234,11 +230,7 @@ impl Trials for GlideScene {
         self.fit(None).map(drop).map_err(|error| fit_error(&error))
     }
 
-    fn trial(
-        &self,
-        trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
-    ) -> Result<(), &'static str> {
+    fn trial(&self, trial: u64, observe: Observer<'_>) -> Result<(), &'static str> {
         let compared = self
             .fit(Some(trial))
             .and_then(|fit| Ok(self.compare(&fit, observe)?));
@@ -248,7 +240,7 @@ impl Trials for GlideScene {
     fn trial_with_warnings(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
+        observe: Observer<'_>,
     ) -> Result<Vec<&'static str>, &'static str> {
         let GlideMethod::Graph(method) = &self.method else {
             return self.trial(trial, observe).map(|()| Vec::new());

@@ -19,7 +19,7 @@ use super::truth::{PressGeometry, SoftBody, TruePress};
 use super::{PressFailure, PressFlaw};
 use crate::ladder::Ladder;
 use crate::principal_curvatures::{finite, half_turn};
-use crate::scene::{Need, Trials};
+use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError};
 
 /// Quantities of presses, in the order of the tables. There are six groups:
@@ -243,7 +243,7 @@ impl PressScene {
         &self,
         reading: &PressReading,
         estimate: &PressEstimate,
-        observe: &mut dyn FnMut(usize, Observation),
+        observe: Observer<'_>,
     ) {
         let mut report = |quantity: Quantity, outcome: Observation| {
             if let Some(place) = self.place(quantity) {
@@ -323,7 +323,7 @@ impl PressScene {
     }
 
     /// Reports the quantities that only presses with a camera have, after a successful estimate.
-    fn observe_camera(&self, reading: &PressReading, observe: &mut dyn FnMut(usize, Observation)) {
+    fn observe_camera(&self, reading: &PressReading, observe: Observer<'_>) {
         let PressCase::Press { truth, sensor } = &self.case else {
             return;
         };
@@ -410,11 +410,7 @@ impl Trials for PressScene {
         }
     }
 
-    fn trial(
-        &self,
-        trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
-    ) -> Result<(), &'static str> {
+    fn trial(&self, trial: u64, observe: Observer<'_>) -> Result<(), &'static str> {
         let reading = self.reading(Some(trial)).map_err(|error| error.name())?;
         let estimate = self.estimate(&reading).map_err(|error| error.name())?;
         self.compare(&reading, &estimate, observe);
@@ -424,7 +420,7 @@ impl Trials for PressScene {
     fn trial_with_warnings(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
+        observe: Observer<'_>,
     ) -> Result<Vec<&'static str>, &'static str> {
         self.flawed_trial(trial, PressFlaw::default(), observe)
     }

@@ -93,30 +93,26 @@ impl NoiseTrial {
         roller: &Roller,
         roll: &Roll,
     ) -> Result<(Vector2<f64>, Vector2<f64>), RollError> {
-        let Roll {
-            command,
-            rotation,
-            displacement,
-            terrain,
-        } = roll;
+        let (command, terrain) = (&roll.command, &roll.terrain);
+        let (displacement, rotation) = (roll.displacement, roll.rotation);
         let Some((noise, stream)) = &mut self.0 else {
-            return Ok((*displacement, *rotation));
+            return Ok((displacement, rotation));
         };
         let error = &noise.error;
         match (noise.side, noise.instants) {
             (Side::Motion, 1) => {
                 let motion = [disturbed(command, error, stream)];
-                Ok((cleared_shift(roller, &motion, terrain)?, *rotation))
+                Ok((cleared_shift(roller, &motion, terrain)?, rotation))
             }
             (Side::Motion, _) => Ok((
                 cleared_shift(roller, &self.motions(command), terrain)?,
-                *rotation,
+                rotation,
             )),
             (Side::Measurement, instants) => {
                 let rate = command.angular_velocity.norm();
                 let sum: Vector2<f64> = (0..instants).map(|_| error.draw(stream, rate)).sum();
                 let measured = sum * (command.duration_s / f64::from(instants));
-                Ok((*displacement, rotation + measured))
+                Ok((displacement, rotation + measured))
             }
         }
     }

@@ -19,7 +19,7 @@ use super::roll_sensor::{RollSensor, RotationSensor};
 use super::sampled_rolls::{SampledRolls, series_principal};
 use crate::ladder::Ladder;
 use crate::principal_curvatures::PointCurvature;
-use crate::scene::{Need, Trials};
+use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_study::config::{LengthUnit, RollEstimatorConfig, Side};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
@@ -388,11 +388,7 @@ impl Trials for RollScene {
         }
     }
 
-    fn trial(
-        &self,
-        trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
-    ) -> Result<(), &'static str> {
+    fn trial(&self, trial: u64, observe: Observer<'_>) -> Result<(), &'static str> {
         if self.has_principal {
             return self.trial_with_warnings(trial, observe).map(drop);
         }
@@ -404,7 +400,7 @@ impl Trials for RollScene {
     fn trial_with_warnings(
         &self,
         trial: u64,
-        observe: &mut dyn FnMut(usize, Observation),
+        observe: Observer<'_>,
     ) -> Result<Vec<&'static str>, &'static str> {
         if let Some((sampled, method)) = self.series_method() {
             let (outcomes, estimate) = self.series_outcomes(sampled, method, trial)?;

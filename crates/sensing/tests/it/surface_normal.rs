@@ -58,15 +58,3 @@ fn tilts_beyond_a_half_turn_stay_unit_vectors() {
     let expected = Vector3::x() * -0.1795;
     assert!((mean - expected).norm() < 0.03, "{mean}");
 }
-
-#[test]
-fn without_an_error_nothing_is_drawn() {
-    let sensor = NormalError::new(0.0).unwrap();
-    assert!(!sensor.is_random());
-    let mut stream = Stream::new(12, 0, Channel::Normal);
-    for normal in normals() {
-        assert_eq!(sensor.read(&mut stream, &normal), normal);
-    }
-    let untouched = Stream::new(12, 0, Channel::Normal).symmetric_uniform();
-    assert_eq!(stream.symmetric_uniform(), untouched);
-}

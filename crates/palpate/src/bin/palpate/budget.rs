@@ -173,15 +173,3 @@ fn shown(scene: &SceneConfig) -> Option<String> {
 fn percent(share: f64) -> String {
     format!("{} %", two_digits(100.0 * share))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_have_two_digits() {
-        assert_eq!(percent(0.01), "1 %");
-        assert_eq!(percent(0.00123), "0.12 %");
-        assert_eq!(percent(1.5), "150 %");
-    }
-}

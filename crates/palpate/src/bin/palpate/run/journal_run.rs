@@ -197,11 +197,7 @@ pub(super) fn journal_to_resume(
     let Some(found) = journal::read(out)? else {
         return Ok(None);
     };
-    let Header {
-        request: known,
-        version,
-        ..
-    } = &found.header;
+    let (known, version) = (&found.header.request, &found.header.version);
     let own = env!("CARGO_PKG_VERSION");
     let why = if version != own {
         format!("written by palpate {version}, but this is {own}")
