@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::programs;
+use crate::{programs, tools};
 
 const RESULTS: &str = "results/tradeoff";
 /// File name of the table that compares the models that `auto` chose with all other models.
@@ -89,8 +89,7 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
 /// Checks the models that `auto` chooses. The error of a chosen model must be within the tolerance. Its number of
 /// processor instructions must be at most twice that of the cheapest model within the tolerance.
 fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
-    let valgrind = cmd!(shell, "valgrind --version").quiet().ignore_stdout();
-    if valgrind.ignore_stderr().run().is_err() {
+    if !tools::has(shell, "valgrind") {
         println!("valgrind is missing: `auto` is not checked, and {AUTO_CHECK} stays as it was");
         return Ok(());
     }

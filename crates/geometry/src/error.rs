@@ -53,6 +53,11 @@ fn place(coordinates: [(&str, &f64); 2]) -> String {
 }
 
 impl SurfaceError {
+    pub(crate) fn off_domain(point: &Point3<f64>) -> Self {
+        let (x, y) = (point.x, point.y);
+        Self::OffDomain { x, y }
+    }
+
     pub(crate) fn no_closest_point(point: &Point3<f64>) -> Self {
         Self::NoClosestPoint {
             x: point.x,

@@ -81,10 +81,7 @@ pub trait Surface {
         if (normal.sum() + k_uu + k_uv + k_vv).is_finite() {
             Ok((normal, curvature))
         } else {
-            Err(SurfaceError::OffDomain {
-                x: point.x,
-                y: point.y,
-            })
+            Err(SurfaceError::off_domain(point))
         }
     }
 

@@ -42,14 +42,6 @@ impl Shape {
             .copied()
     }
 
-    pub(crate) fn first_row(&self) -> usize {
-        self.runs.first().map_or(0, |run| run.row)
-    }
-
-    pub(crate) fn last_row(&self) -> usize {
-        self.runs.last().map_or(0, |run| run.row)
-    }
-
     pub(crate) fn form(&self) -> Form {
         let (mut area, mut x, mut y, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         for run in &self.runs {
@@ -187,7 +179,8 @@ impl Window {
     /// The window of pixels that covers a shape, which was found in bins (squares) of `bin` pixels a side. In each row,
     /// the window contains all pixels from the first to the last pixel of the shape, without gaps.
     pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
-        let (top, bottom) = (shape.first_row(), shape.last_row());
+        let row = |run: Option<&Run>| run.map_or(0, |run| run.row);
+        let (top, bottom) = (row(shape.runs.first()), row(shape.runs.last()));
         let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];
         for run in &shape.runs {
             let (first, last) = &mut hull[run.row - top];

@@ -149,14 +149,8 @@ pub(crate) fn render(rows: &[Row]) -> String {
 pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(HEADER)?;
-    for Row {
-        peer,
-        ours,
-        ratio,
-        target,
-        verdict,
-    } in rows
-    {
+    for row in rows {
+        let (peer, ours) = (&row.peer, &row.ours);
         writer.write_record([
             &peer.task,
             &peer.peer,
@@ -166,9 +160,9 @@ pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
             &ours.peer,
             &four_digits(ours.time_us),
             &four_digits(ours.error),
-            &four_digits(*ratio),
-            &target.to_string(),
-            &verdict.to_string(),
+            &four_digits(row.ratio),
+            &row.target.to_string(),
+            &row.verdict.to_string(),
             machine,
         ])?;
     }

@@ -66,10 +66,7 @@ impl Surface for Cylinder {
 
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
         let hessian = Matrix3::identity() - self.axis * self.axis.transpose();
-        LevelSet::new(self.radial(point), hessian).ok_or(SurfaceError::OffDomain {
-            x: point.x,
-            y: point.y,
-        })
+        LevelSet::new(self.radial(point), hessian).ok_or_else(|| SurfaceError::off_domain(point))
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {

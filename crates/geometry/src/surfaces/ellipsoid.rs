@@ -53,12 +53,8 @@ impl Surface for Ellipsoid {
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
         let inverse_squares = self.semi_axes.map(|axis| 1.0 / (axis * axis));
         let gradient = point.coords.component_mul(&inverse_squares);
-        LevelSet::new(gradient, Matrix3::from_diagonal(&inverse_squares)).ok_or(
-            SurfaceError::OffDomain {
-                x: point.x,
-                y: point.y,
-            },
-        )
+        LevelSet::new(gradient, Matrix3::from_diagonal(&inverse_squares))
+            .ok_or_else(|| SurfaceError::off_domain(point))
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {

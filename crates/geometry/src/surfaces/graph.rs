@@ -320,10 +320,8 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let hessian = Matrix3::new(-fxx, -fxy, 0.0, -fxy, -fyy, 0.0, 0.0, 0.0, 0.0);
-        LevelSet::new(Vector3::new(-fx, -fy, 1.0), hessian).ok_or(SurfaceError::OffDomain {
-            x: point.x,
-            y: point.y,
-        })
+        LevelSet::new(Vector3::new(-fx, -fy, 1.0), hessian)
+            .ok_or_else(|| SurfaceError::off_domain(point))
     }
 
     #[inline]
@@ -340,10 +338,7 @@ impl<H: Height> Surface for Graph<H> {
         // second derivatives is not finite. In both cases, the point is rejected.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
-            return Err(SurfaceError::OffDomain {
-                x: point.x,
-                y: point.y,
-            });
+            return Err(SurfaceError::off_domain(point));
         }
         let gradient = Vector3::new(-fx, -fy, 1.0);
         let y = x.cross(&gradient);

@@ -87,10 +87,8 @@ fn spherical_parameters(point: &Point3<f64>, side: f64) -> Parameters {
 /// and −1 if it increases inwards.
 #[inline]
 fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, SurfaceError> {
-    LevelSet::new(point.coords * side, Matrix3::identity() * side).ok_or(SurfaceError::OffDomain {
-        x: point.x,
-        y: point.y,
-    })
+    LevelSet::new(point.coords * side, Matrix3::identity() * side)
+        .ok_or_else(|| SurfaceError::off_domain(point))
 }
 
 /// Normal and curvature at a point on the sphere. The unit normal is the point times the curvature, so it is computed
@@ -102,10 +100,7 @@ fn spherical_form(point: &Point3<f64>, curvature: f64) -> Result<TangentForm, Su
         let curvature = CurvatureForm::isotropic(curvature);
         Ok(TangentForm::of_unit_normal(normal, curvature))
     } else {
-        Err(SurfaceError::OffDomain {
-            x: point.x,
-            y: point.y,
-        })
+        Err(SurfaceError::off_domain(point))
     }
 }
 

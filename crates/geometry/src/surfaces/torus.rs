@@ -69,10 +69,7 @@ impl Surface for Torus {
     }
 
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
-        let off_domain = SurfaceError::OffDomain {
-            x: point.x,
-            y: point.y,
-        };
+        let off_domain = SurfaceError::off_domain(point);
         let rho = libm::hypot(point.x, point.y);
         if rho == 0.0 {
             return Err(off_domain);

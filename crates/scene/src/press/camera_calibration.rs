@@ -150,13 +150,9 @@ fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -
             0.5 * sizes.fold(0.0, f64::max)
         };
         let (normal_limit, tangential_limit) = (half_of_largest(inward), half_of_largest(along));
-        for CalibrationPoint {
-            marker,
-            truth,
-            change,
-        } in points
-        {
-            let Some(normal) = calibration.normal(*marker, change) else {
+        for point in points {
+            let (truth, change) = (&point.truth, &point.change);
+            let Some(normal) = calibration.normal(point.marker, change) else {
                 continue;
             };
             if inward(truth) >= normal_limit {
