@@ -317,10 +317,7 @@ fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     let cut = motions.iter().map(|motion| {
         let duration_s = motion.duration_s.min(left);
         left -= duration_s;
-        Motion {
-            duration_s,
-            ..*motion
-        }
+        motion.lasting(duration_s)
     });
     cut.collect()
 }

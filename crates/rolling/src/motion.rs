@@ -67,6 +67,14 @@ impl Motion {
         }
     }
 
+    /// The same motion with another duration.
+    pub(crate) fn lasting(&self, duration_s: f64) -> Self {
+        Self {
+            duration_s,
+            ..*self
+        }
+    }
+
     pub(crate) fn spins(&self) -> bool {
         self.angular_velocity.z != 0.0
     }

@@ -274,10 +274,7 @@ impl Roller {
             return Err(at(RollFault::NotFinite, 0.0));
         }
         for _ in 0..200 {
-            let reached = self.roll(&[Motion {
-                duration_s,
-                ..*motion
-            }]);
+            let reached = self.roll(&[motion.lasting(duration_s)]);
             let next = match reached {
                 // The path is so short that its squared length underflows to zero, and the first estimate of the
                 // duration is exact.

@@ -70,10 +70,7 @@ impl Roller {
             };
             if contact == *self.first_contact() && motions.len() == 1 && self.is_quick(motion) {
                 for &duration_s in &within {
-                    let cut = Motion {
-                        duration_s,
-                        ..*motion
-                    };
+                    let cut = motion.lasting(duration_s);
                     let (at, _) = self.advance(&contact, &cut)?;
                     path.push(PathPoint::of(self.numbers(&at)));
                 }
@@ -161,10 +158,7 @@ impl Roller {
         motion: &Motion,
         [start, end]: [f64; 2],
     ) -> Result<Contact, RollError> {
-        let part = Motion {
-            duration_s: end - start,
-            ..*motion
-        };
+        let part = motion.lasting(end - start);
         let advanced = self.advance(from, &part).map(|(contact, _)| contact);
         advanced.map_err(|error| RollError {
             time_s: error.time_s + start,
@@ -261,10 +255,7 @@ mod tests {
                 let cut = motions.iter().map(|motion| {
                     let duration_s = motion.duration_s.min(left);
                     left -= duration_s;
-                    Motion {
-                        duration_s,
-                        ..*motion
-                    }
+                    motion.lasting(duration_s)
                 });
                 let cut: Vec<Motion> = cut.collect();
                 let expected = roller.shift(&cut).unwrap().displacement;

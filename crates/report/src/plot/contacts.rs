@@ -108,11 +108,7 @@ fn key(contacts: &Contacts) -> Key {
     entries.push((normal, "normal".to_owned()));
     let mut fingers = contacts.fingers.iter();
     if fingers.any(|finger| !finger.readings.is_empty()) {
-        let reading = disc(Style {
-            colour: QUIET,
-            marker: Marker::Circle,
-        })
-        .open();
+        let reading = disc(Style::new(QUIET, Marker::Circle)).open();
         entries.push((Sample::symbol(reading), "reading".to_owned()));
     }
     if contacts.tips_apart {

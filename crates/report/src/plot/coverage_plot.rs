@@ -50,10 +50,7 @@ fn panel(estimator: &Estimator) -> Content {
         points.push((100.0 * stated, median));
         bars.push((100.0 * stated, [low, high]));
     }
-    let neutral = Style {
-        colour: FRAME,
-        marker: Marker::Dot,
-    };
+    let neutral = Style::new(FRAME, Marker::Dot);
     Content {
         title: estimator.name.clone(),
         lines: vec![

@@ -133,14 +133,8 @@ const MISSES: Colour = WHITE;
 /// Width of the line that shows the target's limit, in drawing units (1/3 px).
 const LIMIT: u32 = 6;
 /// Marker of the values of the searched field at which the target is just met.
-const CROSSING: Style = Style {
-    colour: INK,
-    marker: Marker::Circle,
-};
-const BEST: Style = Style {
-    colour: INK,
-    marker: Marker::Diamond,
-};
+const CROSSING: Style = Style::new(INK, Marker::Circle);
+const BEST: Style = Style::new(INK, Marker::Diamond);
 const BEST_SIZE: f64 = 36.0;
 /// Half the width of the background area of a single tested value, relative to the width of the panel. An area without
 /// width would not be visible.

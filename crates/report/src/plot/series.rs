@@ -191,10 +191,7 @@ impl Plot {
             (sample, text.clone())
         });
         let compared = key.compared.iter().flat_map(|(solid, dashed)| {
-            let disc = Style {
-                colour: QUIET,
-                marker: Marker::Circle,
-            };
+            let disc = Style::new(QUIET, Marker::Circle);
             let solid_line = marked(Sample::line(line(QUIET)), disc, MARKER - 3.0);
             [
                 (solid_line, solid.clone()),

@@ -107,6 +107,10 @@ pub(crate) struct Style {
 }
 
 impl Style {
+    pub(crate) const fn new(colour: Colour, marker: Marker) -> Self {
+        Self { colour, marker }
+    }
+
     /// Style of the value with the index `index` among the values of a swept field. The first 56 values have different
     /// styles.
     pub(crate) fn of(index: usize) -> Self {

@@ -146,13 +146,18 @@ impl NoiseTrial {
         if noise.side == Side::Measurement {
             return vec![*command];
         }
-        let piece = Motion {
-            duration_s: command.duration_s / f64::from(noise.instants),
-            ..*command
-        };
+        let piece = lasting(command, command.duration_s / f64::from(noise.instants));
         (0..noise.instants)
             .map(|_| disturbed(&piece, &noise.error, stream))
             .collect()
+    }
+}
+
+/// The same motion with another duration (s).
+pub(super) fn lasting(motion: &Motion, duration_s: f64) -> Motion {
+    Motion {
+        duration_s,
+        ..*motion
     }
 }
 

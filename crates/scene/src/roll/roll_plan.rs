@@ -9,7 +9,7 @@ use palpate_rolling::{
 use palpate_sensing::{AngularVelocityError, Distribution};
 
 use super::linear_rolls::LinearRolls;
-use super::motion_noise::{MotionNoise, Roll};
+use super::motion_noise::{MotionNoise, Roll, lasting};
 use super::roll_sensor::{RollSensor, RotationSensor};
 use super::roll_trial::{RollFit, RollScene, Truth};
 use super::sampled_rolls::SampledRolls;
@@ -285,10 +285,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {
-        let piece = Motion {
-            duration_s: command.duration_s / f64::from(pieces),
-            ..*command
-        };
+        let piece = lasting(command, command.duration_s / f64::from(pieces));
         if !rolls.iter().any(|roll| roll.first() == Some(&piece)) {
             rolls.push(vec![piece; pieces as usize]);
         }
@@ -320,10 +317,7 @@ fn noiseless(
         if shift.is_err() {
             // If the probe already overlaps the object at the start, report the overlap instead of the error of the
             // roll.
-            let start = Motion {
-                duration_s: 0.0,
-                ..command
-            };
+            let start = lasting(&command, 0.0);
             terrain(roller, &start, 0.0).map_err(fail)?;
         }
         let shift = shift.map_err(fail)?;

@@ -2,7 +2,7 @@
 
 use palpate_rolling::{Contact, Motion};
 
-use super::motion_noise::NoiseTrial;
+use super::motion_noise::{NoiseTrial, lasting};
 use super::roll_trial::RollScene;
 use crate::trace::{Trace, TraceError, counted};
 use palpate_study::config::{LengthUnit, Side};
@@ -160,10 +160,7 @@ fn cut_at(motions: &[Motion], t_s: f64) -> Vec<Motion> {
         if duration_s <= 0.0 {
             break;
         }
-        until.push(Motion {
-            duration_s,
-            ..*motion
-        });
+        until.push(lasting(motion, duration_s));
         left -= motion.duration_s;
     }
     until

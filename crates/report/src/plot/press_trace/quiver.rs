@@ -213,10 +213,7 @@ fn read_colour() -> Colour {
 }
 
 fn lost(size: f64) -> Symbol {
-    let style = Style {
-        colour: read_colour(),
-        marker: Shape::Cross,
-    };
+    let style = Style::new(read_colour(), Shape::Cross);
     Symbol::new(style, size)
 }
 
