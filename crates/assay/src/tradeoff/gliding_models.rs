@@ -90,11 +90,7 @@ impl Path {
             );
             Some(rung.evaluations_per_run(PLACES).set(setting))
         });
-        SceneRungs {
-            ease: self.ease,
-            scene: self.scene.to_owned(),
-            rungs: rungs.collect(),
-        }
+        SceneRungs::new(self.ease, self.scene, rungs.collect())
     }
 
     fn glider(&self, model: TouchModel) -> Result<Glider> {

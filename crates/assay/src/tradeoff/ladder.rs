@@ -45,6 +45,13 @@ pub(super) struct SceneRungs {
     pub(super) rungs: Vec<Rung>,
 }
 
+impl SceneRungs {
+    pub(super) fn new(ease: Ease, scene: &str, rungs: Vec<Rung>) -> Self {
+        let scene = scene.to_owned();
+        Self { ease, scene, rungs }
+    }
+}
+
 /// Error of a rung (a model or setting), as defined by [`Ladder::error`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {

@@ -115,11 +115,7 @@ impl Press {
                 .rung(&format!("layer, solved{nodes}"), solved, solved)
                 .set(resolution)
         }));
-        SceneRungs {
-            ease: press.ease,
-            scene: press.scene.to_owned(),
-            rungs,
-        }
+        SceneRungs::new(press.ease, press.scene, rungs)
     }
 
     fn rung(

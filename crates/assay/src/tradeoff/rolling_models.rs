@@ -96,11 +96,7 @@ impl Roll {
                 Some(rung.set(setting))
             })
             .collect();
-        SceneRungs {
-            ease: roll.ease,
-            scene: roll.scene.to_owned(),
-            rungs,
-        }
+        SceneRungs::new(roll.ease, roll.scene, rungs)
     }
 
     fn motion(&self) -> Motion {

@@ -106,11 +106,7 @@ impl Template {
             let rung = Rung::new(choice.name.as_str(), error, evaluated(text, measure.timed));
             rung.evaluations_per_run(measure.timed).set(choice.setting)
         });
-        SceneRungs {
-            ease: self.ease,
-            scene: self.scene.to_owned(),
-            rungs: rungs.collect(),
-        }
+        SceneRungs::new(self.ease, self.scene, rungs.collect())
     }
 }
 
