@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{InvalidShape, Parameters, Shape, Surface, SurfaceError};
 
 #[test]
@@ -38,10 +38,6 @@ fn places_that_are_no_numbers_have_their_errors() {
     for (shape, expected) in [
         (
             Shape::Sphere(Sphere::new(1.0).unwrap()),
-            [chart, chart, domain, domain, closest, domain],
-        ),
-        (
-            Shape::Plane(Plane),
             [chart, chart, domain, domain, closest, domain],
         ),
         (
@@ -111,14 +107,11 @@ fn formulas_end_where_they_are_undefined() {
     };
     for (text, x, y) in [
         ("ln(x)", 0.0, 1.0),
-        ("ln(x)", -1.0, 1.0),
-        ("sqrt(1 - x^2 - y^2)", 0.9, 0.9),
         ("sqrt(1 - x^2 - y^2)", 1.0, 0.0),
         ("1/(x*y)", 0.0, 2.0),
         ("abs(x)", 0.0, 2.0),
         ("exp(x)", 800.0, 0.0),
         ("x + y", f64::NAN, 0.0),
-        ("x + y", 0.0, f64::INFINITY),
     ] {
         for answer in asks(text, x, y) {
             match answer {

@@ -8,21 +8,14 @@ use super::readings::{GLIDE, PRESS, ROLL};
 
 const COMMANDS: &str = "
 estimate walk r.csv | walk
-run | <CONFIG>
 run c.toml --trials many | --trials
 run c.toml --budget 1e400s | --budget
 run c.toml --budget 1e-6s | one trial of each cell does not fit into 1e-6 s; it needs about
-run c.toml --budget 5d | --budget
 run c.toml --budget 1h30m | --budget
-run c.toml --budget nan | --budget
-run c.toml --target-error 2 | --target-error
 run c.toml --target-error 1e-6 | in cell 0: scene.object.radius = 50
 run c.toml --target-error 1e-6 | the maximum of 1e8
-trace c.toml | --out
 trace c.toml --out o --cell 2 | --cell is 2; the study has cells 0 to 1
-report | <DIRS>
 sensor track a.png --out o | <PRESSED>
-sensor calibrate a.csv | --out
 sensor calibrate a.csv --out . | --out
 ";
 
@@ -71,7 +64,6 @@ const GLIDES: &str = "
 --position-fraction-of-ifd 0 | finite and > 0
 --normal-std-deg 500 | <= 90
 --method two-pass --position-std 1 | --method penalised or quadric
---method spline | spline
 --inter-finger-distance 2 | --method two-pass or --position-fraction-of-ifd
 --position-std 0.1 --position-fraction-of-ifd 0.01 | cannot be combined with --position-std
 --reports centre | give --tip-radius too
@@ -86,7 +78,6 @@ const PRESSES: &str = "
 --sensor-radius 20 --gain-std 1e300 | from 0 to 1e100
 --sensor-radius 20 --radial-scale 0 | finite and > 0
 --sensor-radius 20 --baseline free | free
---sensor-radius 20 --method hertz | hertz
 --sensor-radius 20 --indentation-std 0.02 | a given --indentation
 --sensor-radius 20 --indentation 20 | less than --sensor-radius, 20
 --sensor-radius 20 --thickness 5 | only to --method bonded-layer

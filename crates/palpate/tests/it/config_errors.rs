@@ -14,12 +14,10 @@ const ROLLS: &str = r#"
 "sphere", radius = 50.0 => "height-field", formula = "sin(x)+*2" | 8:53 scene.object.formula | found `*`
 "sphere", radius = 50.0 => "height-field", formula = "sqrt(x - 1)" | 8:45 scene.object.formula | x = 0, y = 0
 "sphere", radius = 50.0 => "height-field", formula = "" | 8:45 scene.object.formula | is empty
-"sphere", radius = 50.0 => "dish", radius = 5 | 8:10 scene.object | conform
 "sphere", radius = 50.0 => "dish", radius = 10 | 8:10 scene.object | conform
 1.0 }\n => 1.0 }\nobject_contact = [60, 0]\n | 10:18 scene.object_contact | x = 60, y = 0
 1.0 }\n => 1.0, directions_deg = [0] }\n | 9:69 scene.motion.directions_deg | 1 probe(s)
 1.0 }\n => 1.0, directions_deg = [30, 210] }\n | 9:69 scene.motion.directions_deg | do not span
-1.0 }\n => 1.0, directions_deg = [30, 30, 30] }\n | 9:69 scene.motion.directions_deg | do not span
 "sphere", radius = 50.0 => "height-field", formula = "8*exp(-((x-6)^2+y^2)/2)" | 9:10 scene.motion | overlaps the object by 3.83
 1.0 }\n => 1.0 }\nnoise = { encoder = { step_deg = 60 }, rotation = { std_deg = 1 } }\n | 10:21 scene.noise.encoder | more than 0.5
 1.0 }\n => 1.0 }\nnoise = { encoder = { step_deg = 1 }, rotation = { std_deg = 60 } }\n | 10:50 scene.noise.rotation | more than 0.5

@@ -27,24 +27,6 @@ fn plots_are_written_beside_the_tables() {
 }
 
 #[test]
-fn a_study_without_plots_gets_the_default_plot() {
-    let desk = Desk::with(STUDY);
-    desk.palpate("run c.toml --out o").printed();
-    let printed = desk.palpate("plot o").printed();
-    assert_eq!(printed, "o/plot-1.svg\no/plot-1.png\n");
-    let svg = desk.read("o/plot-1.svg");
-    for words in [
-        "object radius (mm)",
-        "rms relative error of mean curvature (%)",
-    ] {
-        assert!(svg.contains(words), "{words}: {svg}");
-    }
-    // The next run deletes this figure, as it deletes the figures of `[[plot]]` tables.
-    desk.palpate("run c.toml --seed 3 --out o").printed();
-    assert_eq!(desk.names("o"), RUN_FILES);
-}
-
-#[test]
 fn a_study_without_sweeps_has_no_default_plot() {
     let desk = Desk::with(SCENE);
     desk.palpate("run c.toml --out o").printed();

@@ -218,14 +218,6 @@ fn claim_6_differs_without_zeros_and_claim_20_without_bounds() {
     );
 }
 
-#[test]
-fn pad_claims_need_pads() {
-    let study = angular_velocity("claims = [5, 6, 7, 8]");
-    for score in score(&[study]) {
-        untestable(&score, &["scene.sensor.pitch"]);
-    }
-}
-
 // ---- Claim 21: the sensor in the wrist
 
 fn wrist(factor: f64) -> Study {
@@ -251,12 +243,6 @@ fn claim_21_holds_within_its_factor_and_finds_the_pads_it_acts_like() {
     holds(&wrist(1.2), &["1.3 ×"]);
     differs(&wrist(3.0), &["3.24 ×", "pads of 1.62 mm"]);
     differs(&wrist(9.0), &["9.72 ×"]);
-}
-
-#[test]
-fn claim_21_needs_its_labels() {
-    let study = angular_velocity("claims = [21]");
-    untestable(&study, &["scene.sensor"]);
 }
 
 // ---- All claims

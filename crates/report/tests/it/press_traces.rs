@@ -106,16 +106,8 @@ fn bad_tables_are_refused() {
             &["readings.csv", "empty"],
         ),
         (
-            trace("radial_position", "radius"),
-            &["trace.csv", "\"radial_position\""],
-        ),
-        (
             readings("tangential_y", "tangential_z"),
             &["readings.csv", "\"tangential_y\""],
-        ),
-        (
-            trace("0,0,0,0,1,", "0,0,0,0,NaN,"),
-            &["line 2", "normal_displacement_mm", "NaN"],
         ),
         (
             readings("_mm", "_cm"),

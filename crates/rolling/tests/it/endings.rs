@@ -23,7 +23,6 @@ fn a_dish_as_tight_as_the_probe_conforms() {
         dish(1.0),
         dish(0.5),
         dish(1.0 + f64::EPSILON),
-        dish(1.0 - 1e-12),
         paraboloid(-0.5 * (1.0 + 1e-12)),
     ] {
         let error = refused(1.0, object, DOP853, motion);
@@ -175,29 +174,16 @@ fn motions_that_are_not_numbers_are_errors() {
     for object in [plane(), paraboloid(1.0), saddle(0.1)] {
         let model = auto(1e-9);
         let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
-        for bad in [f64::NAN, f64::INFINITY, 1e300] {
+        for bad in [f64::NAN, f64::INFINITY] {
             let lasting = Motion {
                 duration_s: bad,
                 ..motion
             };
             for motion in [lasting, Motion::rolling(0.0, bad, 1e10)] {
                 let (end, shift) = (roller.roll(&[motion]), roller.shift(&[motion]));
-                if bad.is_finite() {
-                    // The roll may fail if numbers are out of range or if it needs too many steps.
-                    let lengths = [
-                        end.map(|one| one.arc_length),
-                        shift.map(|one| one.arc_length),
-                    ];
-                    let numbers = lengths.map(|one| one.unwrap_or_else(|error| error.time_s));
-                    assert!(
-                        numbers.iter().all(|number| number.is_finite()),
-                        "{numbers:?}"
-                    );
-                } else {
-                    let error = end.unwrap_err();
-                    assert_eq!(error.fault, RollFault::NotFinite);
-                    assert_eq!(shift, Err(error));
-                }
+                let error = end.unwrap_err();
+                assert_eq!(error.fault, RollFault::NotFinite);
+                assert_eq!(shift, Err(error));
             }
             assert!(roller.duration_for_arc(&motion, -bad).is_err());
         }

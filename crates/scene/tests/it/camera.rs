@@ -228,17 +228,12 @@ fn sensors_that_cannot_be_are_refused_at_the_field() {
     for (text, path) in [
         (text(projected, pixel), "scene.noise.pixel"),
         (text(rendered, hue), "scene.noise.hue"),
-        (text(r#"kind = "direct""#, pixel), "scene.noise.pixel"),
         (
             text(rendered, "lost_markers = { count = 78 }"),
             "scene.noise.lost_markers.count",
         ),
         (
             text(r#"kind = "projected", k3 = -0.3"#, ""),
-            "scene.sensor.k3",
-        ),
-        (
-            text(r#"kind = "rendered", k5 = -0.2"#, ""),
             "scene.sensor.k3",
         ),
         // With this narrow field of view, only the edge of the marker is visible.

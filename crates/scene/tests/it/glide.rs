@@ -318,10 +318,6 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
             "scene.noise.position: needs `std`, a length, or `fraction_of_ifd`",
         ),
         (
-            "noise = { position = { kind = \"uniform\" } }",
-            "scene.noise.position: needs `bound`, a length, or `fraction_of_ifd`",
-        ),
-        (
             "noise = { position = { kind = \"uniform\", std = 0.1 } }",
             "scene.noise.position.std: unknown key for kind `uniform`; known: axis, bound, fraction_of_ifd, kind; kind `gaussian` has it",
         ),

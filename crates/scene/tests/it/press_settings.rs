@@ -17,11 +17,8 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
         (r#"{ kind = "dish", radius = 10 }"#, "1.0", "edge-contact"),
         (PLANE, "20.0", "too-deep"),
         (r#"{ kind = "dish", radius = 20.5 }"#, "5.0", "too-wide"),
-        (r#"{ kind = "sphere", radius = 2 }"#, "3.0", "too-wide"),
         (PLANE, "1e-300", "out-of-range"),
         (&cylinder(2.0, 0.0), "4.0", "too-wide"),
-        (&cylinder(1e-9, 0.0), "1.0", "out-of-range"),
-        (&cylinder(10.0, 0.0), "20.0", "too-deep"),
         (&ellipsoid([1.0, 2.0, 1.0]), "3.0", "too-wide"),
         (&ellipsoid([1e-300, 1.0, 1e300]), "1.0", "out-of-range"),
     ] {
@@ -196,22 +193,11 @@ fn bad_scenes_are_refused_at_their_field() {
             "scene.probe.marker_depth: the markers lie below the layer: their depth must be at most `scene.model.thickness`",
         ),
         (
-            with("model = { kind = \"auto\", thickness = 1.5 }"),
-            "scene.probe.marker_depth: the markers lie below the layer",
-        ),
-        (
             text(
                 &cylinder(9.0, 0.0),
                 "model = { kind = \"bonded-layer\", thickness = 9 }",
             ),
             "scene.object: a layer is modelled only for circular contacts: the object must be round, or the model must be a half-space",
-        ),
-        (
-            text(
-                &ellipsoid([9.0, 8.0, 9.0]),
-                "model = { kind = \"auto\", thickness = 9 }",
-            ),
-            "scene.object: a layer is modelled only for circular contacts",
         ),
         (
             text(&cylinder(9.0, 0.0), "")
@@ -221,10 +207,6 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             with("model = { kind = \"bonded-layer\", thickness = 21 }"),
             "scene.model.thickness: must be at most the sensor's radius 20, is 21",
-        ),
-        (
-            with("model = { kind = \"auto\", thickness = 21 }"),
-            "scene.model.thickness: ",
         ),
         (
             with("estimator = { kind = \"bonded-layer\" }"),
@@ -241,10 +223,6 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             with("noise = { wrong_markers = { count = 78, std = 1.0 } }"),
             "scene.noise.wrong_markers.count: must be at most the number of markers 77, is 78",
-        ),
-        (
-            with("noise = { gain = { kind = \"gaussian\", std = 1e200 } }"),
-            "scene.noise.gain.std: std is 1e200; it must be from 0 to 1e150",
         ),
     ] {
         let said = refused(&text);

@@ -326,7 +326,6 @@ fn rolls_from_one_place_count_once_with_noisy_rotations_too() {
 #[test]
 fn rotations_err_as_they_state() {
     for (noise, std_deg) in [
-        ("encoder = { step_deg = 1 }", 1.0 / 12.0_f64.sqrt()),
         ("encoder = { step_deg = 5 }", 5.0 / 12.0_f64.sqrt()),
         ("rotation = { std_deg = 0.2 }", 0.2),
         (

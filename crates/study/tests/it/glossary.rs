@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use palpate_study::Quantity;
 use palpate_study::glossary::{SUBJECTS, meaning, similar};
 
 #[test]
@@ -43,12 +42,4 @@ fn words_in_any_writing() {
     assert!(similar("knots").contains(&"knots-exhausted"));
     assert!(similar("").len() <= 5);
     assert!(similar("zzzzzz").is_empty());
-}
-
-#[test]
-fn every_quantity_is_found_by_its_name() {
-    for quantity in Quantity::ALL {
-        assert_eq!(Quantity::named(quantity.name), Some(*quantity));
-    }
-    assert_eq!(Quantity::named("curvature"), None);
 }

@@ -90,13 +90,9 @@ fn invalid_observations_fail_their_trial() {
         ([f64::NAN, 0.0, 0.0], 0, "not-finite"),
         ([0.0, f64::INFINITY, 0.0], 0, "not-finite"),
         ([f64::MAX, -f64::MAX, 0.0], 0, "not-finite"),
-        ([f64::INFINITY, f64::INFINITY, 0.0], 0, "not-finite"),
         ([0.0, 0.0, f64::NAN], 0, "not-finite"),
-        ([0.0, 0.0, f64::INFINITY], 0, "not-finite"),
-        ([0.0, 0.0, f64::NEG_INFINITY], 0, "not-finite"),
         ([0.0, 0.0, -5e-324], 0, "negative-std"),
         ([1.0, 1.0, 0.0], 1, "unknown-quantity"),
-        ([1.0, 1.0, 0.0], usize::MAX, "unknown-quantity"),
     ] {
         let trial = Function {
             quantities: 1,

@@ -132,18 +132,6 @@ fn the_base_may_lack_what_a_sweep_sets() {
     assert_eq!(objects(&study)[1], ObjectConfig::Paraboloid { c: -0.01 });
 }
 
-#[test]
-fn headers_carry_the_unit_of_the_study() {
-    let sweep = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1]";
-    for unit in ["m", "mm", "um", "unit"] {
-        let text = edited("\"cm\"", &format!("{unit:?}")) + sweep;
-        assert_eq!(
-            parse("study.toml", &text).unwrap().columns,
-            [format!("scene.object.radius_{unit}")]
-        );
-    }
-}
-
 fn shown(path: &str, range: &str) -> Vec<String> {
     coordinates(&study(&format!("[[sweep]]\npath = \"{path}\"\n{range}"))).concat()
 }

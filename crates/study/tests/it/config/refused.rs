@@ -45,23 +45,16 @@ kind = "sphere", radius = 5.0 => kind = "cube" | 7:19 scene.object.kind | unknow
 length_unit => trials = 10.5\nlength_unit | 2:10 trials | expected an integer
 length_unit => crate_version = "99.0.0"\nlength_unit | 2:17 crate_version | of version 99.0.0
 length_unit => crate_version = "old"\nlength_unit | 2:17 crate_version | is not a version
-length_unit => crate_version = 3\nlength_unit | 2:17 crate_version | expected a string
 sensor = { kind = 1 } | 9:19 scene.sensor.kind | expected a string
 length_unit => columns = { shift = "U" }\nlength_unit | 2:21 columns.shift | no column of these readings
-5.0 => 0 | 7:38 scene.object.radius | must be > 0
-length_unit => trials = 0\nlength_unit | 2:10 trials | must be >= 1
 length_unit => seed = -1\nlength_unit | 2:8 seed | must be >= 0
 length_unit => claims = [1, 5000000000]\nlength_unit | 2:14 claims.1 | must be <= 4294967295
 sensor = { kind = "pads", pitch = 0.1, cap_deg = 180.5 } | 9:50 scene.sensor.cap_deg | must be <= 180
 noise = { angular_velocity = { kind = "uniform", fraction = -0.01 } } | 9:61 scene.noise.angular_velocity.fraction | must be >= 0
-5.0 => nan | 7:38 scene.object.radius | must be finite
 kind = "sphere", radius = 5.0 => kind = "ellipsoid", semi_axes = [1, 2, -3] | 7:51 scene.object.semi_axes.2 | must be > 0
-a-study => | 1:8 name | is not a name
 rate_rad_per_s = 0.1, duration_s = 1.0 => arc_length = 1, spin_rad_per_s = 1 | 8:10 scene.motion.rate_rad_per_s | `spin_rad_per_s`
 rate_rad_per_s = 0.1, duration_s = 1.0 => angle_deg = 1, sampling_hz = 100 | 8:10 scene.motion.rate_rad_per_s | `sampling_hz`
 estimator = { kind = "trajectory" } | 8:10 scene.motion.sampling_hz | needs rolls as time series
-duration_s = 1.0 => duration_s = 1.0, sampling_hz = 0 | 8:66 scene.motion.sampling_hz | must be > 0
-duration_s = 1.0 => duration_s = 1.0, sampling_hz = 9, sampling = 1 | 8:69 scene.motion.sampling | did you mean `sampling_hz`?
 estimator = { kind = "auto", start = "stated" } | 9:38 scene.estimator.start | unknown choice "stated" (known: unknown, known)
 "#;
 
@@ -84,8 +77,6 @@ const SWEEPS: &str = r#"
 [[sweep]]\npaths = ["scene.object.radius", "seed"]\nvalues = [1, 2] | 11:11 sweep.0.values.0 | expected an array
 [[sweep]]\npaths = ["seed"]\nfrom = 1\nto = 2\ncount = 2 | 9:1 sweep.0 | `paths` needs `values`
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1, 2,\n  -3] | 12:3 scene.object.radius | must be > 0
-[[sweep]]\npath = "scene.object.radius"\nvalues = [1, nan] | 11:14 scene.object.radius | must be finite
-[[sweep]]\npath = "scene.object.radius"\nvalues = [1, "two"] | 11:14 scene.object.radius | expected a number
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = -1\ncount = 3 | 13:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object"\nvalues = [{ label = 1, kind = "plane" }] | 11:21 sweep.0.values.0.label | not empty
 [[sweep]]\npath = "scene.object"\nvalues = [{ label = "a", kind = "plane" }, { label = "a", kind = "dish", radius = 9 }] | 11:44 sweep.0 | a occurs twice
@@ -94,9 +85,7 @@ const SWEEPS: &str = r#"
 [[sweep]]\npath = "scene.object.radius"\nfrom = 0\nto = 2\ncount = 3\nspacing = "log" | 11:8 sweep.0.from | must be > 0 where spacing
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 1 | 13:9 sweep.0.count | needs at least 2 values
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\ncount = 2 | 9:1 sweep.0.to | missing key
-[[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 0 | 13:9 sweep.0.count | must be >= 1
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 1\ncount = 2 | 12:6 sweep.0 | 1 occurs twice
-[[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = inf\ncount = 2 | 12:6 sweep.0.to | must be finite
 object => objct | 7:1 scene.objct | did you mean `object`?
 [[sweep]]\npath = "seed"\nfrom = 1\nto = 1001\ncount = 1001\n[[sweep]]\npath = "trials"\nfrom = 1\nto = 1000\ncount = 1000 | 14:1 sweep.1 | 1001000 cells
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 4294967295 | 9:1 sweep.0 | at most 1000000
@@ -163,7 +152,6 @@ from = 0.01 => from = 0.0 | 13:40 sweep.0.ranges.scene.motion.rate_rad_per_s | m
 from = 2, => | 12:32 sweep.0.ranges.scene.object.radius.from | missing key
 count = 256 => count = 256\npath = "seed" | 9:1 sweep.0 | both `ranges` and `path`
 object.radius" => object.radios" | 12:8 scene.object.radios | unknown key
-from = 2, => from = -2, | 11:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object.radius"\nvalues = [3] | 15:8 sweep.1 | is swept twice
 "#;
 
@@ -172,8 +160,6 @@ const RULES: &str = r#"
 name => trials = 7\nname | 2:10 trials | differs from `stop.max_trials`
 [[sweep]]\npath = "trials"\nvalues = [3] | 11:8 trials | `stop` decides
 0.01 => 0.0 | 1:36 stop.relative_standard_error | must be > 0
-0.01 => 1.5 | 1:36 stop.relative_standard_error | must be <= 1
-max_trials = 50000 => max_trials = 0 | 1:55 stop.max_trials | must be >= 1
 max_trials = 50000 => max_trials = 9, min_trials = 10 | 1:71 stop.min_trials | must be <= max_trials
 , max_trials = 50000 => | 1:8 stop.max_trials | missing key
 50000 => 9, statistic = "median" | 1:70 stop.statistic | unknown choice
