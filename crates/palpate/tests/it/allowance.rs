@@ -1,10 +1,12 @@
 //! Tests the options `--budget` and `--target-error` of `palpate run`. These options choose the number of trials. A run
 //! writes a config with this number, and later runs of the written config need no such option.
 
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY, assert_untouched, edited};
+use super::glide::GLIDE;
+use super::journal::start_run;
 
 /// A study of noisy rolls on saddles. No formula gives the path of the contact on a saddle, so the model must compute
 /// it numerically.
@@ -20,20 +22,6 @@ fn saddles() -> String {
         "[0.01, 0.02]",
     )
 }
-
-const GLIDE: &str = r#"name = "a-glide"
-seed = 3
-trials = 2
-
-[scene]
-kind = "glide"
-probe = { kind = "sphere", radius = 0.5 }
-object = { kind = "saddle", a = 0.1 }
-motion = { finger_positions = [-1.0, 0.0, 1.0], inter_finger_distance = 1.0, patch_length = 2.0, contacts_per_finger = 6 }
-noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 } }
-estimator = { kind = "quadric" }
-evaluate = { grid = 5, half_width = 0.8, gaussian_threshold = 0.005, mean_threshold = 0.03 }
-"#;
 
 const PRESS: &str = r#"name = "a-press"
 length_unit = "mm"
@@ -216,21 +204,7 @@ fn heavy_tails_cause_a_warning() {
     assert!(ended.stderr.contains("have heavy tails"), "{ended:?}");
 }
 
-fn start_endless_run(desk: &Desk, out: &str) -> Child {
-    let path = |name: &str| desk.path(name);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
-    command
-        .arg("run")
-        .arg(path("c.toml"))
-        .arg("--out")
-        .arg(path(out));
-    command.args(["--trials", "1000000000000", "--threads", "1"]);
-    command
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
-}
+const ENDLESS: &str = "run c.toml --out o --trials 1000000000000 --threads 1";
 
 fn kill_when_file_exists(desk: &Desk, mut run: Child, file: &str) {
     let start = Instant::now();
@@ -245,7 +219,7 @@ fn kill_when_file_exists(desk: &Desk, mut run: Child, file: &str) {
 fn an_interrupted_run_writes_its_config_but_no_tables() {
     let desk = Desk::with(STUDY);
     // The journal is written after the config, so the config exists when the run is killed.
-    kill_when_file_exists(&desk, start_endless_run(&desk, "o"), "o/journal.palpate");
+    kill_when_file_exists(&desk, start_run(&desk, ENDLESS), "o/journal.palpate");
     // The lock file still exists, but no process holds the lock.
     let names = [".palpate-lock", "journal.palpate", "run.toml"];
     assert_eq!(desk.names("o"), names);
@@ -259,7 +233,7 @@ fn an_interrupted_run_does_not_touch_older_results() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
     let before = RUN_FILES.map(|file| desk.read(&format!("o/{file}")));
-    kill_when_file_exists(&desk, start_endless_run(&desk, "o"), "o/next-run.toml");
+    kill_when_file_exists(&desk, start_run(&desk, ENDLESS), "o/next-run.toml");
     assert_eq!(
         RUN_FILES.map(|file| desk.read(&format!("o/{file}"))),
         before

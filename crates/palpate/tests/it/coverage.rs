@@ -85,10 +85,6 @@ evaluate = { half_width = 0.5, gaussian_threshold = 0.01, mean_threshold = 0.1 }
             r#""uniform", bound = 0.025980762113533159"#,
         ),
         (
-            r#""gaussian", std = 0.015"#,
-            r#""uniform", fraction_of_ifd = 0.017320508075688773"#,
-        ),
-        (
             r#"kind = "saddle", a = 0.1"#,
             r#"kind = "cylinder", radius = 5.0"#,
         ),

@@ -218,8 +218,15 @@ impl Ended {
 
     #[track_caller]
     pub(crate) fn prints(self, words: &str) {
+        self.prints_all(&[words]);
+    }
+
+    #[track_caller]
+    pub(crate) fn prints_all(self, parts: &[&str]) {
         let printed = self.printed();
-        assert!(printed.contains(words), "{words:?} is not in {printed}");
+        for words in parts {
+            assert!(printed.contains(words), "{words:?} is not in {printed}");
+        }
     }
 
     #[track_caller]

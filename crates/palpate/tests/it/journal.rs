@@ -18,7 +18,7 @@ fn slow_study(times: u32) -> String {
     )
 }
 
-fn start_run(desk: &Desk, arguments: &str) -> Child {
+pub(crate) fn start_run(desk: &Desk, arguments: &str) -> Child {
     Command::new(env!("CARGO_BIN_EXE_palpate"))
         .args(arguments.split_whitespace())
         .current_dir(desk.path("."))
@@ -137,8 +137,7 @@ fn damaged_records_of_a_journal_are_computed_again() {
 fn a_run_stopped_by_a_signal_resumes() {
     for (signal, status) in [("INT", 130), ("TERM", 143)] {
         let (desk, child, _) = interrupt_run(2_000, on_one_thread, |desk, child| {
-            let said = desk.palpate("status o").printed();
-            assert!(said.contains("state    running"), "{said}");
+            desk.palpate("status o").prints("state    running");
             desk.shell(&format!(
                 "kill -{signal} {id}; kill -CONT {id}",
                 id = child.id()
@@ -152,8 +151,7 @@ fn a_run_stopped_by_a_signal_resumes() {
             said.contains("are in o/journal.palpate; the same command resumes the run"),
             "{said}"
         );
-        let said = desk.palpate("status o").printed();
-        assert!(said.contains("state    stopped"), "{said}");
+        desk.palpate("status o").prints("state    stopped");
         desk.palpate("run c.toml --out whole").printed();
         let ended = desk.palpate("run c.toml --out o");
         assert!(
@@ -168,8 +166,8 @@ fn a_run_stopped_by_a_signal_resumes() {
 #[test]
 fn another_run_is_refused_and_the_journal_is_kept() {
     let (desk, ..) = interrupt_run(3_000, on_one_thread, |desk, child| {
-        let said = desk.palpate("run c.toml --out o --seed 8").said(1);
-        assert!(said.contains("o is locked by process"), "{said}");
+        desk.palpate("run c.toml --out o --seed 8")
+            .fails(1, "o is locked by process");
         child.kill().unwrap();
     });
     let trials = desk.read("c.toml");
@@ -200,11 +198,8 @@ fn another_run_is_refused_and_the_journal_is_kept() {
     assert_eq!(desk.names("o"), RUN_FILES);
     // A file `journal.palpate` that is not a journal is not changed.
     desk.write("o/journal.palpate", "mine");
-    let said = desk.palpate("run c.toml --out o --trials 7").said(2);
-    assert!(
-        said.contains("o/journal.palpate is not a journal of palpate"),
-        "{said}"
-    );
+    desk.palpate("run c.toml --out o --trials 7")
+        .fails(2, "o/journal.palpate is not a journal of palpate");
     assert_eq!(desk.read("o/journal.palpate"), "mine");
 }
 

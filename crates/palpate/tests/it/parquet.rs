@@ -324,8 +324,8 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
     let words = "study    a-study\nstate    done\ncells    2\ntrials   40, 0 failed\n";
     assert_eq!(said, words);
     for command in ["plot o", "report o --out page.html"] {
-        let said = desk.palpate(command).said(1);
-        assert!(said.contains("o has its tables as Parquet"), "{said}");
+        desk.palpate(command)
+            .fails(1, "o has its tables as Parquet");
     }
     // A run with another seed, or a run with CSV tables, is allowed to overwrite the tables of this run.
     desk.palpate("run c.toml --out o --format parquet --seed 8")
@@ -343,8 +343,8 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
     );
     assert_eq!(desk.read("o/cells.csv"), edited);
     desk.write("o/cells.parquet", "mine");
-    let said = desk.palpate("run c.toml --out o --format parquet").said(2);
-    assert!(said.contains("o/cells.parquet was changed since"), "{said}");
+    desk.palpate("run c.toml --out o --format parquet")
+        .fails(2, "o/cells.parquet was changed since");
     // If the manifest is missing, the config in the directory still shows that palpate wrote the tables, so they may be
     // overwritten.
     desk.palpate("run c.toml --out n --format parquet")

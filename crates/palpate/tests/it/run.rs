@@ -87,23 +87,19 @@ fn run_toml_runs_again_to_the_same_bytes() {
 }
 
 #[test]
-fn threads_shards_and_vectors_do_not_change_a_byte() {
+fn threads_and_vectors_do_not_change_a_byte() {
     // The 2,500 trials are divided into three blocks of up to 1,024 trials, so the last block is shorter.
     let config = edited(STUDY, "trials = 20", "trials = 2500");
     let desk = Desk::with(&config);
     for line in [
         "run c.toml --out one --threads 1",
         "run c.toml --out two --threads 2",
-        "run c.toml --shard 1/2 --out s/1",
-        "run c.toml --shard 2/2 --out s/2",
-        "merge s --out merged",
     ] {
         desk.palpate(line).printed();
     }
     for file in RUN_FILES {
         let one = desk.read(&format!("one/{file}"));
         assert_eq!(one, desk.read(&format!("two/{file}")));
-        assert_eq!(one, desk.read(&format!("merged/{file}")));
     }
     let study = palpate::parse("c.toml", &config).unwrap();
     let runner = Runner::new(&RunOptions::default()).unwrap();

@@ -195,8 +195,6 @@ fn unusable_frames_are_refused() {
             png_header(20_000, 20_000),
             "has too many pixels; at most 8192 px per side",
         ),
-        ("long.png", png(RgbImage::new(1, 8193)), "has 1 x 8193 px"),
-        ("dot.png", png(RgbImage::new(1, 1)), "has 1 x 1 px"),
         (
             "small.png",
             png(RgbImage::new(SIDE, SIDE - 1)),
@@ -212,6 +210,7 @@ fn unusable_frames_are_refused() {
         assert!(said.contains(name) && said.contains(word), "{name}: {said}");
         assert!(desk.names("o").is_empty(), "{name}");
     }
+    desk.write("dot.png", png(RgbImage::new(1, 1)));
     desk.palpate("sensor track dot.png dot.png --out o")
         .fails(1, "dot.png: the frame has 1 by 1 px");
     // A grey image contains no hues.

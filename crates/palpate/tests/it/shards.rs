@@ -176,8 +176,7 @@ fn damaged_shards_are_named_and_computed_again() {
     let sound = fs::read(&place).unwrap();
     for cut in [sound.len() - 1, sound.len() - 9, sound.len() * 2 / 3] {
         fs::write(&place, &sound[..cut]).unwrap();
-        let said = desk.palpate("merge s --out m").said(1);
-        assert!(said.contains("shard 2 of 2"), "{cut}: {said}");
+        desk.palpate("merge s --out m").fails(1, "shard 2 of 2");
         desk.palpate("run c.toml --shard 2/2 --out s/2");
         desk.palpate("merge s --out m").printed();
         assert_eq!(desk.read("m/cells.csv"), desk.read("whole/cells.csv"));
@@ -193,11 +192,8 @@ fn damaged_shards_are_named_and_computed_again() {
         "run c.toml --shard 2/2 --out s/2",
         "run c.toml --out s/2 --seed 3",
     ] {
-        let said = desk.palpate(line).said(1);
-        assert!(
-            said.contains("s/2/journal.palpate is damaged at its beginning"),
-            "{said}"
-        );
+        desk.palpate(line)
+            .fails(1, "s/2/journal.palpate is damaged at its beginning");
         assert!(fs::read(&place).unwrap() == headless);
     }
     desk.palpate("run c.toml --shard 2/2 --out s/2 --restart");
@@ -205,8 +201,7 @@ fn damaged_shards_are_named_and_computed_again() {
         let mut damaged = sound.clone();
         damaged[place_of_bit] ^= bit;
         fs::write(&place, &damaged).unwrap();
-        let said = desk.palpate("merge s --out m").said(1);
-        assert!(said.contains("shard 2 of 2"), "{place_of_bit}: {said}");
+        desk.palpate("merge s --out m").fails(1, "shard 2 of 2");
         let ended = desk.palpate("run c.toml --shard 2/2 --out s/2");
         assert_eq!(ended.status, Some(0), "{ended:?}");
         desk.palpate("merge s --out m").printed();
@@ -220,27 +215,21 @@ fn status_counts_shards() {
     let desk = Desk::with(&many());
     desk.palpate("status s").fails(2, "s is no directory");
     shards(&desk, 4);
-    let said = desk.palpate("status s").printed();
-    for words in [
+    desk.palpate("status s").prints_all(&[
         "study    a-study, 4 shards",
         "done     4: shards 1, 2, 3, 4",
         "cells    7 of 7",
         "trials   140, ",
-    ] {
-        assert!(said.contains(words), "{said}");
-    }
+    ]);
     fs::remove_dir_all(desk.path("s/2")).unwrap();
     let place = desk.path("s/4/journal.palpate");
     let sound = fs::read(&place).unwrap();
     fs::write(&place, &sound[..sound.len() - 1]).unwrap();
-    let said = desk.palpate("status s").printed();
-    for words in [
+    desk.palpate("status s").prints_all(&[
         "done     2: shards 1, 3",
         "failed   1: shards 4",
         "missing  1: shards 2",
-    ] {
-        assert!(said.contains(words), "{said}");
-    }
+    ]);
     // A shard that cannot be read and a shard that exists twice are listed after the numbers of cells and trials.
     fs::write(&place, &sound[..60]).unwrap();
     fs::create_dir(desk.path("s/again")).unwrap();
@@ -249,16 +238,13 @@ fn status_counts_shards() {
         desk.path("s/again/journal.palpate"),
     )
     .unwrap();
-    let said = desk.palpate("status s").printed();
-    for words in [
+    desk.palpate("status s").prints_all(&[
         "done     2: shards 1, 3",
         "missing  2: shards 2, 4",
         "s/4/journal.palpate is damaged at its beginning",
         "shard 3 of 4 is in s/3 and in s/again",
         "cells    4 of 7",
-    ] {
-        assert!(said.contains(words), "{said}");
-    }
+    ]);
     // If all shards except the damaged one are deleted, the command prints only the message about the damage.
     for number in ["1", "3", "again"] {
         fs::remove_dir_all(desk.path(&format!("s/{number}"))).unwrap();
@@ -284,10 +270,9 @@ fn status_counts_cells_and_trials() {
         "whole/failures.csv",
         "cell,kind,count,first_trial\n0,rank,many,0\n",
     );
-    let said = desk.palpate("status whole").said(1);
-    assert!(
-        said.contains("cannot read whole/failures.csv: `many` is not a number of trials"),
-        "{said}"
+    desk.palpate("status whole").fails(
+        1,
+        "cannot read whole/failures.csv: `many` is not a number of trials",
     );
 }
 
@@ -301,11 +286,8 @@ fn a_build_without_parquet_names_the_feature() {
         "merge s --format parquet",
         "submit slurm c.toml --shards 2 --format parquet --dry-run",
     ] {
-        let said = desk.palpate(line).said(2);
-        assert!(
-            said.contains("cargo install --path crates/palpate --features parquet"),
-            "{said}"
-        );
+        desk.palpate(line)
+            .fails(2, "cargo install --path crates/palpate --features parquet");
     }
     assert_eq!(desk.names(""), ["c.toml"]);
     desk.palpate("run c.toml --out o").printed();
@@ -342,8 +324,8 @@ fn a_dry_run_prints_slurm_scripts_and_writes_nothing() {
         assert_eq!(desk.shell("bash -n script").status, Some(0), "{script}");
     }
     let line = "PATH=/nowhere \"$palpate\" submit slurm c.toml --shards 4 --out o";
-    let said = desk.shell(line).said(1);
-    assert!(said.contains("there is no `sbatch` on the PATH"), "{said}");
+    desk.shell(line)
+        .fails(1, "there is no `sbatch` on the PATH");
 }
 
 #[test]
@@ -419,8 +401,8 @@ fn the_stop_rule_ends_each_cell_at_its_standard_error() {
         ),
         ("--budget 9s", "--budget sets the number"),
     ] {
-        let said = desk.palpate(&format!("run c.toml {arguments}")).said(2);
-        assert!(said.contains(words), "{said}");
+        desk.palpate(&format!("run c.toml {arguments}"))
+            .fails(2, words);
     }
     desk.write(
         "c.toml",
@@ -478,19 +460,16 @@ fn trials_out_has_one_row_per_trial_and_quantity() {
     assert!(ended.stdout.starts_with(&whole), "{ended:?}");
     desk.palpate("run c.toml --shard 1/2 --out n/1");
     desk.palpate("run c.toml --shard 2/2 --out n/2");
-    let said = desk.palpate("merge n --out q --trials-out v.csv").said(2);
-    assert!(said.contains("without --trials-out"), "{said}");
+    desk.palpate("merge n --out q --trials-out v.csv")
+        .fails(2, "without --trials-out");
     // The table of trials must not overwrite another file of the run.
     for line in [
         "run c.toml --out o --trials-out o/cells.csv",
         "run c.toml --out fresh --trials-out ./fresh/run.toml",
         "merge s --out m --trials-out m/failures.csv",
     ] {
-        let said = desk.palpate(line).said(2);
-        assert!(
-            said.contains("the run writes another file of that name"),
-            "{said}"
-        );
+        desk.palpate(line)
+            .fails(2, "the run writes another file of that name");
     }
     assert!(!desk.path("fresh").exists());
     // The user's files are not overwritten.

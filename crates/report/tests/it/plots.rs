@@ -141,10 +141,6 @@ fn unknown_names_are_refused_with_similar_ones() {
             &["no rows", "scene.object.radius = 7"],
         ),
         (with("compare = \"rms_error\""), &["compare", "1/cm", "%"]),
-        (
-            with("marks = [{ axis = \"y\", value = 0, label = \"\" }]"),
-            &["the mark at y = 0 is exactly 0"],
-        ),
         // If one plot is invalid, no plot is drawn, not even a valid plot before it.
         (
             with("[[plot]]\nx = \"truth\"\ny = \"nothing\""),
@@ -155,10 +151,6 @@ fn unknown_names_are_refused_with_similar_ones() {
         (
             with("name = \"../a\""),
             &["run.toml:", "plot.0.name", "../a"],
-        ),
-        (
-            "[[plot]]\nx = \"truth\"\n".to_owned(),
-            &["run.toml:", "plot.0.y: missing key"],
         ),
     ] {
         refused(&angular_velocity(&plots), parts);

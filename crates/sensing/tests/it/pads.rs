@@ -111,15 +111,6 @@ fn quantisation_error_is_that_of_two_ends() {
     }
 }
 
-#[test]
-fn a_refusal_says_what_is_allowed() {
-    let made = Pads::new(10.0, 11.0, PadLayout::Uniform, PadOffset::Centred, 1.0);
-    assert_eq!(
-        made.unwrap_err().to_string(),
-        "pitch is 11; it must be > 0 and at most the probe's radius, 10"
-    );
-}
-
 proptest! {
     #[test]
     fn a_reading_is_within_a_pad_of_the_contact(
