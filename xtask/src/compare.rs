@@ -201,15 +201,11 @@ pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
         "{} numbers differ, the most by {largest:.1e} of the larger; {others} texts or rows differ\n",
         relative.len()
     );
-    for difference in differences.iter().take(shown) {
-        let Difference {
-            file,
-            row,
-            column,
-            committed,
-            now,
-        } = difference;
-        text += &format!("{file}, {row}, {column}: {committed} committed, {now} now\n");
+    for one in differences.iter().take(shown) {
+        text += &format!(
+            "{}, {}, {}: {} committed, {} now\n",
+            one.file, one.row, one.column, one.committed, one.now
+        );
     }
     if differences.len() > shown {
         text += &format!("… and {} more\n", differences.len() - shown);

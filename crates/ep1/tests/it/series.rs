@@ -543,27 +543,21 @@ fn bad_series_are_named() {
         change(&mut rolls);
         estimate(&rolls)
     };
-    let name =
-        |change: &dyn Fn(&mut Vec<RollSeries>)| changed(change).map_err(|error| error.name()).err();
-    assert_eq!(
-        name(&|rolls| rolls[2].samples.swap(3, 4)),
-        Some("time-order")
-    );
-    assert_eq!(
-        name(&|rolls| rolls[2].samples[7].rotation.x = f64::NAN),
-        Some("not-finite")
-    );
-    assert_eq!(
-        name(&|rolls| rolls[2].samples[7].place.x = 40.0),
-        Some("off-probe")
-    );
-    assert_eq!(name(&Vec::clear), Some("too-few-rolls"));
+    type Change = fn(&mut Vec<RollSeries>);
+    let changes: [(&str, Change); 4] = [
+        ("time-order", |rolls| rolls[2].samples.swap(3, 4)),
+        ("not-finite", |rolls| {
+            rolls[2].samples[7].rotation.x = f64::NAN;
+        }),
+        ("off-probe", |rolls| rolls[2].samples[7].place.x = 40.0),
+        ("too-few-rolls", Vec::clear),
+    ];
+    for (name, change) in changes {
+        assert_eq!(changed(&change).unwrap_err().name(), name);
+    }
     // Two rolls along the same line do not determine the curvature across this line.
     let one_way = [good[0].clone(), good[4].clone()];
-    assert_eq!(
-        estimate(&one_way).map_err(|error| error.name()).err(),
-        Some("undetermined")
-    );
+    assert_eq!(estimate(&one_way).unwrap_err().name(), "undetermined");
     for (roll, why, change) in [
         (
             1,

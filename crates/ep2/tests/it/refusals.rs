@@ -168,25 +168,19 @@ fn settings_out_of_range_are_refused() {
         other => panic!("{other}"),
     };
     let penalised = Penalised::default();
-    for intervals in [0, 25] {
-        let intervals = Some(intervals);
-        assert_eq!(
-            refused(&Penalised {
-                intervals,
-                ..penalised
-            }),
-            "intervals"
-        );
+    for intervals in [0, 25].map(Some) {
+        let method = Penalised {
+            intervals,
+            ..penalised
+        };
+        assert_eq!(refused(&method), "intervals");
     }
     for gamma in [0.5, 101.0, f64::NAN] {
-        let criterion = Criterion::RobustGcv { gamma };
-        assert_eq!(
-            refused(&Penalised {
-                criterion,
-                ..penalised
-            }),
-            "gamma"
-        );
+        let method = Penalised {
+            criterion: Criterion::RobustGcv { gamma },
+            ..penalised
+        };
+        assert_eq!(refused(&method), "gamma");
     }
     let outcome = |std: f64, is_quadric: bool| {
         let noise = Noise {

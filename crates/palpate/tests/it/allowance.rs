@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY, assert_untouched, edited};
 use super::glide::GLIDE;
 use super::journal::start_run;
+use super::like::PRESS;
 
 /// A study of noisy rolls on saddles. No formula gives the path of the contact on a saddle, so the model must compute
 /// it numerically.
@@ -22,20 +23,6 @@ fn saddles() -> String {
         "[0.01, 0.02]",
     )
 }
-
-const PRESS: &str = r#"name = "a-press"
-length_unit = "mm"
-trials = 2
-
-[scene]
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = "published" }
-object = { kind = "sphere", radius = 80.0 }
-motion = { indentation = 1.0 }
-model = { kind = "auto", thickness = 15.0 }
-noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 } }
-estimator = { kind = "bonded-layer", thickness = 15.0, indentation = "known", indentation_std = 0.02 }
-"#;
 
 #[track_caller]
 fn setting(toml: &str, key: &str) -> f64 {
@@ -67,17 +54,21 @@ fn a_target_run_has_the_same_bytes_on_any_threads_and_in_a_rerun() {
         (STUDY, "0.05"),
         (&saddles(), "0.05"),
         (GLIDE, "0.1"),
-        (PRESS, "0.1"),
+        (
+            &edited(
+                PRESS,
+                "model = { kind = \"bonded-layer\"",
+                "model = { kind = \"auto\"",
+            ),
+            "0.1",
+        ),
     ] {
         let desk = Desk::with(config);
-        desk.palpate(&format!(
-            "run c.toml --out one --threads 1 --target-error {target}"
-        ))
-        .printed();
-        desk.palpate(&format!(
-            "run c.toml --out two --threads 3 --target-error {target}"
-        ))
-        .printed();
+        for (out, threads) in [("one", 1), ("two", 3)] {
+            let line =
+                format!("run c.toml --out {out} --threads {threads} --target-error {target}");
+            desk.palpate(&line).printed();
+        }
         desk.palpate("run one/run.toml --out again").printed();
         assert!(setting(&desk.read("one/run.toml"), "trials") > 20.0);
         for file in RUN_FILES {

@@ -107,7 +107,6 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
 /// earlier one.
 const QUESTIONS: &str = "
 --set scene.object.radius=5 | no field of `scene.object` is swept
---quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"
 --confidence 1 | confidence is 1; it must be above 0 and below 1
 --vary scene.object.radius=1..2 | list the values of scene.object.radius
 --vary scene.object.radius=1,1 | occurs twice on this axis

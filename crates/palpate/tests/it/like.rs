@@ -27,7 +27,7 @@ estimator = { kind = "penalised", criterion = "reml", intervals = 4, position_st
 evaluate = { half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
 "#;
 
-const PRESS: &str = r#"name = "presses"
+pub(crate) const PRESS: &str = r#"name = "presses"
 length_unit = "mm"
 [scene]
 kind = "press"

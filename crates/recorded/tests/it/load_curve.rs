@@ -171,10 +171,6 @@ fn bad_curves_and_settings_have_errors() {
             "curve.csv: has 2 different indentations above 0; at least 3",
         ),
         (table(|_| 0.0), "curve.csv: the force does not increase"),
-        (
-            table(|depth| -hertz(depth)),
-            "curve.csv: the force does not increase",
-        ),
     ];
     for (table, message) in tables {
         let error = estimate(&table, &OPTIONS).unwrap_err();

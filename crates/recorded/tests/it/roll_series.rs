@@ -141,11 +141,6 @@ fn unusable_series_are_refused() {
         ),
         (
             sound.clone(),
-            &json!({ "kind": "pad-edge", "pitch": 1.3 }),
-            "there is no pad at (1, 0) mm",
-        ),
-        (
-            sound.clone(),
             &json!({ "kind": "pad-edge", "pad_layout": "hexagonal" }),
             "only with setting `pitch`",
         ),

@@ -242,7 +242,6 @@ fn wrist(factor: f64) -> Study {
 fn claim_21_holds_within_its_factor_and_finds_the_pads_it_acts_like() {
     holds(&wrist(1.2), &["1.3 ×"]);
     differs(&wrist(3.0), &["3.24 ×", "pads of 1.62 mm"]);
-    differs(&wrist(9.0), &["9.72 ×"]);
 }
 
 // ---- All claims

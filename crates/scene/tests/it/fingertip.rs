@@ -134,10 +134,6 @@ fn patterns_that_cannot_be_are_refused_at_the_field() {
             "scene.probe.layout.gores",
         ),
         (
-            plain.replace("gores = 4", "gores = 2"),
-            "scene.probe.layout.gores",
-        ),
-        (
             text(
                 &format!("layout = {{ kind = \"lattice\", pitch = 4.0, cap_deg = 60 }}, {DISCS}"),
                 "",

@@ -159,13 +159,6 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             probe(
                 "marker_depth = 2.0 }",
-                "marker_depth = 2.0, layout = { kind = \"line\", markers = 5, length = 126 } }",
-            ),
-            "scene.probe.layout.length: the markers would reach 180.4817 degrees from the apex; it must be less than 180",
-        ),
-        (
-            probe(
-                "marker_depth = 2.0 }",
                 "marker_depth = 2.0, layout = { kind = \"lattice\", pitch = 0.01, cap_deg = 60 } }",
             ),
             "scene.probe.layout: there would be 12566370 markers; at most 100000 are possible",

@@ -216,15 +216,14 @@ fn settings_out_of_range_have_named_errors() {
         assert_eq!(name(PRESS.estimate(&PRESS.pressed(), known)), expected);
     }
     let at_rest = |fit: ImageFit| name(fit.at_rest(&PRESS.at_rest()));
+    let with_stds = |common_stds| {
+        at_rest(ImageFit {
+            common_stds,
+            ..PRESS.fit()
+        })
+    };
     for bad in [f64::NAN, -1.0, 1e-101, 1e101] {
-        let common_stds = vec![bad; 5];
-        assert_eq!(
-            at_rest(ImageFit {
-                common_stds,
-                ..PRESS.fit()
-            }),
-            "bad-setting"
-        );
+        assert_eq!(with_stds(vec![bad; 5]), "bad-setting");
         for change in [
             |fit: &mut ImageFit, bad| fit.shift_std = bad,
             |fit: &mut ImageFit, bad| fit.misalignment_std = bad,
@@ -234,14 +233,7 @@ fn settings_out_of_range_have_named_errors() {
             assert_eq!(at_rest(fit), "bad-setting");
         }
     }
-    let common_stds = vec![0.01; 4];
-    assert_eq!(
-        at_rest(ImageFit {
-            common_stds,
-            ..PRESS.fit()
-        }),
-        "out-of-range"
-    );
+    assert_eq!(with_stds(vec![0.01; 4]), "out-of-range");
 }
 
 /// With 81 markers, the prior pulls the estimated camera parameters towards their nominal values by only about 1e-5 of
