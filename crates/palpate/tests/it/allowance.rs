@@ -53,7 +53,7 @@ fn a_target_run_has_the_same_bytes_on_any_threads_and_in_a_rerun() {
     for (config, target) in [
         (STUDY, "0.05"),
         (&saddles(), "0.05"),
-        (GLIDE, "0.1"),
+        (&edited(GLIDE, "distance = 10.0", "distance = 15.0"), "0.1"),
         (
             &edited(
                 PRESS,
