@@ -12,9 +12,8 @@ use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
 use crate::{Contact, EllipticContact, Place, PressError, Skin};
 
-/// Largest length scale for the start values of a fit, as a multiple of the extent of the area of the markers.
+/// Largest length scale of an elliptic fit, as a multiple of the extent of the area of the markers.
 const MAX_SCALE: f64 = 10.0;
-
 /// Markers at points under the skin.
 #[derive(Clone, Debug)]
 pub struct Markers {
@@ -106,17 +105,26 @@ impl Markers {
         &self.places
     }
 
-    /// Length by which a fit scales its start values. It is the smaller of two lengths: the skin's radius, and a
-    /// multiple of the largest distance between the first marker and another marker.
+    /// Length by which an elliptic fit scales its unknowns: the smaller of the skin's radius and a multiple of the
+    /// [extent](Self::extent).
     pub(crate) fn scale(&self) -> f64 {
+        self.skin.place_radius() * (MAX_SCALE * self.extent_rad()).min(1.0)
+    }
+
+    /// Size of the area of the markers: the smaller of the skin's radius and twice the largest distance between the
+    /// first marker and another marker.
+    pub(crate) fn extent(&self) -> f64 {
+        self.skin.place_radius() * (2.0 * self.extent_rad()).min(1.0)
+    }
+
+    /// The largest distance between the first marker and another marker, in radii of the skin. Infinite if all markers
+    /// are at one place.
+    fn extent_rad(&self) -> f64 {
         let directions = || self.places.iter().map(|place| place.direction.as_ref());
         let first = directions().next();
         let chords = first.map(|first| directions().map(move |other| (other - first).norm()));
         let extent = chords.into_iter().flatten().fold(0.0, f64::max);
-        match extent > 0.0 {
-            true => self.skin.place_radius() * (MAX_SCALE * extent).min(1.0),
-            false => self.skin.place_radius(),
-        }
+        if extent > 0.0 { extent } else { f64::INFINITY }
     }
 
     /// Distance along the skin from a point to each marker. `from` contains the coordinates of the point.

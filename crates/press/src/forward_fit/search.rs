@@ -397,7 +397,7 @@ impl<'a> Search<'a> {
             problem.tolerance = ROBUST;
         }
         let mut fits: Vec<(f64, State)> = Vec::new();
-        let middling = 0.1 * self.problem.reading.markers.scale();
+        let middling = 0.1 * self.problem.reading.markers.extent();
         let unsolved = self.problem.fit.body.unit_contact(middling).err();
         let mut failure = unsolved.unwrap_or_else(|| self.problem.without_contact(0.0));
         let few = match self.find_normal {

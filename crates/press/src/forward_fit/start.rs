@@ -15,12 +15,12 @@ use crate::{Displacement, Place};
 /// also tried at the mean positions of the first two, three and four of these markers.
 const MARKERS: usize = 4;
 /// Distances at which contacts outside the area of the markers are tried, in units of the length scale
-/// `Markers::scale`, which is at most the sensor's radius.
+/// `Markers::extent`, which is at most the sensor's radius.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 /// Limit for a contact outside the area of the markers: it is a start value only if its chi-squared is less than this
 /// value above the smallest chi-squared of the contacts among the markers.
 const MAX_EXCESS: f64 = 50.0;
-/// Contact radii that are tried, in units of the length scale `Markers::scale`, which is at most the sensor's radius.
+/// Contact radii that are tried, in units of the length scale `Markers::extent`, which is at most the sensor's radius.
 /// The first entry is a medium radius, which is tried at all places.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of places at which all radii are tried: the most likely places for a contact of medium radius.
@@ -46,7 +46,7 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
 
 /// Tables of displacements, one for each of several contact radii. A table contains the displacements at nodes, which
 /// are fixed distances from the contact. The nodes extend to half the circumference of a sphere with the radius
-/// `Markers::scale`.
+/// `Markers::extent`.
 pub(super) struct Shapes {
     furthest: f64,
     /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` if the
@@ -59,7 +59,7 @@ impl Shapes {
     const INTERVALS: f64 = 64.0;
 
     pub(super) fn new(problem: &Problem<'_>, radii: &[f64]) -> Self {
-        let scale = problem.reading.markers.scale();
+        let scale = problem.reading.markers.extent();
         let furthest = PI * scale;
         let shape = |share: &f64| {
             let unit = problem.fit.body.unit_contact(share * scale).ok()?;
@@ -225,7 +225,7 @@ fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         return Vec::new();
     };
     let at = |beyond: &f64| {
-        let [along, across] = (outward * (rim + beyond * markers.scale())).into();
+        let [along, across] = (outward * (rim + beyond * markers.extent())).into();
         markers.skin().beyond(&middle, along, across)
     };
     BEYOND.iter().map(at).collect()

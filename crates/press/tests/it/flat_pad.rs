@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use palpate_press::{Body, ForwardFit, Markers, PressError, PressEstimate, Skin};
 
-use crate::sensor::{Readings, exactly};
+use crate::sensor::{Readings, exactly, fit_of};
 
 fn grid(radius: f64) -> Markers {
     let places: Vec<[f64; 2]> = (0..13 * 11)
@@ -58,6 +58,25 @@ fn a_flat_pad_is_the_limit_of_large_radii() {
             assert!(flat.object_curvature().interval.high.is_some());
         }
     }
+}
+
+/// With coarse markers and an unknown indentation, a small and a large ball explain the readings equally well.
+#[test]
+fn intervals_of_coarse_markers_hold_the_curvature() {
+    let place =
+        |marker: i32| [f64::from(marker % 6), f64::from(marker / 6)].map(|at| 3.0 * at - 7.5);
+    let places: Vec<[f64; 2]> = (0..36).map(place).collect();
+    let markers = Markers::new(Skin::new(f64::INFINITY).unwrap(), &places).unwrap();
+    let body = Body::half_space(0.0, 0.5).unwrap();
+    let contact = markers.skin().contact(&body, 0.25, 1.0).unwrap();
+    let exact = Readings::of(&markers, &contact, [0.2, 0.3]);
+    let held = (0..20).filter(|trial| {
+        let noisy = exact.noisy(0.02, *trial);
+        let found = fit_of(&body, 0.02).estimate(&noisy.reading(&markers, None));
+        let interval = found.unwrap().relative_curvature.interval;
+        interval.low.unwrap_or(0.0) < 0.25 && interval.high.is_none_or(|high| high > 0.25)
+    });
+    assert!(held.count() >= 17);
 }
 
 #[test]
