@@ -205,7 +205,7 @@ fn is_label(label: &str, words: &[&str]) -> bool {
 
 /// Whether a column whose name consists of `words` may contain a position. Units, axes and indices among the words do
 /// not matter.
-fn may_be_position(words: &[&str]) -> bool {
+pub(super) fn may_be_position(words: &[&str]) -> bool {
     // The name of a position may contain the letter p, and the name of a contact the letter c. Any other single letter
     // denotes another quantity.
     let is_letter =

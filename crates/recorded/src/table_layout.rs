@@ -3,7 +3,7 @@
 
 use palpate_study::readings::{Column, MATRIX, Measure, quaternion_part, spelt};
 
-use super::heading::{Heading, bracketed, is_similar};
+use super::heading::{Heading, bracketed, is_similar, may_be_position};
 use super::table_format::pair;
 
 /// A finger or probe of a wide table: its name, and the indices of its columns.
@@ -158,11 +158,29 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
 /// Words that may accompany the number of a finger or probe in a column name.
 const FINGER_WORDS: &str = "finger link fingertip f tip digit probe roll trial contact position pos p point sensor field pose translation transform hand arm robot gripper";
 /// Words that name a finger in a column name.
-const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right";
+const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right center centre mid first second third fourth fifth top bottom upper lower front back";
+/// Words that name a finger only if the column name has no other name or number of a finger. In `left_center_x`, such a
+/// word denotes another point of the finger `left`.
+const CENTERS: &str = "center centre mid";
+/// Letters that name the fingers of a table if the table has exactly these fingers. Alone, such a letter denotes a
+/// quantity, such as the moment `m_x`.
+const LETTERS: [&str; 6] = ["a b c d e", "a b c d", "a b c", "l m r", "l c r", "l r"];
 
 /// Recognises a wide table: its header has the same columns for several fingers. `None` for other tables, and if the
 /// first of `columns` is not the column with the label of the finger. Lengths without a unit get the unit `length`.
+///
+/// The result is also `None` if another group of columns may be a finger, because a wide table must be read whole.
 pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Option<Wide> {
+    let of_letters = |names: &&str| {
+        let table = wide_of(header, columns, length, names)?;
+        (table.groups.len() == names.split(' ').count()).then_some(table)
+    };
+    let by_letters = || LETTERS.iter().find_map(of_letters);
+    wide_of(header, columns, length, FINGERS).or_else(by_letters)
+}
+
+/// A wide table whose fingers have numbers or the names `names`.
+fn wide_of(header: &[String], columns: &[Column], length: &str, names: &str) -> Option<Wide> {
     let (label, columns) = columns.split_first()?;
     if label.measure != Measure::Plain {
         return None;
@@ -173,10 +191,13 @@ pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Optio
         .collect();
     let mut groups: Vec<(String, Vec<Option<usize>>)> = Vec::new();
     let mut units: Vec<Option<String>> = vec![None; columns.len()];
-    let mut shared = Vec::new();
+    let (mut shared, mut others) = (Vec::new(), Vec::new());
     for (index, name) in header.iter().enumerate() {
         let base = spelt(bracketed(name).0);
-        let Some((column, unit, group)) = of_finger(name, &columns) else {
+        let found = of_finger(name, &columns, names);
+        let Some((column, unit, group, _)) = found.clone().filter(|(.., is_finger)| *is_finger)
+        else {
+            others.extend(found.map(|(_, _, group, _)| group));
             let mut all = columns.iter().copied().chain([label]);
             if all.any(|column| column.is_named(&base).is_some()) {
                 return None;
@@ -199,6 +220,10 @@ pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Optio
     let used: Vec<usize> = (0..columns.len())
         .filter(|&column| units[column].is_some())
         .collect();
+    let is_whole = |group| others.iter().filter(|other| *other == group).count() >= used.len();
+    if others.iter().any(is_whole) {
+        return None;
+    }
     let places = |(name, places): (String, Vec<Option<usize>>)| {
         let places: Option<Vec<usize>> = used.iter().map(|&column| places[column]).collect();
         places.map(|places| Group { name, places })
@@ -227,8 +252,13 @@ pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Optio
 }
 
 /// Splits a column name of a wide table, such as `finger1_x_mm`, `x_1 [mm]` or `thumb.nx`. Returns the index of the
-/// column in `columns`, the unit and the name of the finger; `None` if the name has no such form.
-fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)> {
+/// column in `columns`, the unit, the name of the finger, and whether this name consists of the words `fingers` and
+/// numbers. Otherwise, the column may belong to another finger. `None` if the name has no such form.
+fn of_finger(
+    name: &str,
+    columns: &[&Column],
+    fingers: &str,
+) -> Option<(usize, String, String, bool)> {
     let (base, bracket) = bracketed(name);
     let mut words = words(&spelt(base));
     // If the last word of the name is the number of an axis, as in `thumb.0` or `finger1.position.2`, replace it by x,
@@ -268,7 +298,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         bracket,
         [at, words.len().saturating_sub(1)]
             .iter()
-            .find(|place| is_unit(place)),
+            .find(|place| **place >= at && is_unit(place)),
     ) {
         (Some(unit), _) => unit.to_owned(),
         (None, Some(&place)) => words.remove(place),
@@ -276,7 +306,8 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     };
     let is_number = |word: &&String| word.parse::<u32>().is_ok();
     let numbers = words.iter().filter(is_number).count();
-    let names = words.iter().filter(|word| is_name(word)).count();
+    let names = words.iter().filter(|word| is_one_of(fingers, word));
+    let names = names.count();
     // The name of an array may be a plural, such as `positions`.
     let is_other = |word: &&String| {
         let one = word.strip_suffix('s').unwrap_or(word);
@@ -287,18 +318,23 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     let others = words.iter().filter(is_other).count();
     // A finger may have several names and a number, such as `left_index_tip_1`.
     let identifiers = numbers + names;
-    let is_finger = numbers <= 1 && identifiers > 0 && others + identifiers == words.len();
+    let is_center = words.iter().any(|word| is_one_of(CENTERS, word));
+    let is_named = identifiers > 0 && (identifiers == 1 || !is_center);
+    let is_finger = numbers <= 1 && is_named && others + identifiers == words.len();
+    let other: Vec<&str> = words
+        .iter()
+        .filter(|word| !is_other(word))
+        .map(String::as_str)
+        .collect();
+    let may_be_finger =
+        identifiers == 0 && !other.is_empty() && (fingers != FINGERS || may_be_position(&other));
     words.retain(|word| !is_one_of("position pos point contact field", word));
-    is_finger.then(|| (column, unit, words.join("_")))
-}
-
-fn is_name(word: &str) -> bool {
-    is_one_of(FINGERS, word)
+    (is_finger || may_be_finger).then(|| (column, unit, words.join("_"), is_finger))
 }
 
 /// Whether a word is the name or the number of a finger.
 fn is_identifier(word: &str) -> bool {
-    is_name(word) || word.parse::<u32>().is_ok()
+    is_one_of(FINGERS, word) || word.parse::<u32>().is_ok()
 }
 
 fn is_one_of(words: &str, word: &str) -> bool {

@@ -331,6 +331,15 @@ fn wide_tables_hold_several_fingers() {
         repeated("left_index_tip_F_C", numbers, &full),
         repeated("/hand/F/tip/C", ["thumb", "index", "middle"], &letters),
         repeated("C", numbers, &contact),
+        repeated("F_C", ["left", "center", "right"], &full),
+        repeated(
+            "F_C",
+            ["contact_left", "contact_mid", "contact_right"],
+            &full,
+        ),
+        repeated("f_F_C", ["thumb", "first", "middle"], &full),
+        repeated("F_C", ["a", "b", "c"], &full),
+        repeated("F C", ["L", "M", "R"], &letters),
     ] {
         let found =
             glide(wide(&header, &ALL[1..]), "").unwrap_or_else(|error| panic!("{error}: {header}"));
@@ -372,6 +381,10 @@ fn wide_tables_hold_several_fingers() {
     // These columns are a commanded and a measured position of one finger, which must not be read as two fingers.
     for (fingers, said) in [
         (["set", "real", "x"], "no columns `x`"),
+        (
+            ["left", "right", "side"],
+            "setting reads only one of them (names such as `finger1_x` read all of them); write",
+        ),
         (
             ["old", "new", "mid"],
             "setting reads only one of them (names such as `finger1_x` read all of them); write",
