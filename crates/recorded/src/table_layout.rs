@@ -224,6 +224,13 @@ fn wide_of(header: &[String], columns: &[Column], length: &str, names: &str) -> 
     if others.iter().any(is_whole) {
         return None;
     }
+    // In `x,x_2,x_3` or in `x,x.1,x.2` of pandas, the name of the first finger has no number.
+    if let Some(first) = groups.iter().position(|(name, _)| name.is_empty()) {
+        let others = groups.iter().filter(|(name, _)| !name.is_empty());
+        let numbers: Option<Vec<u32>> = others.map(|(name, _)| name.parse().ok()).collect();
+        let number = numbers?.into_iter().min()?.checked_sub(1)?;
+        groups[first].0 = number.to_string();
+    }
     let places = |(name, places): (String, Vec<Option<usize>>)| {
         let places: Option<Vec<usize>> = used.iter().map(|&column| places[column]).collect();
         places.map(|places| Group { name, places })
@@ -320,7 +327,8 @@ fn of_finger(
     let identifiers = numbers + names;
     let is_center = words.iter().any(|word| is_one_of(CENTERS, word));
     let is_named = identifiers > 0 && (identifiers == 1 || !is_center);
-    let is_finger = numbers <= 1 && is_named && others + identifiers == words.len();
+    let is_finger =
+        (words.is_empty() || is_named) && numbers <= 1 && others + identifiers == words.len();
     let other: Vec<&str> = words
         .iter()
         .filter(|word| !is_other(word))

@@ -340,6 +340,9 @@ fn wide_tables_hold_several_fingers() {
         repeated("f_F_C", ["thumb", "first", "middle"], &full),
         repeated("F_C", ["a", "b", "c"], &full),
         repeated("F C", ["L", "M", "R"], &letters),
+        repeated("CF", ["", "_2", "_3"], &letters),
+        repeated("CF", ["", "2", "3"], &letters),
+        repeated("CF", ["", ".1", ".2"], &full),
     ] {
         let found =
             glide(wide(&header, &ALL[1..]), "").unwrap_or_else(|error| panic!("{error}: {header}"));
