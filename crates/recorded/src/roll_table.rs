@@ -368,11 +368,14 @@ impl Roll<'_> {
             // conversion would cause rounding errors.
             [x, y, _, _] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
             [x, y, z, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, *z),
-            // A quaternion would shorten rotations by more than half a turn.
+            // A quaternion would shorten rotations by more than half a turn. A shift against the rolling direction shows
+            // that the file states a shorter rotation about the opposite axis, which the quaternion contains.
             [x, y, z, angle, _, _] if kind == Kind::Rows && form == RotationForm::AxisAngle => {
-                rotation(self.end)?;
+                let shortest = rotation(self.end)?.scaled_axis();
                 let axis = Vector3::new(*x, *y, *z);
-                axis * (angle / axis.norm().max(0.5))
+                let whole = axis * (angle / axis.norm().max(0.5));
+                let along = whole.x * end[1] - whole.y * end[0];
+                if along < 0.0 { shortest } else { whole }
             }
             _ if kind == Kind::Rows => rotation(self.end)?.scaled_axis(),
             _ => between(&rotation(self.start)?, &rotation(self.end)?, frame),

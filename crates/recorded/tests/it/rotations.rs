@@ -242,7 +242,9 @@ fn rotations_by_more_than_half_a_turn_are_not_shortened() {
     let header = "probe,time_s,rotation_x_rad,rotation_y_rad,contact_u_mm,contact_v_mm";
     let of_u = "0,0,0,0,0,0\n0,1,0,-1.75,14,0\n0,2,0,-3.5,28,0";
     let of_v = "1,0,0,0,0,0\n1,1,1.75,0,0,14\n1,2,3.5,0,0,28";
-    for text in [rows, &format!("{header}\n{of_u}\n{of_v}\n")] {
+    // The same kind of roll by 0.7 rad, stated as a longer rotation about the opposite axis.
+    let opposite = "probe,axis_x,axis_y,axis_z,angle_rad,shift_u_mm,shift_v_mm\n0,0,1,0,5.583185307179586,5.6,0\n1,-1,0,0,5.583185307179586,0,5.6\n";
+    for text in [rows, opposite, &format!("{header}\n{of_u}\n{of_v}\n")] {
         assert!((mean(&roll(text, "", None).unwrap()) - 0.025).abs() < 1e-12);
     }
 }
