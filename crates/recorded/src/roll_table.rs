@@ -59,10 +59,12 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     if kind == Kind::Rows
         && form != RotationForm::Vector
         && !names_probes
+        && !header.is_assigned(&ROLLS[3..])
         && let Some(time) = header.time()
     {
+        let names = header.pairs(&ROLLS[3..], &ROLLS[3..]);
         return fail(as_series(format!(
-            "column `{time}`: the rows may be a time series"
+            "column `{time}`: the rows may be a time series; if each row is a roll, write setting `columns` '{names}'"
         )));
     }
     let (time, contacts) = match kind {

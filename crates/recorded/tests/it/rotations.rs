@@ -370,6 +370,9 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let series = table(header, Some(UnitQuaternion::identity()), quaternion);
     let error = roll(&series, "", None).unwrap_err();
     assert!((mean(&followed(&series)) - 0.025).abs() < 1e-9, "{error}");
+    // Each row of this file is a roll, although it has a column of times.
+    let timed = table("time,qx,qy,qz,qw,shift_u_mm,shift_v_mm", None, quaternion);
+    assert!((mean(&followed(&timed)) - 0.025).abs() < 1e-9);
     // In this file, the times increase from roll to roll, so only the column that counts the rolls can separate them.
     // The user must assign this column to `probe`.
     let start = Some(UnitQuaternion::identity());
