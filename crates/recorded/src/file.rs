@@ -11,6 +11,20 @@ use super::table_format::Form;
 /// Largest size of a recorded file, MiB.
 const MAX_MIB: u64 = 256;
 
+/// First bytes of files that are not text, with the name of the format.
+const FORMATS: [(&[u8], &str); 7] = [
+    (b"\x1f\x8b", "is compressed by gzip; decompress it"),
+    (b"PAR1", "is a Parquet file; save its table as CSV"),
+    (b"\x89HDF", "is an HDF5 file; save its table as CSV"),
+    (b"\x80", "is a pickle of Python; save its table as CSV"),
+    (b"MATLAB 5", "is a MATLAB file; save its table as CSV"),
+    (
+        b"\xd0\xcf\x11\xe0",
+        "is an Excel file; save its table as CSV",
+    ),
+    (b"#ROSBAG", "is a ROS bag; save one topic as CSV"),
+];
+
 /// A recorded file: its name for messages, its bytes, and the settings that describe the form of its table (such as the
 /// delimiter).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,6 +90,13 @@ impl RecordedFile {
     /// contents `needed`.
     pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
         let bytes = self.bytes.as_slice();
+        let mut formats = FORMATS.iter();
+        if let Some((_, message)) = formats.find(|(magic, _)| bytes.starts_with(magic)) {
+            return Err(self.error(*message));
+        }
+        if bytes.contains(&0) {
+            return Err(self.error("has bytes 0, as text in UTF-16 has; save it as UTF-8"));
+        }
         let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;
         if text.trim().is_empty() {
             return Err(self.error(format!("is empty; {needed}")));

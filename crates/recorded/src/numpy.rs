@@ -143,6 +143,9 @@ impl<'a> NumpyTable<'a> {
     fn archive(bytes: &'a [u8]) -> Result<(Self, Vec<String>), String> {
         let (mut arrays, mut radii) = (Vec::new(), Vec::new());
         for (name, member) in members(bytes)? {
+            if name.starts_with("xl/") {
+                return Err("is an Excel file; save its table as CSV".to_owned());
+            }
             let Some(name) = name.strip_suffix(".npy") else {
                 continue;
             };
