@@ -37,7 +37,8 @@ impl<'a> DelimitedText<'a> {
         }
         if delimiter != Delimiter::Comma || stated.is_some() || first.contains(',') {
             let fields = split(text, first, delimiter);
-            if has_numbers(&fields) {
+            let next = text.rows_after(header_line).next();
+            if has_numbers(&fields, next.map(|(row, _)| split(text, row, delimiter))) {
                 let heading = 0;
                 let table = Self {
                     text,
@@ -101,11 +102,17 @@ impl<'a> DelimitedText<'a> {
 }
 
 /// Whether the first line of a table contains numbers instead of names. The whole numbers 0, 1, 2, … count as names,
-/// because pandas uses them as column names if an array has none.
-fn has_numbers(fields: &StringRecord) -> bool {
-    let mut numbers = fields.iter().map(|field| tidy(field).parse::<f64>());
+/// because pandas uses them as column names if an array has none. Some columns may contain text, if a number has a
+/// decimal point and the row `next` has numbers in the same columns.
+fn has_numbers(fields: &StringRecord, next: Option<StringRecord>) -> bool {
+    let is_number = |field: &str| tidy(field).parse::<f64>().is_ok();
+    let is_same = |next: StringRecord| next.iter().map(is_number).eq(fields.iter().map(is_number));
+    let has_point = fields
+        .iter()
+        .any(|field| field.contains('.') && is_number(field));
+    let is_data = fields.iter().all(is_number) || (has_point && next.is_some_and(is_same));
     let counts = |(field, column): (&str, usize)| tidy(field).parse() == Ok(column);
-    !fields.iter().zip(0..).all(counts) && numbers.all(|number| number.is_ok())
+    is_data && !fields.iter().zip(0..).all(counts)
 }
 
 /// Names of the columns in a header line. In files that NumPy wrote, commas may separate the names although spaces

@@ -24,15 +24,25 @@ pub(super) struct Wide {
 
 /// Names for the `count` columns of a table without a header. If the first list of `orders` has `count` columns, it
 /// contains the names. Otherwise, the error message proposes another list of `orders` with `count` columns, if there is
-/// one.
-pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<String>, String> {
+/// one, and if its first column may be a label. Otherwise, it proposes the first list for the columns from `start` on.
+pub(super) fn names_by_order(
+    count: usize,
+    orders: &[&[Column]],
+    (is_label, start): (bool, usize),
+) -> Result<Vec<String>, String> {
     let names = |order: &[Column]| order.iter().map(|column| column.name.to_owned()).collect();
     if let Some(required) = orders.first().filter(|order| order.len() == count) {
         return Ok(names(required));
     }
-    let same = orders.iter().find(|order| order.len() == count);
-    let names = same.map(|order| order.iter().map(|column| column.name).collect::<Vec<_>>());
-    Err(without_names(count, names.as_slice()))
+    let has_label = |order: &&&[Column]| order[0].measure == Measure::Plain;
+    let same = orders
+        .iter()
+        .find(|order| order.len() == count && (is_label || (start == 0 && !has_label(order))));
+    let names = |order: &&[Column]| order.iter().map(|column| column.name).collect::<Vec<_>>();
+    let required = orders.first().filter(|order| start + order.len() <= count);
+    let later = required.filter(|_| orders.last().is_some_and(|order| has_label(&order)));
+    let later = later.map(|order| [vec![""; start], names(order)].concat());
+    Err(without_names(count, same.map(names).or(later).as_slice()))
 }
 
 /// Message that the `count` columns of a table have no names. It proposes the `layouts`, which are possible names of
@@ -42,6 +52,7 @@ pub(super) fn without_names(count: usize, layouts: &[Vec<&str>]) -> String {
         let pairs = names
             .iter()
             .zip(0..)
+            .filter(|(name, _)| !name.is_empty())
             .map(|(name, place)| format!("{name}={place}"));
         format!("'{}'", pairs.collect::<Vec<_>>().join(","))
     };

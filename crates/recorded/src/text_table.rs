@@ -101,7 +101,7 @@ impl<'a> TextTable<'a> {
         if self.header.iter().zip(0..).all(counts) {
             self.header = (0..count).map(|place| place.to_string()).collect();
             if !is_named && !orders.is_empty() {
-                self.header = names_by_order(count, orders)?;
+                self.header = names_by_order(count, orders, self.leading())?;
                 let names = self.header.join(",");
                 self.note = Some(format!(
                     "the columns have no names; they are read as {names}"
@@ -146,6 +146,25 @@ impl<'a> TextTable<'a> {
             ));
         }
         Ok(())
+    }
+
+    /// Whether the first column of a table without a header may contain the numbers of fingers, and the number of
+    /// columns before the first measured column, such as times.
+    fn leading(&self) -> (bool, usize) {
+        let (mut first, mut text) = (Vec::new(), None);
+        let number = |field: &str| field.trim().parse::<f64>().ok();
+        let is_read = self.rows(|Record { fields, .. }| {
+            let last_text = || (0..fields.len()).rfind(|&place| number(&fields[place]).is_none());
+            text.get_or_insert_with(last_text);
+            first.push(number(&fields[0]).unwrap_or(f64::NAN));
+            Ok(())
+        });
+        let text = text.flatten().map(|place| place + 1);
+        let is_time =
+            is_read.is_ok() && first.len() > 1 && first.is_sorted_by(|one, next| one < next);
+        let is_label = first.iter().all(|one| *one >= 0.0 && one.fract() == 0.0);
+        let is_label = is_label && !is_time && text.is_none();
+        (is_label, text.unwrap_or(usize::from(is_time)))
     }
 
     /// Name of a column as the file has it. For a wide table, `label` is the first field of the row.

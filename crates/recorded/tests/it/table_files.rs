@@ -147,6 +147,20 @@ fn files_of_other_programs_hold_the_same_contacts() {
             (&true.into(), &3.into())
         );
     }
+    let positions = table("", ",", &ALL[1..4]);
+    for (row, columns) in [
+        ("T.5,R", "x=1,y=2,z=3"),
+        ("R,-1,0,0,0.5", "x=0,y=1,z=2"),
+        ("7,T,base,R,0.5,1", "x=3,y=4,z=5"),
+        ("7,T,,R", "x=3,y=4,z=5"),
+    ] {
+        let rows = positions.lines().zip(0..);
+        let rows =
+            rows.map(|(place, time)| row.replace('R', place).replace('T', &format!("{time}")));
+        let text = rows.collect::<Vec<_>>().join("\n");
+        assert_eq!(hint(&glide(&text, "").unwrap_err()), columns, "{row}");
+        assert_eq!(hinted(text.as_bytes())["contacts"], 30, "{row}");
+    }
     let found = hinted(table("", ",", &ALL).as_bytes());
     assert_eq!(
         (mean(&found), &found["fingers"]),
