@@ -260,16 +260,11 @@ impl LeastSquares {
         estimates: &mut BatchEstimates,
     ) -> usize {
         estimates.have_stds = self.noise.is_stated();
+        let law = self.law;
         match (estimates.have_stds, self.noise.is_rotation_measured) {
-            (true, true) => self
-                .law
-                .solve_batch::<true, true>(moments, count, estimates),
-            (true, false) => self
-                .law
-                .solve_batch::<true, false>(moments, count, estimates),
-            (false, _) => self
-                .law
-                .solve_batch::<false, false>(moments, count, estimates),
+            (true, true) => law.solve_batch::<true, true>(moments, count, estimates),
+            (true, false) => law.solve_batch::<true, false>(moments, count, estimates),
+            (false, _) => law.solve_batch::<false, false>(moments, count, estimates),
         }
         estimates.determined(count)
     }

@@ -162,20 +162,11 @@ impl Law {
             vv: w.uu * of_uv[2] + 2.0 * w.uv * of_vv[2] + w.vv * of_vv[1],
             uv: w.uu * of_uu[2] + w.uv * (of_uu[1] + of_uv[2]) + w.vv * of_vv[2],
         };
-        let (u, v) = (
-            [
-                w.uu * inner.uu + w.uv * inner.uv,
-                w.uu * inner.uv + w.uv * inner.vv,
-            ],
-            [
-                w.uv * inner.uu + w.vv * inner.uv,
-                w.uv * inner.uv + w.vv * inner.vv,
-            ],
-        );
+        let product = w.matrix() * inner.matrix() * w.matrix();
         Symmetric {
-            uu: u[0] * w.uu + u[1] * w.uv,
-            vv: v[0] * w.uv + v[1] * w.vv,
-            uv: u[0] * w.uv + u[1] * w.vv,
+            uu: product[(0, 0)],
+            vv: product[(1, 1)],
+            uv: product[(0, 1)],
         }
     }
 

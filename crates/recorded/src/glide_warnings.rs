@@ -1,10 +1,7 @@
 //! Warnings about the contacts of a patch: values that contradict the settings, and likely mistakes.
 
 use nalgebra::{Matrix3, Vector3};
-use palpate_ep2::{
-    Contact, EffectiveReadings, Method, NoiseEstimate, Patch, Quadric, Shape, ShapeFit,
-    ShapeSettings,
-};
+use palpate_ep2::{Contact, Method, NoiseEstimate, Patch, Quadric, Shape, ShapeFit, ShapeSettings};
 use palpate_estimators::{GlideFit, GlideMethod};
 use palpate_statistics::{
     Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail, evenly_spaced,
@@ -115,15 +112,11 @@ impl FoundNoise {
         };
         let found = settings.fit(contacts).ok()?;
         let curvature = found.curvature.value?;
-        let count = found.readings.distinct as f64;
+        let readings = &found.readings;
+        let count = readings.distinct as f64;
         let has_normals = contacts.iter().any(|one| one.normal.is_some());
         let equations = if has_normals { 3.0 } else { 1.0 } * count;
         let left = (1.0 - fit.unknowns() as f64 / equations) * count;
-        let EffectiveReadings {
-            position_correlation,
-            normal_correlation,
-            ..
-        } = found.readings;
         let bending = match fit.shape {
             Shape::Cylinder => curvature / 2.0_f64.sqrt(),
             Shape::Plane | Shape::Sphere => curvature,
@@ -136,7 +129,8 @@ impl FoundNoise {
             noise,
             bending,
             ratios: [1.0; 2],
-            freedoms: [left / position_correlation, left / normal_correlation],
+            freedoms: [readings.position_correlation, readings.normal_correlation]
+                .map(|one| left / one),
         })
     }
 }

@@ -166,24 +166,6 @@ fn swapped_frames_cause_a_warning_and_other_sensors_an_error() {
 }
 
 #[test]
-fn all_kinds_of_pixels_are_read() {
-    let desk = Desk::new();
-    let rest = DynamicImage::from(frame(|_| 0.0, &[]));
-    write(&desk, "rest.png", rest.clone());
-    write(&desk, "16.png", DynamicImage::from(rest.to_rgb16()));
-    write(&desk, "alpha.png", DynamicImage::from(rest.to_rgba8()));
-    for name in ["16.png", "alpha.png"] {
-        desk.palpate(&format!("sensor track rest.png {name} --out o"))
-            .prints(&format!("{} tracked, 0 lost", places().len()));
-    }
-    let mut clear = rest.to_rgba8();
-    clear.get_pixel_mut(7, 7).0[3] = 254;
-    write(&desk, "clear.png", DynamicImage::from(clear));
-    desk.palpate("sensor track rest.png clear.png --out o")
-        .fails(1, "clear.png: has transparent pixels");
-}
-
-#[test]
 fn unusable_frames_are_refused() {
     let desk = Desk::new();
     let rest = frame(|_| 0.0, &[]);
@@ -305,30 +287,4 @@ fn invalid_calibration_files_are_refused() {
     // The calibration contains no scale in px per length; therefore, --px-per-rad is required.
     desk.palpate("sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --out o").fails(1, "--px-per-rad");
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
-}
-
-/// A table of another program, with other column names, other units and decimal commas, is read from standard input.
-#[test]
-fn calibration_points_of_another_program_are_read() {
-    let desk = Desk::new();
-    desk.write(
-        "r.csv",
-        "normal_displacement_mm,hue_turns\n1,0.02\n2,0.05\n3,0.07\n",
-    );
-    desk.write(
-        "f.csv",
-        "Depth [m];Hue [deg];operator\n0,001;7,2;x\n0,002;18;x\n0,003;25,2;x\n",
-    );
-    desk.palpate("sensor calibrate r.csv --out a.toml")
-        .printed();
-    let columns = "'normal_displacement=Depth [m],hue=Hue [deg]' --length-unit mm";
-    let line = format!("sensor calibrate - --columns {columns} --out b.toml < f.csv");
-    let ended = desk.shell(&format!("\"$palpate\" {line}"));
-    assert_eq!(ended.status, Some(0), "{ended:?}");
-    let slope = |name: &str| -> f64 {
-        let text = desk.read(name);
-        let slope = text.lines().find_map(|line| line.strip_prefix("slope = "));
-        slope.unwrap().parse().unwrap()
-    };
-    assert_close(slope("b.toml"), slope("a.toml"), 1e-9);
 }

@@ -253,6 +253,14 @@ fn frames_of_all_formats_have_the_same_pixels() {
             "{format:?}: {error}"
         );
     }
+    let mut alpha = whole.to_rgba8();
+    for image in [whole.to_rgb16().into(), alpha.clone().into()] {
+        let read = frame(&encoded(image, ImageFormat::Png)).unwrap();
+        assert_eq!(read.image, rest.image);
+    }
+    alpha.get_pixel_mut(7, 7).0[3] = 254;
+    let error = frame(&encoded(alpha.into(), ImageFormat::Png)).unwrap_err();
+    assert!(error.contains("has transparent pixels"), "{error}");
     let grey = DynamicImage::from(whole.to_luma16());
     let read = frame(&encoded(grey.clone(), ImageFormat::Tiff)).unwrap();
     assert_eq!(read.image, grey.to_rgb8());
