@@ -297,9 +297,9 @@ struct MobilityRow {
     number: usize,
 }
 
-/// Removes each bound of the mobility that is implied, at all integration nodes, by another bound from the same edge of
-/// the pad. `mean` is the mean of the mobility (contact travel per radian), `root` the Cholesky factor of its
-/// covariance, and `radius` the largest distance of an integration node from the mean, in standard deviations.
+/// Removes each bound of the mobility for which another bound from the same edge of the pad is at least as strict at
+/// every integration node. `mean` is the mean of the mobility (contact travel per radian), `root` the Cholesky factor of
+/// its covariance, and `radius` the largest distance of an integration node from the mean, in standard deviations.
 fn retain_needed(
     rows: &mut Vec<MobilityRow>,
     mean: &Vector3<f64>,
@@ -379,7 +379,7 @@ pub(crate) fn distribution(
         }
         mean = first / sum;
         let effective = sum * sum / squares;
-        // If few nodes are in the set, their mean is in it too, because the set is convex. Search closer to this mean.
+        // Few nodes are in the set. Their mean is also in the set, because the set is convex. Search near this mean.
         if effective < 6.0 {
             spread *= 0.25;
             continue;

@@ -60,8 +60,8 @@ const MAX_NOISY_EXTENT: f64 = 2.5;
 /// the contacts may only be in no order. This constant is the smallest accepted median distance of the other contacts
 /// from the position, divided by the largest distance that is allowed within the rest.
 const MIN_REST_DISTANCE: f64 = 4.0;
-/// A contact may be a lost reading if its distance from the median position exceeds this multiple of the distance
-/// within which four fifths of the contacts lie.
+/// Four fifths of the contacts are within some distance of the median position. A contact beyond this multiple of the
+/// distance may be a lost reading, such as 9999.
 const MIN_FAR_RATIO: f64 = 10.0;
 /// The correlation between residuals is estimated from strokes until these contain this number of residuals. Further
 /// strokes are not used.

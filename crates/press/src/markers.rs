@@ -12,7 +12,7 @@ use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
 use crate::{Contact, EllipticContact, Place, PressError, Skin};
 
-/// Largest length scale of an elliptic fit, as a multiple of the extent of the area of the markers.
+/// Largest unit of length in a fit of an elliptic contact, as a multiple of the size of the area of the markers.
 const MAX_SCALE: f64 = 10.0;
 /// Markers at points under the skin.
 #[derive(Clone, Debug)]
@@ -105,8 +105,8 @@ impl Markers {
         &self.places
     }
 
-    /// Length by which an elliptic fit scales its unknowns: the smaller of the skin's radius and a multiple of the
-    /// [extent](Self::extent).
+    /// Unit of length in a fit of an elliptic contact: the smaller of the skin's radius and a multiple of the size of
+    /// the area of the markers.
     pub(crate) fn scale(&self) -> f64 {
         self.skin.place_radius() * (MAX_SCALE * self.extent_rad()).min(1.0)
     }

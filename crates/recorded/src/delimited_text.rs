@@ -102,8 +102,8 @@ impl<'a> DelimitedText<'a> {
 }
 
 /// Whether the first line of a table contains numbers instead of names. The whole numbers 0, 1, 2, … count as names,
-/// because pandas uses them as column names if an array has none. Some columns may contain text, if a number has a
-/// decimal point and the row `next` has numbers in the same columns.
+/// because pandas uses them as column names if an array has none. A line that also contains text counts as numbers only
+/// if at least one number has a decimal point, and if the row `next` has numbers in the same columns.
 fn has_numbers(fields: &StringRecord, next: Option<StringRecord>) -> bool {
     let is_number = |field: &str| tidy(field).parse::<f64>().is_ok();
     let is_same = |next: StringRecord| next.iter().map(is_number).eq(fields.iter().map(is_number));

@@ -71,7 +71,7 @@ pub(super) fn distant(
 /// estimated standard deviation. A larger ratio makes the intervals wrong, so it causes a warning.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
-/// Noise that a fit without stated noise finds in the contacts.
+/// Noise of contacts, estimated by a fit that does not use the stated noise.
 pub(super) struct FoundNoise {
     noise: NoiseEstimate,
     /// Root mean square (1/length) of the principal curvatures of the fitted surface.
@@ -79,12 +79,12 @@ pub(super) struct FoundNoise {
     /// A fitted contact may be the mean of several recorded contacts and then has less noise. These are the standard
     /// deviations of its position and of its normal, divided by those of a recorded contact.
     ratios: [f64; 2],
-    /// Degrees of freedom for each position and for each component of a normal.
+    /// Degrees of freedom of the estimated noise: of the positions, and of one component of the normals.
     freedoms: [f64; 2],
 }
 
 impl FoundNoise {
-    /// `None` if the same method does not find the noise.
+    /// Noise from a fit of a graph by the method `estimator`. `None` if this fit does not determine the noise.
     pub(super) fn of_graph(
         patch: &Patch,
         estimator: &GlideEstimatorConfig,
@@ -122,7 +122,7 @@ impl FoundNoise {
             Shape::Plane | Shape::Sphere => curvature,
         };
         let mut noise = found.noise.filter(|_| !fit.is_none_of_these())?;
-        // The fit has removed the tilts due to errors of positions from the noise of the normals.
+        // Errors of positions tilt the normals. The estimated noise of the normals does not contain these tilts.
         let tilt = bending * noise.position_std;
         noise.normal_std_rad = noise.normal_std_rad.map(|std| std.hypot(tilt));
         Some(Self {
@@ -135,7 +135,7 @@ impl FoundNoise {
     }
 }
 
-/// Warnings if the noise of the contacts was stated as `stated`, but differs from the noise that the same method finds.
+/// Warnings if the user stated the noise `stated`, but the contacts have the noise `found`, which is clearly different.
 pub(super) fn stated_noise(
     stated: [Option<f64>; 2],
     found: &FoundNoise,

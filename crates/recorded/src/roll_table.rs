@@ -370,8 +370,9 @@ impl Roll<'_> {
             // conversion would cause rounding errors.
             [x, y, _, _] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
             [x, y, z, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, *z),
-            // A quaternion would shorten rotations by more than half a turn. A shift against the rolling direction shows
-            // that the file states a shorter rotation about the opposite axis, which the quaternion contains.
+            // A quaternion cannot store a rotation of more than half a turn. It stores the shorter rotation about the
+            // opposite axis. If the shift is against the rolling direction of the whole rotation, the probe has turned
+            // by the shorter rotation.
             [x, y, z, angle, _, _] if kind == Kind::Rows && form == RotationForm::AxisAngle => {
                 let shortest = rotation(self.end)?.scaled_axis();
                 let axis = Vector3::new(*x, *y, *z);

@@ -170,17 +170,16 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
 const FINGER_WORDS: &str = "finger link fingertip f tip digit probe roll trial contact position pos p point sensor field pose translation transform hand arm robot gripper";
 /// Words that name a finger in a column name.
 const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right center centre mid first second third fourth fifth top bottom upper lower front back";
-/// Words that name a finger only if the column name has no other name or number of a finger. In `left_center_x`, such a
-/// word denotes another point of the finger `left`.
+/// Words that name the middle finger, unless the column name already has a name or number of a finger. In
+/// `left_center_x`, the word `center` denotes a point on the finger `left`.
 const CENTERS: &str = "center centre mid";
-/// Letters that name the fingers of a table if the table has exactly these fingers. Alone, such a letter denotes a
-/// quantity, such as the moment `m_x`.
+/// Letters that name the fingers of a table if the table has columns for all letters of one entry. Otherwise, such a
+/// letter denotes a quantity, such as the moment `m_x`.
 const LETTERS: [&str; 6] = ["a b c d e", "a b c d", "a b c", "l m r", "l c r", "l r"];
 
-/// Recognises a wide table: its header has the same columns for several fingers. `None` for other tables, and if the
-/// first of `columns` is not the column with the label of the finger. Lengths without a unit get the unit `length`.
-///
-/// The result is also `None` if another group of columns may be a finger, because a wide table must be read whole.
+/// Recognises a wide table: its header has the same columns for several fingers. Lengths without a unit get the unit
+/// `length`. `None` in three cases: the table is not wide; the first of `columns` is not the label of a finger; other
+/// columns of the table may belong to a further finger, which must not be left out.
 pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Option<Wide> {
     let of_letters = |names: &&str| {
         let table = wide_of(header, columns, length, names)?;

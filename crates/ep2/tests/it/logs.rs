@@ -98,8 +98,8 @@ fn dependent_readings_count_once() {
     }
 }
 
-/// In a random order, two consecutive contacts may be near each other by chance. They must not be merged as a rest of a
-/// finger, also if a lost reading makes all other steps seem short.
+/// In a random order, two consecutive contacts may be near each other by chance. They must not be merged as if the
+/// finger rested there, even if a lost reading makes all other steps seem short.
 #[test]
 fn chance_neighbours_are_no_rests() {
     for case in 0..20 {

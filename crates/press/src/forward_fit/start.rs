@@ -44,9 +44,8 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
         .collect()
 }
 
-/// Tables of displacements, one for each of several contact radii. A table contains the displacements at nodes, which
-/// are fixed distances from the contact. The nodes extend to half the circumference of a sphere with the radius
-/// `Markers::extent`.
+/// Tables of the skin's displacements, one for each of several contact radii. A table contains the displacements at
+/// fixed distances (nodes) from the contact. The largest distance is π times `Markers::extent`.
 pub(super) struct Shapes {
     furthest: f64,
     /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` if the

@@ -88,8 +88,9 @@ fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
 fn walls_are_located() {
     // The first object is a tilted plane that ends at x = 1, because the logarithm in its formula is undefined for
     // x ≥ 1. On the second object, the probe rolls on the parabola x = 1 − z² from z = 1 to its vertex. The roll angle θ
-    // is the turn of the normal plus the arc length, because the radius of the probe is 1. The tolerance is large there,
-    // because near a vertical wall the slope has only half as many correct digits as the height.
+    // is the turn of the normal plus the arc length, because the radius of the probe is 1. The second tolerance is
+    // large, because the parabola is vertical at its vertex, and near a vertical wall the slope has only half as many
+    // correct digits as the height.
     let theta = libm::atan(2.0_f64) + 0.5 * 5.0_f64.sqrt() + 0.25 * libm::asinh(2.0_f64);
     for (formula, time_s, height, bound) in [
         ("x + 0*ln(1 - x)", 2.0_f64.sqrt(), 1.0, 1e-11),
