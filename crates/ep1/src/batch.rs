@@ -33,7 +33,7 @@ pub struct Moments {
     /// rotation vector, turned by 90° into the direction of rolling. `d = Δp − R₁ g` is the deviation of its shift `Δp`
     /// from the shift on a plane.
     pub(crate) deviations: [f64; 3],
-    /// Sum over the probes of the magnitude of the contact's shift (length).
+    /// Sum of the lengths of the contact's shifts over all rolls (length).
     pub(crate) lengths: f64,
 }
 

@@ -347,7 +347,7 @@ pub(crate) fn distribution(
         let radius = normal_nodes()[nodes - 1].radius;
         for (rows, roll) in near.iter_mut().zip(rolls) {
             retain_needed(rows, &mean, &root, radius);
-            // If the start is known, a bound that no node violates has no effect.
+            // If the start of the roll is known, a bound that all nodes fulfil does not change the result.
             rows.retain(|row| {
                 let reach = root.tr_mul(&row.form).norm() * radius * NODE_WIDTH;
                 !roll.is_start_known || row.slack - row.form.dot(&mean) < reach

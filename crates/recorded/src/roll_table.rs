@@ -1,4 +1,4 @@
-//! Reads recorded rolls from a table: one row per probe, or a time series per probe.
+//! Reads recorded rolls from a table: one row for each roll, or a time series for each roll.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

@@ -24,8 +24,8 @@ const MAX_ELONGATION: f64 = 3.0;
 /// Smallest accepted ratio of a marker's area to the area of the ellipse with the same second moments. The ratio is 1
 /// for a disc.
 const MIN_FILL: f64 = 0.7;
-/// Smallest grey value of a marker's pixels, relative to the 90 % quantile of the grey values in the marker's shape.
-/// Pixels with smaller values are removed from shapes at the rim, because they may belong to shade around the marker.
+/// Limit of the grey value, relative to the 90 % quantile of the grey values in a marker's shape. Pixels below
+/// the limit are removed from shapes at the rim of the image, because they may belong to shade around the marker.
 const STEEP: f64 = 0.6;
 
 impl Selection {

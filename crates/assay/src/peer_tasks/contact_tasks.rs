@@ -12,7 +12,8 @@ use crate::accuracy::rms;
 use crate::workloads::ep2_contacts;
 
 const SIDE: usize = 30;
-/// Number of knot intervals along each side of the peer program's spline, which has six inner knots.
+/// Number of knot intervals along each side of the spline. The program that palpate is compared with has the same
+/// number: its spline has six inner knots.
 const INTERVALS: usize = 7;
 
 /// A measured fit method: its name, the method itself, and a function that removes the parts of the fit that the peer

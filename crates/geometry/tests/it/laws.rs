@@ -185,7 +185,7 @@ impl<'a, S: Surface> Place<'a, S> {
     }
 
     /// Checks that no point in `points` is closer to the query point than the closest point that the surface computes.
-    /// Query points of graphs are within the distance `reach` of the graph.
+    /// The query points of a graph are at most the distance `reach` away from it.
     fn none_of_these_is_closer(&self, points: &[Point3<f64>]) {
         let is_graph = matches!(
             self.specimen.shape,

@@ -2,7 +2,8 @@
 
 use super::desk::{Desk, RUN_FILES, assert_close, edited, number_at};
 
-/// Three fingers on a saddle. The study has one cell without noise and one with noise.
+/// Three fingers on a saddle. The study has two cells (combinations of settings): one without noise and one
+/// with noise.
 pub(crate) const GLIDE: &str = r#"name = "a-glide"
 length_unit = "mm"
 seed = 7

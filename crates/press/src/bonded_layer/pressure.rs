@@ -160,7 +160,7 @@ fn middle(coefficients: &[f64]) -> f64 {
 /// The positive nodes of the Gauss–Legendre rule with 2 `count` nodes on [−1, 1], with their weights. For even
 /// functions, the positive half of the nodes is enough.
 fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
-    let degree = NonZeroUsize::new(2 * count).expect("there is at least one node");
+    let degree = NonZeroUsize::new(2 * count).expect("the contact has at least one node");
     let rule = GaussLegendre::new(degree);
     rule.iter()
         .filter(|(node, _)| *node > 0.0)
@@ -173,7 +173,7 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
 /// distances up to `distance`.
 pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
     let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
-    let degree = NonZeroUsize::new(count).expect("there is at least one node");
+    let degree = NonZeroUsize::new(count).expect("the contact has at least one node");
     let half = 0.5 * reach;
     let rule = GaussLegendre::new(degree);
     rule.iter()

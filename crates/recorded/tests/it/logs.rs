@@ -1,4 +1,4 @@
-//! Logs as robots write them, with simple shapes, lost readings, repeated readings and single strokes.
+//! Logs as robots write them: of objects with simple shapes, with lost or repeated readings, or of a single stroke.
 
 use palpate_recorded::{
     GlideOptions, GlideRecording, PressOptions, RecordedError, RecordedFile, RollOptions,
@@ -73,7 +73,8 @@ fn a_ball_has_its_radius_without_lost_readings() {
         assert_eq!(estimate["class"], "peak");
     }
     assert_eq!(clean["effective_contacts"], 36.0);
-    // If the tip is nearly as large as the sphere of its centres, the object may be arbitrarily sharp.
+    // The centres of the tip are on a sphere. If the tip's radius is nearly that of the sphere, the object's
+    // radius may be nearly 0.
     let [mean, other] = ["centre", "lowest-point"].map(|reports| {
         let given = json!({ "kind": "sphere", "tip_radius": 24.9, "reports": reports });
         let sharp = estimate_with(&ball(&|_| None), &given).unwrap();

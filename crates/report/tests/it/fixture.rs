@@ -209,8 +209,8 @@ pub(crate) fn attribute(element: &str, name: &str) -> f64 {
     text.split('"').next().unwrap().parse().unwrap()
 }
 
-/// A study that sweeps radii and noises. Its errors are those that the theory of the 1996 paper predicts. The text
-/// `rest` is added to its config.
+/// A study that sweeps radii and noises. Its errors are not simulated: they are the values that the theory of
+/// Charlebois et al. (1996) predicts. The text `rest` is added to its config.
 pub(crate) fn angular_velocity(rest: &str) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
     for radius in [500.0, 50.0, 5.0, 0.5] {
