@@ -234,8 +234,7 @@ fn invalid_tables_are_refused_with_the_line() {
     refuses(|table, form| press(table, form), "", NO_PRESSES);
     for (bytes, words) in [
         (&b"probe\n\xb5m"[..], "byte 0xb5 in line 2"),
-        (b"\xff\xfep\0r", "byte 0xff in line 1; save it as UTF-8"),
-        (b"\0\0\0\0", "no columns `rotation_x_rad`"),
+        (b"\xff\xfep\0r", "has bytes 0, as text in UTF-16 has"),
     ] {
         let error = roll(bytes, Form::default()).unwrap_err();
         assert!(
