@@ -43,7 +43,7 @@ const MIN_CHANCE_DEVIATIONS: f64 = 5.0;
 /// each run is tested on its own. Let n be the expected number of runs of its length in contacts in a random order. The
 /// run counts as a rest of a finger only if n is below this value.
 const MAX_CHANCE_RUNS: f64 = 0.01;
-/// A run whose contacts are spread over the whole allowed distance is no rest. This constant is the largest root mean
+/// A run whose contacts are spread over the whole allowed distance does not count as a rest. This constant is the largest root mean
 /// square distance of its contacts from their mean, divided by the allowed distance from the first contact.
 const MAX_CHANCE_EXTENT: f64 = 0.4;
 /// Several gaps in the sorted step lengths are tried as the limit between short and long steps, beginning with the gap
@@ -365,9 +365,7 @@ fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
 
 /// The contacts without single contacts that are very far from most contacts. `None` if there are no such contacts.
 fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
-    if contacts.is_empty() {
-        return None;
-    }
+    contacts.first()?;
     let coordinates = |axis| contacts.iter().map(|one| one.position[axis]).collect();
     let centre = Point3::from([0, 1, 2].map(|axis| median(coordinates(axis))));
     let distance = |one: &Contact| (one.position - centre).norm();

@@ -112,8 +112,7 @@ impl FoundNoise {
         };
         let found = settings.fit(contacts).ok()?;
         let curvature = found.curvature.value?;
-        let readings = &found.readings;
-        let count = readings.distinct as f64;
+        let count = found.readings.distinct as f64;
         let has_normals = contacts.iter().any(|one| one.normal.is_some());
         let equations = if has_normals { 3.0 } else { 1.0 } * count;
         let left = (1.0 - fit.unknowns() as f64 / equations) * count;
@@ -129,8 +128,10 @@ impl FoundNoise {
             noise,
             bending,
             ratios: [1.0; 2],
-            freedoms: [readings.position_correlation, readings.normal_correlation]
-                .map(|one| left / one),
+            freedoms: [
+                left / found.readings.position_correlation,
+                left / found.readings.normal_correlation,
+            ],
         })
     }
 }
@@ -149,10 +150,10 @@ pub(super) fn stated_noise(
         Some(noise.position_std / ratios[0]),
         noise.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
-    let freedoms = found.freedoms;
+    let [of_positions, of_normals] = found.freedoms;
     let kinds = [
-        ("positions", unit.as_str(), freedoms[0]),
-        ("normals", "degrees", 2.0 * freedoms[1]),
+        ("positions", unit.as_str(), of_positions),
+        ("normals", "degrees", 2.0 * of_normals),
     ];
     let all = stated.into_iter().zip(sizes).zip(tilts).zip(kinds);
     all.filter_map(|(((stated, found), tilt), (noise_of, unit, freedom))| {

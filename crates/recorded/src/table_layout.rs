@@ -22,9 +22,10 @@ pub(super) struct Wide {
     pub(super) header: Vec<String>,
 }
 
-/// Names for the `count` columns of a table without a header. If the first list of `orders` has `count` columns, it
-/// contains the names. Otherwise, the error message proposes another list of `orders` with `count` columns, if there is
-/// one, and if its first column may be a label. Otherwise, it proposes the first list for the columns from `start` on.
+/// Names for the `count` columns of a table without a header: the first list of `orders`, if it has `count` columns.
+/// Otherwise, the result is an error that proposes names. It proposes another list of `orders` with `count` columns; a
+/// list that begins with a label is proposed only if `is_label` is true. If there is no such list, it proposes the first
+/// list of `orders` for the columns from `start` on.
 pub(super) fn names_by_order(
     count: usize,
     orders: &[&[Column]],

@@ -45,6 +45,24 @@ fn standard_errors_match_all_noise_with_any_lengths_and_directions() {
     }
 }
 
+/// Without the correction of the second order, the bias would be 0.37 % times 1 + R₂/R₁, where R₁ and R₂ are the radii of
+/// probe and object.
+#[test]
+fn errors_of_measured_rotations_do_not_bias_the_curvature() {
+    let noise = ReadingNoise {
+        relative_rotation_std: 0.1,
+        is_rotation_measured: true,
+        ..Default::default()
+    };
+    let star: Vec<_> = (0..8).map(|roll| (0.785 * f64::from(roll), 0.1)).collect();
+    let exact = readings(1.0, &CurvatureForm::isotropic(0.2), &star);
+    let (mut draws, trials) = (Draws(7), 40_000);
+    let estimates = (0..trials).map(|_| LeastSquares::of(1.0, noise, &draws.noisy(&exact, &noise)));
+    let sum: f64 = estimates.map(|one| one.unwrap().mean_curvature.value).sum();
+    let bias = (sum / f64::from(trials) / 0.2 - 1.0) / 6.0;
+    assert!(bias.abs() < 1e-3, "{bias}");
+}
+
 #[test]
 fn the_isotropic_standard_error_matches_the_formula() {
     // The relative standard error of a normal curvature is σ (1 + R₂/R₁)/√4. Here σ is the relative standard deviation

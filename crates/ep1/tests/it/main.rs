@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
+mod ball_rolls;
 mod covariance;
 mod draws;
 mod exact;

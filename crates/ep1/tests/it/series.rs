@@ -2,7 +2,7 @@
 //! computed by integration of the rolling equations.
 
 use approx::assert_relative_eq;
-use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use palpate_ep1::{
     Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
     SeriesNoise, estimate_series,
@@ -11,81 +11,8 @@ use palpate_geometry::surfaces::{Cylinder, Ellipsoid, Graph};
 use palpate_geometry::{Shape, ShapeThresholds, Surface};
 use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
 
+use crate::ball_rolls::{EXACT, RADIUS, chart, pad, rolls, without_starts};
 use crate::draws::Draws;
-
-const RADIUS: f64 = 10.0;
-const EXACT: SeriesNoise = SeriesNoise {
-    rotation_std_rad: 0.0,
-    relative_rotation_std: 0.0,
-    relative_sample_std: 0.0,
-};
-
-/// Centre of the pad that contains `place`.
-fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {
-    let pitch = cell.pitch();
-    let period = match *cell == PadCell::square(pitch) {
-        true => Vector2::new(1.0, 1.0),
-        false => Vector2::new(1.0, 3.0_f64.sqrt()),
-    } * pitch;
-    let nearest = |corner: Vector2<f64>| {
-        let steps = (place - corner).component_div(&period).map(f64::round);
-        corner + steps.component_mul(&period)
-    };
-    let centres = [nearest(Vector2::zeros()), nearest(0.5 * period)];
-    let inside = |centre: &&Vector2<f64>| cell.contains(&(place - **centre));
-    *centres.iter().find(inside).unwrap_or(&centres[0])
-}
-
-/// Position of the contact on the probe, in the coordinates of the probe's exponential map. The contact starts at
-/// `start` and moves by `path`.
-fn chart(start: &Vector2<f64>, path: &Vector2<f64>) -> Vector2<f64> {
-    let turned = |place: &Vector2<f64>| {
-        Rotation3::from_scaled_axis(Vector3::new(-place.y, place.x, 0.0) / RADIUS)
-    };
-    let direction = turned(start) * turned(path) * Vector3::z();
-    let across = direction.xy();
-    across * (RADIUS * libm::atan2(across.norm(), direction.z) / across.norm().max(1e-300))
-}
-
-/// Eight rolls by half a radian on a ball, at 1 kHz. The directions are an eighth of a turn apart, and the first is at
-/// the angle `turn` (rad) from the u axis of the pads.
-fn rolls(object: f64, cell: &PadCell, turn: f64, draws: &mut Draws) -> Vec<RollSeries> {
-    let one = |number: usize| {
-        let (sin, cos) = libm::sincos(turn + number as f64 * std::f64::consts::FRAC_PI_4);
-        let direction = Vector2::new(cos, sin);
-        let start = loop {
-            let mut within = || (draws.uniform() - 0.5) * 1.2 * cell.pitch();
-            let start = Vector2::new(within(), within());
-            if cell.contains(&start) {
-                break start;
-            }
-        };
-        let sample = |index: u32| {
-            let time_s = f64::from(index) * 1e-3;
-            let drive = direction * (0.5 * time_s);
-            let path = drive / (1.0 / RADIUS + 1.0 / object);
-            RollSample {
-                time_s,
-                rotation: Vector3::new(drive.y, -drive.x, 0.0),
-                place: pad(cell, &chart(&start, &path)),
-            }
-        };
-        RollSeries {
-            start: Some(start),
-            has_spin: true,
-            samples: (0..=1000).map(sample).collect(),
-        }
-    };
-    (0..8).map(one).collect()
-}
-
-fn without_starts(rolls: &[RollSeries]) -> Vec<RollSeries> {
-    let without = |roll: &RollSeries| RollSeries {
-        start: None,
-        ..roll.clone()
-    };
-    rolls.iter().map(without).collect()
-}
 
 const QUANTITIES: [Quantity; 5] = [
     Quantity::Normal { angle_rad: 0.3 },
@@ -493,14 +420,12 @@ fn a_roll_that_contradicts_the_others_is_left_out() {
         samples.for_each(|sample| sample.place.x += 5.0);
         rolls
     };
-    let gain = SeriesNoise {
-        relative_rotation_std: 0.002,
+    let noise = |relative_rotation_std, rotation_std_rad| SeriesNoise {
+        relative_rotation_std,
+        rotation_std_rad,
         ..EXACT
     };
-    let noisy = SeriesNoise {
-        rotation_std_rad: 0.0017,
-        ..EXACT
-    };
+    let (gain, noisy) = (noise(0.002, 0.0), noise(0.0, 0.0017));
     let (pad_edge, trajectory) = (SeriesMethod::PadEdge, SeriesMethod::Trajectory);
     for (rolls, method, noise) in [
         (turned(1.05), pad_edge, EXACT),

@@ -123,27 +123,18 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
 /// large, or if shifts in cm are declared as mm, each of 250 sets causes a warning.
 #[test]
 fn a_far_too_large_stated_noise_causes_a_warning() {
+    let says = |found: &[String], words| usize::from(found.iter().any(|one| one.contains(words)));
     let (mut sound, mut large, mut in_cm) = (0, 0, 0);
     for set in 0..2000 {
         let (rotations, shifts) = rolls(0.1, set);
         sound += of_rolls(&rotations, &shifts, shift_noise(0.1)).len();
         if set < 250 {
             let found = of_rolls(&rotations, &shifts, shift_noise(0.8));
-            large += usize::from(
-                found
-                    .iter()
-                    .any(|one| one.contains("noise of shifts is stated as 0.8 mm")),
-            );
-            let shifts: Vec<[f64; 2]> = shifts
-                .iter()
-                .map(|shift| shift.map(|part| 0.1 * part))
-                .collect();
+            large += says(&found, "noise of shifts is stated as 0.8 mm");
+            let shifts = shifts.iter().map(|shift| shift.map(|part| 0.1 * part));
+            let shifts: Vec<[f64; 2]> = shifts.collect();
             let found = of_rolls(&rotations, &shifts, shift_noise(0.1));
-            in_cm += usize::from(
-                found
-                    .iter()
-                    .any(|one| one.contains("noise of shifts is stated as 0.1 mm")),
-            );
+            in_cm += says(&found, "noise of shifts is stated as 0.1 mm");
         }
     }
     assert_eq!((sound, large, in_cm), (0, 250, 250));

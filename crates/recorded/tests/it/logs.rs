@@ -87,6 +87,11 @@ fn a_ball_has_its_radius_without_lost_readings() {
         codes(&clean).is_empty() && clean["left_out"] == json!([]),
         "{clean}"
     );
+    for (std, is_wrong) in [(0.03, false), (0.005, true)] {
+        let given = json!({ "kind": "sphere", "position_std": std });
+        let stated = estimate_with(&ball(&|_| None), &given).unwrap();
+        assert_eq!(codes(&stated).contains(&"stated-noise"), is_wrong);
+    }
     for method in ["penalised", "quadric", "two-pass", "sphere"] {
         let of_lost = estimate(&lost, method).unwrap();
         assert_eq!(
