@@ -357,9 +357,16 @@ pub fn estimate_roll(
     options: &RollOptions,
 ) -> Result<RollEstimate, RecordedError> {
     let probes = recorded.readings.len();
-    if let Some(series) = &mut recorded.series {
-        let start = options.series.start.map(Vector2::from);
-        series.rolls.iter_mut().for_each(|roll| roll.start = start);
+    if let Some(series) = &mut recorded.series
+        && let Some(start) = options.series.start
+    {
+        if series.rolls.iter().any(|roll| roll.start.is_some()) {
+            return Err(recorded.source.fail(
+                "setting `start`: the columns start_u, start_v already state the start of each roll",
+            ));
+        }
+        let rolls = series.rolls.iter_mut();
+        rolls.for_each(|roll| roll.start = Some(Vector2::from(start)));
     }
     let has_series = recorded.series.is_some();
     let is_of_ends = options.estimator.method(has_series).0 == "least-squares";

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use palpate_ep1::{
     Estimate, Exclusion, PadCell, Places, ProbeReading, Quantity, RollSample, RollSeries,
     SeriesError, SeriesEstimate, SeriesMethod, SeriesNoise, estimate_series,
@@ -146,6 +146,18 @@ pub(super) fn estimate_of_series(
                 recorded.probe(roll),
                 Number(sample.time_s),
                 Number::rounded(size(sample))
+            ));
+        }
+        if let (Places::Pads(cell), Some(start)) = (&places, series.start)
+            && let Some(first) = series.samples.first()
+            && first.rotation == Vector3::zeros()
+            && !cell.contains(&((start - first.place) * (1.0 - MAX_PAD_ERROR)))
+        {
+            let [[u, v], [pad_u, pad_v]] = [start, first.place].map(|at| at.map(Number).into());
+            return Err(format!(
+                "probe {}: the stated start ({u}, {v}) {unit} is not on the pad of the first sample, whose centre is ({pad_u}, {pad_v}) {unit}",
+                recorded.probe(roll),
+                unit = unit.as_str()
             ));
         }
     }

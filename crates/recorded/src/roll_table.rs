@@ -8,7 +8,7 @@ use palpate_ep1::RollSeries;
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::readings::{
-    CONTACTS, Column, GLIDES, QUATERNION, ROLL_SERIES, ROLLS, columns_of,
+    CONTACTS, Column, GLIDES, QUATERNION, ROLL_SERIES, ROLL_STARTS, ROLLS, columns_of,
 };
 
 use super::RecordedFile;
@@ -29,7 +29,8 @@ use super::roll_recording::{RollRecording, reading, sample};
 
 /// Reads recorded rolls: one row per probe, or a time series per probe. In a time series, the columns
 /// `pad_u,pad_v` or `contact_u,contact_v` state positions, so the first row is subtracted from the last row. The
-/// rotation may be a vector, a unit quaternion, a matrix, or an axis with an angle. If there is no column `probe`, each
+/// rotation may be a vector, a unit quaternion, a matrix, or an axis with an angle. In a time series, the columns
+/// `start_u,start_v` may state where the contact lies at the start of the roll. If there is no column `probe`, each
 /// row or series counts as a probe. A new series starts after a blank line or where the time does not increase.
 ///
 /// # Errors
@@ -82,7 +83,11 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         );
     }
     let probe = &ROLLS[..usize::from(names_probes)];
-    let columns = [probe, time, form.columns(), contacts].concat();
+    let starts = match kind != Kind::Rows && ROLL_STARTS.iter().any(has) {
+        true => &ROLL_STARTS[..],
+        false => &[],
+    };
+    let columns = [probe, time, form.columns(), contacts, starts].concat();
     let may = &ROLLS[..usize::from(!names_probes)];
     let sheet = ReadingTable::read(&table, &columns, may)?;
     if kind != Kind::Rows
@@ -90,7 +95,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     {
         return fail(format!("no column `probe` separates the rolls; {hint}"));
     }
-    let first = probe.len();
+    let (first, last) = (probe.len(), columns.len() - starts.len());
     let (probes, counted) = match names_probes {
         true => {
             let rows = sheet.rows();
@@ -106,7 +111,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     // For each probe: the index of its roll, and the time of its last row.
     let mut earlier: HashMap<u64, (usize, f64)> = HashMap::new();
     for (row, ((line, numbers), &probe)) in sheet.rows().zip(&probes).enumerate() {
-        let numbers = &numbers[first..];
+        let numbers = &numbers[first..last];
         let (time, numbers) = numbers.split_at(time.len());
         let t_s = time.first().copied().unwrap_or_default();
         match earlier.entry(probe) {
@@ -225,9 +230,17 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
             };
             let mut samples = vec![empty; rolls.len()];
             for ((line, numbers), probe) in sheet.rows().zip(&probes) {
-                let numbers = &numbers[first..];
-                let (times, end) = numbers.split_at(time.len());
                 let place = earlier.get(probe).map_or(0, |(place, _)| *place);
+                if let [u, v] = numbers[last..] {
+                    let (start, roll) = (Vector2::new(u, v), &mut samples[place]);
+                    if *roll.start.get_or_insert(start) != start {
+                        let message = format!(
+                            "columns `start_u`, `start_v`: the start of probe {probe} must be the same in all of its rows"
+                        );
+                        return Err(sheet.fail(line, message));
+                    }
+                }
+                let (times, end) = numbers[first..last].split_at(time.len());
                 let roll = Roll {
                     end: (line, end),
                     ..rolls[place]

@@ -239,6 +239,13 @@ pub const CONTACTS: [Column; 2] = [
     Column::of("contact_v", Measure::Length),
 ];
 
+/// Columns of the contact's position on the probe at the start of a roll, in a time series of the roll. The columns may
+/// be missing.
+pub const ROLL_STARTS: [Column; 2] = [
+    Column::of("start_u", Measure::Length),
+    Column::of("start_v", Measure::Length),
+];
+
 /// The column of [`QUATERNION`] to which `name` refers, such as `qx`, `quat_x` or `pose_orientation_x`; `None` if it
 /// refers to no such column. `name` must have the form that [`spelt`] returns.
 pub fn quaternion_part(name: &str) -> Option<Column> {
@@ -315,6 +322,7 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
             &MATRIX,
             &AXIS_ANGLE,
             &CONTACTS,
+            &ROLL_STARTS,
         ],
         "glide" => &[&GLIDES],
         "press" => &[&PRESSES, &PRESS_ROW],

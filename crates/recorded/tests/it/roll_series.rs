@@ -241,6 +241,32 @@ fn pad_edges_resolve_more_than_the_pitch() {
 }
 
 #[test]
+fn columns_state_the_start_of_each_roll() {
+    let rolls = table(&rows(1000));
+    let settings = json!({ "kind": "pad-edge", "pitch": PITCH });
+    let with_starts = |start: &str| {
+        let rows = rolls.lines().skip(1).map(|row| format!("{row},{start}"));
+        let rows: Vec<String> = rows.collect();
+        format!("{HEADER},start_u_mm,start_v_mm\n{}\n", rows.join("\n"))
+    };
+    let known = json!({ "kind": "pad-edge", "pitch": PITCH, "start": [0.0, 0.0] });
+    assert_eq!(
+        estimate(&with_starts("0,0"), &settings),
+        estimate(&rolls, &known)
+    );
+    for (starts, settings, part) in [
+        ("0.6,0", &settings, "probe 0: the stated start (0.6, 0) mm"),
+        ("0,0", &known, "setting `start`"),
+    ] {
+        let error = estimate(&with_starts(starts), settings).unwrap_err();
+        assert!(error.contains(part), "{error}");
+    }
+    let changed = format!("{}3,1.1,0,0.5,0,0,0.1,0\n", with_starts("0,0"));
+    let error = estimate(&changed, &settings).unwrap_err();
+    assert!(error.contains("the same in all of its rows"), "{error}");
+}
+
+#[test]
 fn few_crossings_cause_a_warning() {
     for (end_s, is_warned) in [(0.3, true), (1.0, false)] {
         let mut all = rows(1000);
