@@ -64,7 +64,7 @@ impl Limits {
 enum Change {
     Same,
     Worse,
-    /// The number in the baseline is larger than the measured number, by more than the share [`Limits::allowed`] of the
+    /// The measured number is smaller: the number in the baseline is more than (1 + [`Limits::allowed`]) times the
     /// measured number.
     Better,
     New,

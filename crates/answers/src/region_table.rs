@@ -170,7 +170,8 @@ impl Region {
     }
 }
 
-/// A field's value as JSON: a number, or a text if the field has listed values.
+/// A field's value as JSON: a text if the user listed the field's values (`PATH=A,B,C`), a number if the user stated a
+/// range.
 fn json_of(field: &Field, value: f64) -> Value {
     match field.is_listed() {
         true => json!(field.text(value)),

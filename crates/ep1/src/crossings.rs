@@ -90,8 +90,9 @@ pub(crate) fn crossings(
             .fold(0.0, f64::max);
         for normal in cell.normals() {
             let distance = normal.dot(&between);
-            // On square pads, the contact must cross each edge that separates the columns or the rows of the two pads.
-            // On hexagonal pads, it must cross only the edge across which the two pads are farthest apart.
+            // If two square pads lie in different columns, the contact must cross an edge between columns; if they lie
+            // in different rows, it must also cross an edge between rows. Between hexagonal pads, it must cross only
+            // the edge along whose normal their centres are farthest apart (two edges, if both distances are equal).
             let is_crossed = match pairs {
                 2 => distance > 0.5 * pitch,
                 _ => distance > furthest - 1e-6 * pitch && distance > 0.5 * pitch,

@@ -337,8 +337,8 @@ impl PadEdgeSet {
             let found = direction.dot(&change);
             let (distance, apart) = ((found - mean).abs(), (found - last).abs());
             if apart < CONVERGED * distance + 1e-13 {
-                // `apart` is the change of the largest value in this pass. The next pass would change the value by at
-                // most `apart` times `apart / distance`.
+                // This pass changed the maximum by `apart`. The next pass is expected to change it by `apart` times the
+                // ratio of `apart` to the maximum's distance from the mean. Add this expected change.
                 let next = apart * (apart / distance).min(1.0);
                 return Some(found.max(last) + next);
             }

@@ -94,7 +94,7 @@ fn evaluation_time(
     least(timed, clock).map(EvaluationTime::EachTrial)
 }
 
-/// Runs `trials` trials in the same way as the runner: several trials at once, if the roll allows it.
+/// Runs `trials` trials in the same way as the runner: in batches, where the roll can run in batches.
 fn run(roll: &RollScene, trials: u64) {
     let mut trial = 0;
     while trial < trials {

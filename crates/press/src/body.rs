@@ -215,8 +215,8 @@ impl Body {
         end.map_or(f64::INFINITY, |[indentation, _]| indentation)
     }
 
-    /// Poisson's ratio and depth of a half-space, from which the effect of a sideways shift of the object is computed.
-    /// `None` for the other bodies, for which there is no model of such a shift.
+    /// Poisson's ratio of a half-space, and the depth at which its displacements are computed. `None` for other bodies,
+    /// because elliptic contacts and sideways shifts of the object are modelled only for a half-space.
     pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),

@@ -110,8 +110,8 @@ impl Default for SharedModels {
 }
 
 impl SharedModels {
-    /// Returns a layer of the soft body with its tables of displacements, as from [`Body::bonded_layer`]. The tables
-    /// are computed only if the cache does not contain the layer.
+    /// Returns the soft body that [`Body::bonded_layer`] builds for this thickness and marker depth. The body is built
+    /// only if the cache does not contain it.
     pub(crate) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
         let mut layers = self.layers(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)

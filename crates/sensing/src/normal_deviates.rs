@@ -88,7 +88,7 @@ mod tests {
 
     use super::*;
 
-    /// The pair of normal numbers from one random word, computed in double precision.
+    /// The two normally distributed numbers from one random word, computed in double precision.
     fn exact(word: u64) -> [f64; 2] {
         let uniform = ((word >> 33) as f64 + 0.5) / 2_f64.powi(31);
         let radius = (-2.0 * libm::log(uniform)).sqrt();

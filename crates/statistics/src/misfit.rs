@@ -50,7 +50,7 @@ pub enum StatedQuantity {
     Indentation,
     /// Distance between neighbouring pads of the sensor.
     Pitch,
-    /// A length to which all lengths in the readings are proportional, for example the distance between fingers.
+    /// A length of the sensor that the readings contain too: the distance between fingers or the tip radius.
     Scale,
 }
 

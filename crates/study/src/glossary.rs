@@ -175,7 +175,7 @@ subjects! {
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the index of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are too narrow or too wide.";
         "stated-pitch": "Warning about rolls: a contact moved by less than the stated pitch, but pads report only multiples of the pitch.";
-        "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the same length in the readings or in the scene.";
+        "stated-scale": "Warning about glides: the stated distance between fingers, or the stated tip radius, differs from the value in the readings. In a simulated glide, `inter_finger_distance` differs from the gaps between `finger_positions`.";
         "not-round": "Warning about presses: the displacements depend on the direction from the contact. The object may have an edge, or be a cylinder or a saddle.";
         "stated-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
     }

@@ -13,7 +13,8 @@ use crate::runner::{Runner, SweepError};
 use crate::summary::CellStatistics;
 use crate::trial_record::{Record, TrialObservations};
 
-/// A sweep: its tasks, the experiments of their cells, and the results of the tasks.
+/// Describes a sweep to [`Runner::stream`]: lists the tasks, makes the experiment that runs the trials of a cell, and
+/// computes the result of a task from the statistics of its trials.
 pub trait Sweep: Sync {
     /// Type of a cell's experiment, which runs the trials of the cell.
     type Trial: Trial + Send;

@@ -30,7 +30,7 @@ const DISTANCE_TOLERANCE: f64 = 1e-9;
 /// A model that `auto` could have chosen for a scene.
 #[derive(Debug)]
 pub struct CompetingModel {
-    /// Name of the model, and its error.
+    /// The model: its name, its config and its error.
     pub rung: Rung,
     /// Number of evaluations of the contact equations in a roll; `None` for other scenes.
     pub evaluations: Option<usize>,

@@ -35,7 +35,9 @@ use crate::LayoutError;
 /// is below 1e-20. This bound follows from the singularity of the integrand at the imaginary shear s = 2i.
 const NODES: usize = 16;
 
-/// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.
+/// Strain of a gore (one of the flat pieces that form a skin) after it is folded onto the sphere. The strain at a point
+/// is the larger principal stretch minus 1. The gore is drawn in the polyconic map projection: its shear is the longitude
+/// from its middle meridian times the sine of the latitude.
 ///
 /// ```
 /// use palpate_chromatouch::FoldStrain;

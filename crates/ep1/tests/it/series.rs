@@ -512,7 +512,7 @@ fn gaps_and_chatter_do_not_bias() {
     let cell = PadCell::square(1.0);
     let mut rolls = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
     for roll in &mut rolls {
-        // Around each crossing from one pad to the next, the two pads are active alternately for 6 ms.
+        // For 3 ms after each crossing from one pad to the next, the samples alternate between the two pads.
         let places: Vec<_> = roll.samples.iter().map(|sample| sample.place).collect();
         for index in 3..places.len() - 3 {
             if index % 2 == 0 {

@@ -31,9 +31,10 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
 /// The wavenumber beyond which the effect of the rigid base on displacements at the surface is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
-/// Effect of the rigid base at the depth `depth`, for one wavenumber: the displacement of the layer minus that of a
-/// half-space. The first value is the factor of the Bessel function J₀ (inward displacement), the second the factor of
-/// J₁ (outward displacement).
+/// Effect of the rigid base on displacements at the depth `depth`, for one wavenumber: the displacement of the layer
+/// minus that of a half-space, so the sign is opposite to that of [`at_surface`]. Both are divided by the inward
+/// displacement at the half-space's surface. The first value is for the inward displacement, which varies as the Bessel
+/// function J₀, the second for the outward displacement, which varies as J₁.
 fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));

@@ -433,8 +433,8 @@ fn published_profiles() {
     assert_relative_eq!(dish, 31.5, max_relative = 0.01);
     assert!(interval.holds(26.7));
 
-    // On a plane, the effective radius is the radius of the sensor. Find the factor of the radial positions for which
-    // the estimate on the plane equals this radius.
+    // On a plane, the true effective radius is the radius of the sensor. Find, by bisection, the factor by which the
+    // radial positions must be multiplied so that the radius estimated on the plane equals the sensor's radius.
     let (mut low, mut high) = (1.9, 2.3);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);

@@ -84,8 +84,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Adds the number `set` of a set of readings to an error about one of its arrays: the index in the error then begins
-/// with this number. `with_sets` contains the names of the arrays that contain several sets. Errors about other arrays
+/// Completes an error about one set of readings. `with_sets` contains the names of the arrays that hold several sets. If
+/// the error is about one of these arrays, the number `set` of the set becomes the first index in the error. Other errors
 /// do not change.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {

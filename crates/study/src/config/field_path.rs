@@ -101,8 +101,8 @@ fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     }
     let mut found = Vec::new();
     let scene = &SCHEMA["properties"]["scene"];
-    // Even if `in_any_kind` is true, skip the fields of other kinds of scenes. The key `scene.kind` in `tree` states
-    // the kind of the scene.
+    // `in_any_kind` does not apply to the table `scene` itself: if `tree` states a known `scene.kind`, list only the
+    // fields of that kind of scene.
     let kind = tree
         .get("scene")
         .and_then(|scene| scene.get("kind")?.as_str());

@@ -123,7 +123,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut folder = LockedDir::open(&out, guard)?;
     let config = resolved(&study);
     check_files(folder.output(), &config)?;
-    // Trace the trial before the trials run, so that an impossible trace fails early.
+    // Compute the requested trace before the trials run, so that an impossible trace fails early.
     let trace = match is_whole {
         true => requested_trace(&study, first)?,
         false => Vec::new(),

@@ -107,10 +107,10 @@ a code:
                 the surface
   outlier       one contact contradicts the others
   stated-noise  the stated noise of positions or normals contradicts the noise that the same method estimates
-  stated-scale  the stated distance between fingers contradicts the readings
+  stated-scale  the stated distance between fingers, or the stated tip radius, contradicts the readings
   units, signs  normals do not have the length 1, point to -z, or fit the positions better with a sign reversed or with
                 components swapped
-The contacts do not show whether the tip radius is wrong, whether all normals point inward, or whether all lengths are in
+The positions and normals do not show whether the tip radius is wrong, whether all normals point inward, or whether all lengths are in
 a wrong unit.
 
 The JSON has `format_version` 2, which increases when a key is removed or changes its meaning.
