@@ -3,13 +3,9 @@
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use parquet::basic::{LogicalType, Type as Physical};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use polars_arrow_format::ipc::planus::ReadAsRoot;
-use polars_arrow_format::ipc::{MessageHeaderRef, MessageRef};
 
 use super::desk::{Desk, STUDY, edited};
 use super::glide::GLIDE;
@@ -65,23 +61,8 @@ fn read(desk: &Desk, name: &str) -> Read {
         (entry.key.clone(), entry.value.clone().unwrap())
     };
     let mut about: BTreeMap<String, String> = entries.iter().map(entry).collect();
-    let arrow = STANDARD.decode(about.remove("ARROW:schema").unwrap());
-    let arrow = arrow.unwrap();
-    let length = u32::from_le_bytes(arrow[4..8].try_into().unwrap());
-    assert_eq!(
-        (&arrow[..4], arrow.len()),
-        (&[0xff; 4][..], 8 + length as usize)
-    );
-    let message = MessageRef::read_as_root(&arrow[8..]).unwrap();
-    let Some(MessageHeaderRef::Schema(schema)) = message.header().unwrap() else {
-        panic!("no schema");
-    };
-    let fields = schema.fields().unwrap().unwrap();
-    let fields: Vec<_> = fields.into_iter().map(Result::unwrap).collect();
     let types = metadata.file_metadata().schema().get_fields();
-    assert_eq!(fields.len(), types.len());
-    let columns = fields.iter().zip(types).map(|(field, column)| {
-        assert_eq!(field.name().unwrap().unwrap(), column.name());
+    let columns = types.iter().map(|column| {
         let info = column.get_basic_info();
         let kind = match (column.get_physical_type(), info.logical_type_ref()) {
             (Physical::DOUBLE, None) => "f64",
@@ -92,13 +73,10 @@ fn read(desk: &Desk, name: &str) -> Read {
             }
             other => panic!("{other:?}"),
         };
-        let entries = field.custom_metadata().unwrap().into_iter().flatten();
-        let mut units = entries.map(Result::unwrap).map(|entry| {
-            assert_eq!(entry.key().unwrap(), Some("unit"));
-            entry.value().unwrap().unwrap().to_owned()
-        });
-        (column.name().to_owned(), kind, units.next())
+        let unit = about.remove(&format!("unit.{}", column.name()));
+        (column.name().to_owned(), kind, unit)
     });
+    let columns = columns.collect();
     let rows = reader.get_row_iter(None).unwrap().map(|row| {
         let row = row.unwrap();
         row.get_column_iter()
@@ -106,7 +84,7 @@ fn read(desk: &Desk, name: &str) -> Read {
             .collect()
     });
     Read {
-        columns: columns.collect(),
+        columns,
         rows: rows.collect(),
         about,
         groups: metadata.num_row_groups(),

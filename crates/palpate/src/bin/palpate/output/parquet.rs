@@ -1,4 +1,4 @@
-//! Reads and writes tables in Parquet format. The file's metadata contain the unit of each column.
+//! Reads and writes tables in Parquet format. The metadata of a file contain the unit of the column `x` as `unit.x`.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -6,8 +6,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Error};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use palpate::{Column, ColumnType};
 use palpate_study::Rows;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -19,7 +17,6 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
-use polars_arrow_format::ipc::{self, planus};
 
 /// Number of rows in one row group of the file. Rows are collected in memory until a group is complete.
 const GROUP: usize = 1 << 16;
@@ -49,12 +46,14 @@ enum Present {
 impl<W: Write + Send> Writer<W> {
     /// Starts a table with these columns and no rows. `about` contains additional metadata entries.
     pub(super) fn new(sink: W, columns: Vec<Column>, about: &[(&str, String)]) -> io::Result<Self> {
-        let version = (VERSION_KEY, env!("CARGO_PKG_VERSION").to_owned());
-        let mut entries: Vec<(&str, String)> = vec![version];
-        entries.extend(about.iter().cloned());
-        entries.push(arrow_schema(&columns, &entries));
-        let entries = entries.into_iter();
-        let entries = entries.map(|(key, value)| KeyValue::new(key.to_owned(), value));
+        let version = KeyValue::new(VERSION_KEY.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+        let about = about.iter();
+        let about = about.map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
+        let units = columns.iter().filter_map(|column| {
+            let unit = column.unit.clone()?;
+            Some(KeyValue::new(format!("unit.{}", column.name), unit))
+        });
+        let entries = std::iter::once(version).chain(about).chain(units);
         let properties = WriterProperties::builder()
             .set_key_value_metadata(Some(entries.collect()))
             .set_statistics_enabled(EnabledStatistics::Chunk)
@@ -204,68 +203,6 @@ fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
     let fields: Result<Vec<TypePtr>, ParquetError> = columns.iter().map(field).collect();
     let schema = Type::group_type_builder("schema").with_fields(fields?);
     schema.build().map(Arc::new)
-}
-
-const UNIT_KEY: &str = "unit";
-
-/// Metadata entry with the columns' schema in Arrow's format (the schema message of Arrow's stream format, as base64).
-/// Programs that use Arrow read all metadata from this entry, so it repeats the other entries.
-fn arrow_schema(columns: &[Column], entries: &[(&str, String)]) -> (&'static str, String) {
-    let entries = entries.iter().map(|(key, value)| key_value(key, value));
-    let schema = ipc::Schema {
-        fields: Some(columns.iter().map(arrow_field).collect()),
-        custom_metadata: Some(entries.collect()),
-        ..ipc::Schema::default()
-    };
-    let message = ipc::Message {
-        version: ipc::MetadataVersion::V5,
-        header: Some(ipc::MessageHeader::Schema(Box::new(schema))),
-        ..ipc::Message::default()
-    };
-    let mut builder = planus::Builder::new();
-    let message = builder.finish(&message, None);
-    let padding = message.len().next_multiple_of(8) - message.len();
-    let length = (message.len() + padding) as u32;
-    let mut bytes = vec![0xff; 4];
-    bytes.extend_from_slice(&length.to_le_bytes());
-    bytes.extend_from_slice(message);
-    bytes.extend(std::iter::repeat_n(0, padding));
-    ("ARROW:schema", STANDARD.encode(bytes))
-}
-
-fn arrow_field(column: &Column) -> ipc::Field {
-    let whole = |is_signed| {
-        let bit_width = 64;
-        ipc::Type::Int(Box::new(ipc::Int {
-            bit_width,
-            is_signed,
-        }))
-    };
-    let unit = column.unit.as_ref();
-    let unit = unit.map(|unit| vec![key_value(UNIT_KEY, unit)]);
-    ipc::Field {
-        name: Some(column.name.clone()),
-        nullable: true,
-        type_: Some(match column.values {
-            ColumnType::Number => ipc::Type::FloatingPoint(Box::new(ipc::FloatingPoint {
-                precision: ipc::Precision::Double,
-            })),
-            ColumnType::Whole => whole(true),
-            ColumnType::Count => whole(false),
-            ColumnType::Text => ipc::Type::Utf8(Box::new(ipc::Utf8 {})),
-        }),
-        // Write an empty list of children, because Parquet readers reject a field without such a list.
-        children: Some(Vec::new()),
-        custom_metadata: unit,
-        ..ipc::Field::default()
-    }
-}
-
-fn key_value(key: &str, value: &str) -> ipc::KeyValue {
-    ipc::KeyValue {
-        key: Some(key.to_owned()),
-        value: Some(value.to_owned()),
-    }
 }
 
 /// Converts a Parquet error to an I/O error. If another error caused the Parquet error, the message is that of the
