@@ -376,7 +376,8 @@ pub fn estimate_roll(
     }
     let options = &options;
     let repeated = match options.noise.pad_start {
-        PadStart::PerRoll if is_of_ends => recorded.leave_out_copies(),
+        _ if !is_of_ends => recorded.leave_out_copied_series(),
+        PadStart::PerRoll => recorded.leave_out_copies(),
         _ => None,
     };
     let unit = recorded.source.unit(recorded.unit, options.length_unit)?;
@@ -426,7 +427,7 @@ pub fn estimate_roll(
                 true if options.series.contact_std == 0.0 => "the residuals",
                 _ => "the stated noise",
             },
-            repeated: None,
+            repeated,
             lost,
             probes,
             series: Some(series),

@@ -148,16 +148,47 @@ impl RollRecording {
             let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
             [x, y, u, v]
         });
+        self.leave_out_repeated(rolls.collect(), 0.5)
+    }
+
+    /// Leaves out time series that repeat an earlier time series. Returns a warning; `None` if none was left out.
+    pub(super) fn leave_out_copied_series(&mut self) -> Option<String> {
+        // Equal time series have equal sums. Different rolls that are not all zero have different sums in practice.
+        let sums = |roll: &RollSeries| {
+            let samples = roll.samples.iter().zip(1..);
+            samples.fold([0.0; 5], |[time, x, y, u, v], (sample, number)| {
+                let weight = f64::from(number);
+                let ([turned_x, turned_y, _], [at_u, at_v]) =
+                    (sample.rotation.into(), sample.place.into());
+                [
+                    time + sample.time_s,
+                    x + turned_x,
+                    y + turned_y,
+                    u + weight * at_u,
+                    v + weight * at_v,
+                ]
+            })
+        };
+        let series = self.series.as_ref()?;
+        self.leave_out_repeated(series.rolls.iter().map(sums).collect(), 0.0)
+    }
+
+    /// Leaves out each roll whose numbers in `rolls` repeat those of an earlier roll, if at least the share `share` of
+    /// all rolls is repeated and two rolls are left. Returns a warning; `None` if no roll was left out.
+    fn leave_out_repeated<const N: usize>(
+        &mut self,
+        rolls: Vec<[f64; N]>,
+        share: f64,
+    ) -> Option<String> {
         self.source.rows.clone_from(&self.rows);
-        let text = self.source.repeated("roll", rolls.clone(), 0.5)?;
-        let mut copied = copies(rolls).into_iter().peekable();
-        let kept = (0..readings.len()).filter(|roll| copied.next_if_eq(roll).is_none());
+        let text = self.source.repeated("roll", rolls.iter().copied(), share)?;
+        let mut copied = copies(rolls.iter().copied()).into_iter().peekable();
+        let kept = (0..rolls.len()).filter(|roll| copied.next_if_eq(roll).is_none());
         let kept: Vec<usize> = kept.collect();
-        if kept.len() < 2 {
-            return None;
-        }
-        self.keep(&kept);
-        Some(text)
+        (kept.len() > 1).then(|| {
+            self.keep(&kept);
+            text
+        })
     }
 
     pub(super) fn keep(&mut self, rolls: &[usize]) {
@@ -167,6 +198,12 @@ impl RollRecording {
             .iter()
             .filter_map(|&roll| self.rows.get(roll).copied());
         self.rows = rows.collect();
+        if let Some(series) = &mut self.series {
+            let rolls = rolls
+                .iter()
+                .map(|&roll| std::mem::take(&mut series.rolls[roll]));
+            series.rolls = rolls.collect();
+        }
     }
 
     /// The reading of each roll where the probe is turned furthest. For least squares (`is_of_ends`), it is the reading

@@ -48,7 +48,7 @@ impl SeriesReadings {
     pub(super) fn ends(&self) -> Vec<ProbeReading> {
         let ends = |roll: &RollSeries| {
             let (first, last) = (roll.samples.first()?, roll.samples.last()?);
-            let is_only = roll.samples.len() == 1;
+            let is_only = roll.samples.len() == 1 && last.rotation != Vector3::zeros();
             // Pads at the origin, and a single row, state the motion since the start of the roll.
             let is_relative = self.has_pads && (is_only || first.place == Vector2::zeros());
             let start = f64::from(!is_relative);

@@ -134,7 +134,7 @@ pub(super) fn units(
 ) -> Option<String> {
     let most = largest_rotation(readings);
     if most == 0.0 {
-        return Some("no probe turned: all rotations are 0".to_owned());
+        return Some("all rotations from the start to the end of a roll are 0".to_owned());
     }
     let norms = readings
         .iter()

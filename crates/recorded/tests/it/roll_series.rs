@@ -267,6 +267,22 @@ fn columns_state_the_start_of_each_roll() {
 }
 
 #[test]
+fn copied_series_count_once() {
+    let once = rows(1000);
+    let copies = once.iter().map(|&[probe, rest @ ..]| {
+        let [time, x, y, u, v] = rest;
+        [probe + 4.0, time, x, y, u, v]
+    });
+    let twice: Vec<_> = once.iter().copied().chain(copies).collect();
+    for kind in ["pad-edge", "trajectory"] {
+        let settings = json!({ "kind": kind, "pitch": PITCH, "rotation_std_rad": 0.002 });
+        let [once, twice] = [&once, &twice].map(|rows| estimate(&table(rows), &settings).unwrap());
+        assert_eq!(once["mean_curvature"], twice["mean_curvature"], "{kind}");
+        assert_eq!(twice["warnings"][0]["code"], "repeated-rows", "{kind}");
+    }
+}
+
+#[test]
 fn few_crossings_cause_a_warning() {
     for (end_s, is_warned) in [(0.3, true), (1.0, false)] {
         let mut all = rows(1000);
