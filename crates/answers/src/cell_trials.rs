@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use palpate_scene::{SceneTrial, Scenes};
+use palpate_scene::{Arch, SceneTrial, Scenes};
 use palpate_study::config::{ConfigError, Study};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Growth, Runner, TrialMeans};
 
@@ -157,7 +157,8 @@ impl Source<'_> {
                 .map_or("", |quantity| quantity.name);
             return Err(AnswerError::no_quantity(kind, name, quantities));
         };
-        Ok(Setup::Scene(Box::new(SceneTrial::new(scene)), target))
+        let arch = Arch::new();
+        Ok(Setup::Scene(Box::new(SceneTrial { scene, arch }), target))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Computes how reliably trials distinguish the swept objects of a study.
 
-use palpate_scene::{SceneTrial, Scenes, quantities_of};
+use palpate_scene::{Arch, SceneTrial, Scenes, quantities_of};
 use palpate_study::Quantity;
 use palpate_study::config::{SceneConfig, Study};
 use palpate_sweep::{Runner, TrialMeans, in_order, repeats};
@@ -77,7 +77,10 @@ pub fn distinguish(
     let mut classes: Vec<Option<&'static str>> = Vec::with_capacity(cells);
     for cell in 0..cells {
         progress(cell, cells);
-        let trial = SceneTrial::new(study.estimable_scene(cell)?);
+        let trial = SceneTrial {
+            scene: study.estimable_scene(cell)?,
+            arch: Arch::new(),
+        };
         let kind = study.cell(cell)?.config.scene.kind();
         let (place, _) = place_of(trial.scene.quantities(), kind, quantity)?;
         let first = cell as u64 * TRIALS_PER_CELL;

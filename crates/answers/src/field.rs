@@ -18,7 +18,7 @@ pub struct Field {
     /// Values that the question lists for the field; empty if the question gives a range of numbers.
     pub listed: Vec<toml::Value>,
     /// Range of the field's values. If the question lists the values, this is the range of their indices in the list.
-    pub span: Span,
+    pub(crate) span: Span,
 }
 
 impl Field {

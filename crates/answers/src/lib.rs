@@ -34,8 +34,8 @@ pub use distinguish::distinguish;
 pub use error::AnswerError;
 pub use field::Field;
 pub use question::{Extreme, Question, Sought};
-pub use region::{Best, DesignPoint, Region, RegionColumn, Sample};
-pub use search::{EndReason, Run, Side, Span};
+pub use region::{Best, Region, RegionColumn};
+pub use search::{Run, Side};
 pub use sensitivity::{FieldEffect, Sensitivity, sensitivity};
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ pub struct RegionColumn {
     /// Value of each field in [`Region::grid`]. For a field with listed values, this is the index in its list.
     pub at: Vec<f64>,
     /// Tested values of the searched field, in ascending order. Listed values are in the order of the list.
-    pub points: Vec<DesignPoint>,
+    pub(crate) points: Vec<DesignPoint>,
     /// Ranges of neighbouring values of the searched field that all meet or all miss the target, in ascending order.
     /// For listed values, the ranges contain the indices of the values.
     pub runs: Vec<Run>,
@@ -54,35 +54,35 @@ pub struct RegionColumn {
     /// attempt. The ranges were shortened at these ends.
     pub narrowed: usize,
     /// Reason why the search at this combination of values ended.
-    pub ended: EndReason,
+    pub(crate) ended: EndReason,
 }
 
 /// A tested value of the searched field.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DesignPoint {
+pub(crate) struct DesignPoint {
     /// The tested value of the searched field. For a listed value, its index in the list.
-    pub value: f64,
+    pub(crate) value: f64,
     /// Whether the tested value meets or misses the target; `None` if the trials have not decided this.
-    pub side: Option<Side>,
+    pub(crate) side: Option<Side>,
     /// Index of the decisive cell of the study: the cell that meets the target least clearly, or misses it most
     /// clearly.
-    pub worst: usize,
+    pub(crate) worst: usize,
     /// Results of each cell of the study, in the order of the cells. They come from the trials that the search used.
-    pub searched: Vec<Sample>,
+    pub(crate) searched: Vec<Sample>,
     /// Results of each cell of the study from the fresh trials that verify the answer; empty if no fresh trials were
     /// run at this value.
-    pub fresh: Vec<Sample>,
+    pub(crate) fresh: Vec<Sample>,
 }
 
 /// Result of a cell of the study at a tested value of the searched field, computed from the cell's trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// Index of the cell (combination of values that the study itself sweeps).
-    pub cell: usize,
+    pub(crate) cell: usize,
     /// Number of trials of the cell of the study, and number of failed trials.
-    pub counts: TrialCounts,
+    pub(crate) counts: TrialCounts,
     /// The statistic of the target and its standard error; `None` if the statistic is undefined.
-    pub statistic: Option<(f64, f64)>,
+    pub(crate) statistic: Option<(f64, f64)>,
 }
 
 /// The best value of the optimised field.

@@ -4,6 +4,7 @@ use palpate_report::{
     CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
     MapPanel, ReportError, Stretch, design_figure,
 };
+use palpate_statistics::Number;
 use palpate_study::number;
 
 use crate::field::Field;
@@ -119,7 +120,7 @@ impl Region {
         }
         let limit = self.question.target.limit;
         DesignCurve {
-            limit: (limit, statistic.value(&number::exact(limit))),
+            limit: (limit, statistic.value(&Number(limit).to_string())),
             statistic,
             lines,
             runs: stretches(column),

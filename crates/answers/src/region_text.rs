@@ -1,5 +1,6 @@
 //! The answer of `palpate design` (a region of values that meet the target) in sentences.
 
+use palpate_statistics::Number;
 use palpate_study::{Bound, Label, Statistic, number};
 
 use crate::question::Sought;
@@ -102,7 +103,7 @@ impl Region {
             Bound::AtMost => "at most",
             Bound::AtLeast => "at least",
         };
-        let limit = label.value(&number::exact(self.question.target.limit));
+        let limit = label.value(&Number(self.question.target.limit).to_string());
         let failures = match self.question.max_failures {
             share if share >= 1.0 => "any share of the trials may fail".to_owned(),
             share => format!(

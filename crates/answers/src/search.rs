@@ -20,10 +20,10 @@ use palpate_sweep::Clock;
 
 use limits::{Effort, Rules};
 
-pub use explore::EndReason;
+pub(crate) use explore::EndReason;
 pub(crate) use explore::SearchRange;
 pub use points::Side;
-pub use span::Span;
+pub(crate) use span::Span;
 pub use verify::Run;
 
 /// Scores of one cell of the study for the two conditions of a target. A score is the number of standard errors by

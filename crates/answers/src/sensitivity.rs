@@ -242,12 +242,12 @@ impl ErrorRuns<'_> {
         let column = self
             .study
             .varied(&fixed(value))
-            .map_err(|error| error.message().to_owned())?;
+            .map_err(|error| error.message)?;
         let column = column.columns.last().cloned().unwrap_or_default();
         let mut why = String::new();
         let mut end = |value: f64| {
             let run = self.at(&fixed(value));
-            run.map_err(|error| why = error.message().to_owned()).ok()
+            run.map_err(|error| why = error.message).ok()
         };
         // The effect is a change per relative change of the value, so no end may be 0.
         let ends = [value - step, value + step]

@@ -170,7 +170,10 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
     study.override_trials(scene.trials)?;
     let mut fresh = Vec::new();
     for cell in 0..study.cell_count() {
-        let trial = SceneTrial::new(study.estimable_scene(cell)?);
+        let trial = SceneTrial {
+            scene: study.estimable_scene(cell)?,
+            arch: palpate_scene::Arch::new(),
+        };
         let mut names = trial.scene.quantities().iter();
         let place = names.position(|one| one.name == scene.quantity);
         let place = place.with_context(|| format!("{} has no {}", scene.name, scene.quantity))?;

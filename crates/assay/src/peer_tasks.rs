@@ -158,7 +158,7 @@ fn frames() -> Result<Vec<Figure>> {
 /// Measures the contact of a ball with a half-space: force, pressure, and the displacements at the points of the peer
 /// program's grid or at a sensor's markers.
 fn contacts() -> Result<Vec<Figure>> {
-    let surface = Body::hertz(0.0)?;
+    let surface = Body::half_space(0.0, 0.0)?;
     let contact = surface.press(1.0 / RADIUS, DEPTH)?;
     // By Hertz's theory, the force is 2/3 π a² times the peak pressure, where a is the contact radius. The reference
     // for a follows from this equation, with the exact force and the contact's peak pressure.

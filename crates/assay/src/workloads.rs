@@ -13,7 +13,7 @@ use std::hint::black_box;
 
 use anyhow::{Context, Result, ensure};
 use palpate_ep2::{Penalised, Quadric, TwoPass};
-use palpate_geometry::formula::Formula;
+use palpate_geometry::Formula;
 use palpate_press::Body;
 use palpate_rolling::HeldAxis;
 use palpate_sensing::PadLayout;

@@ -3,7 +3,8 @@
 use palpate_ep2::MapPoint;
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_study::config::LengthUnit;
-use palpate_study::{Column, MapTable, Unit};
+use palpate_study::number::shortest;
+use palpate_study::{Column, Table, Unit};
 
 /// Columns of a table of curvature maps: positions, curvatures with their standard errors, principal curvatures and
 /// directions, shape class, number of the region (an area of one shape class), and the probability of each class. For
@@ -32,46 +33,47 @@ fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
 
 /// An empty table for the points of maps. If `of_study` is true, the table is for the maps of all grid points of a
 /// study, and it has the columns `cell` and `true_class`. Otherwise, the table is for a map from recorded readings.
-pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
-    MapTable::new(columns(unit, of_study))
+pub fn map_table(unit: LengthUnit, of_study: bool) -> Table {
+    Table::new(columns(unit, of_study))
 }
 
 /// Adds the row of one point to a table of maps. A field stays empty if the estimator does not compute its value.
 pub fn push_map_point(
-    table: &mut MapTable,
+    table: &mut Table,
     cell_and_true_class: Option<(usize, ShapeClass)>,
     point: &MapPoint,
     region: Option<usize>,
     thresholds: &ShapeThresholds,
 ) {
+    let (cell, true_class) = cell_and_true_class.unzip();
     let curvature = &point.curvature;
     let stds = curvature.uncertainty;
-    if let Some((cell, _)) = cell_and_true_class {
-        table.text(cell);
-    }
-    push_all(table, point.position.iter().chain(point.normal.iter()));
-    table.number(Some(curvature.gaussian));
-    table.number(stds.map(|stds| stds.gaussian_std));
-    table.number(Some(curvature.mean));
-    table.number(stds.map(|stds| stds.mean_std));
-    push_all(table, [point.k_min, point.k_max].iter());
+    let place = point.position.iter().chain(point.normal.iter());
+    let curvatures = [
+        Some(curvature.gaussian),
+        stds.map(|stds| stds.gaussian_std),
+        Some(curvature.mean),
+        stds.map(|stds| stds.mean_std),
+        Some(point.k_min),
+        Some(point.k_max),
+    ];
     let directions = [&point.direction_of_min, &point.direction_of_max];
-    push_all(table, directions.into_iter().flat_map(|one| one.iter()));
-    table.number(point.shape_index);
-    table.text(curvature.class(thresholds).name());
-    if let Some((_, true_class)) = cell_and_true_class {
-        table.text(true_class.name());
-    }
-    table.text(region.map_or_else(String::new, |region| region.to_string()));
+    let directions = directions.into_iter().flat_map(|one| one.iter());
+    let numbers = (place.copied().map(Some))
+        .chain(curvatures)
+        .chain(directions.copied().map(Some))
+        .chain([point.shape_index]);
     let probabilities = curvature.class_probabilities(thresholds);
-    for class in 0..ShapeClass::ALL.len() {
-        table.number(probabilities.as_ref().map(|all| all[class]));
-    }
-    table.end_row();
-}
-
-fn push_all<'a>(table: &mut MapTable, values: impl Iterator<Item = &'a f64>) {
-    values.for_each(|value| table.number(Some(*value)));
+    let classes = 0..ShapeClass::ALL.len();
+    let probabilities = classes.map(|class| probabilities.as_ref().map(|all| all[class]));
+    let text = |number: Option<f64>| number.map_or_else(String::new, shortest);
+    let row = (cell.map(|cell| cell.to_string()).into_iter())
+        .chain(numbers.map(text))
+        .chain([curvature.class(thresholds).name().to_owned()])
+        .chain(true_class.map(|class| class.name().to_owned()))
+        .chain([region.map_or_else(String::new, |region| region.to_string())])
+        .chain(probabilities.map(text));
+    table.rows.push(row.collect());
 }
 
 const fn probability_column(class: ShapeClass) -> &'static str {

@@ -160,7 +160,7 @@ pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Tabl
             change.map(|change| change.shift_px[1]),
             change.map(|change| change.hue_turns),
         ];
-        let status = track.map_or("not-seen", |track| track.status.name());
+        let status = track.map_or("not-seen", |track| track.status.into());
         let mut row = vec![marker.to_string()];
         row.extend(numbers.map(text));
         row.push(status.to_owned());

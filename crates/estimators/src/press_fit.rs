@@ -124,7 +124,7 @@ pub fn sensor_body(
     layer: impl Fn(f64, f64) -> Result<Body, PressError>,
 ) -> Result<Body, PressError> {
     match (model, model.thickness()) {
-        (PressModelConfig::Hertz { poisson, .. }, _) => Body::hertz(*poisson),
+        (PressModelConfig::Hertz { poisson, .. }, _) => Body::half_space(*poisson, 0.0),
         (_, Some(thickness)) => layer(thickness, depth),
         (_, None) => Body::half_space(model.poisson(), depth),
     }

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Display};
 
-use palpate_geometry::formula::Formula;
+use palpate_geometry::Formula;
 use palpate_recorded::{
     CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
 };

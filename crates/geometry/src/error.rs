@@ -67,11 +67,8 @@ impl SurfaceError {
     }
 }
 
-/// Error for a surface that cannot be constructed because a parameter is out of its range.
-pub type InvalidShape = BadSetting;
-
 /// Checks that a parameter is a valid length: its square must not overflow or underflow to zero.
-pub(crate) fn checked_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+pub(crate) fn checked_length(parameter: &'static str, value: f64) -> Result<f64, BadSetting> {
     let expected = match value > 0.0 && value.is_finite() {
         true => "between 1e-150 and 1e150",
         false => "finite and > 0",
@@ -79,7 +76,7 @@ pub(crate) fn checked_length(parameter: &'static str, value: f64) -> Result<f64,
     BadSetting::unless(SQUARABLE.contains(&value), parameter, value, expected)
 }
 
-pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64, BadSetting> {
     BadSetting::unless(value.is_finite(), parameter, value, "finite")
 }
 

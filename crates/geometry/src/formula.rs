@@ -31,7 +31,7 @@ use program::Program;
 ///
 /// ```
 /// use std::collections::BTreeMap;
-/// use palpate_geometry::formula::Formula;
+/// use palpate_geometry::Formula;
 ///
 /// let parameters = BTreeMap::from([("a".to_owned(), 0.5)]);
 /// let bowl = Formula::parse("a*(x^2 + y^2)", &parameters)?;

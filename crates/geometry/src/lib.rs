@@ -10,25 +10,29 @@
 //!
 //! This crate has no input or output, no random numbers and no file formats.
 
-pub mod curvature;
+mod curvature;
 mod error;
-pub mod formula;
+mod formula;
 mod fundamental;
 mod level_set;
 mod meridian;
 mod surface;
-pub mod surfaces;
+mod surfaces;
 
 pub use curvature::{
     CurvatureForm, InvalidThresholds, PrincipalCurvatures, ShapeClass, ShapeThresholds,
     UNKNOWN_DIRECTION_STD,
 };
-pub use error::{InvalidShape, SurfaceError};
+pub use error::SurfaceError;
+pub use formula::{Formula, FormulaError, FormulaErrorKind, Jet};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use surface::Surface;
-pub use surfaces::{Shape, Visitor};
+pub use surfaces::{
+    Cylinder, Dish, Ellipsoid, Graph, Height, HeightField, HeightJet, Paraboloid, Plane, Saddle,
+    Shape, Sphere, Torus, Visitor,
+};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -20,7 +20,7 @@ use crate::{
 ///
 /// ```
 /// use nalgebra::Vector3;
-/// use palpate_geometry::{Surface, surfaces::Sphere};
+/// use palpate_geometry::{Sphere, Surface};
 ///
 /// let sphere = Sphere::new(3.0)?;
 /// let top = sphere.contact_at(0.0, 0.0)?;

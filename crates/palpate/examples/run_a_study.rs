@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         done.fetch_add(finished, Ordering::Relaxed);
     };
     let ran = simulation.run(&cancelled, &progress)?;
-    println!("{} of {} trials", done.into_inner(), simulation.trials());
+    println!("{} of {} trials", done.into_inner(), study.trials());
 
     for (cell, statistics) in study.cells().zip(&ran.statistics) {
         let radius = &cell.coordinates[0];

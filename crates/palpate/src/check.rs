@@ -4,14 +4,14 @@ use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use palpate_scene::{Ladder, Need, Scene, SceneTrial, Scenes, SharedModels};
+use palpate_scene::{Arch, Ladder, Need, Scene, SceneTrial, Scenes, SharedModels};
 use palpate_study::config::{
     ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study, StudyConfig,
 };
 use palpate_sweep::{Clock, Runner, SweepError, Trial};
 
 use crate::coverage::{Coverage, coverage};
-use crate::ladder_timing::{EvaluationTime, neighbour_times};
+use crate::ladder_timing::neighbour_times;
 use crate::output_check::check_outputs;
 use crate::plan::with_ideal_sensor;
 use crate::planner::{Pace, spread};
@@ -90,10 +90,10 @@ pub enum Rungs {
         cell: usize,
         /// The models with their errors, cheapest first.
         ladder: Ladder,
-        /// Index in `ladder` and computing time of the chosen model, and of its neighbours: the next cheaper and the
-        /// next more exact model that can compute the scene, and all models between them. A time is `None` if it was
-        /// not measured.
-        times: Vec<(usize, Option<EvaluationTime>)>,
+        /// Index in `ladder` and computing time (s) of the chosen model, and of its neighbours: the next cheaper and
+        /// the next more exact model that can compute the scene, and all models between them. It is the time of a
+        /// trial for a roll, and of the set-up for a glide or a press. A time is `None` if it was not measured.
+        times: Vec<(usize, Option<f64>)>,
     },
 }
 
@@ -217,19 +217,22 @@ fn scenes(
         }
         let cell = study.cell(number)?;
         if is_late && matches!(cell.config.scene, SceneConfig::Press(_)) {
-            Scene::of(
+            Scene::new(
                 &with_ideal_sensor(&cell.config.scene),
                 cell.config.length_unit,
                 cell.config.seed,
                 &parts,
             )
-            .map_err(|error| study.error_at(number, &error.path, error.message))?;
+            .map_err(|error| study.error_at(number, error))?;
         } else {
             let scene = study.estimable_scene_of(number, &cell, &parts)?;
             scenes.push(CellScene {
                 number,
                 config: cell.config,
-                trial: SceneTrial::new(scene),
+                trial: SceneTrial {
+                    scene,
+                    arch: Arch::new(),
+                },
             });
         }
     }

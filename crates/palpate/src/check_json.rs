@@ -4,8 +4,8 @@ use serde_json::{Value as Json, json};
 
 use crate::check::{Check, Rungs};
 use crate::coverage::{Coverage, Family};
-use crate::ladder_timing::EvaluationTime;
 use palpate_scene::Accuracy;
+use palpate_study::config::ModelConfig;
 
 impl Check {
     /// The forecast as a JSON object.
@@ -71,8 +71,8 @@ fn of_rungs(rungs: &Rungs) -> Json {
                         Accuracy::Error(_) => None,
                         Accuracy::Impossible(reason) => Some(reason),
                     },
-                    "seconds": time.map(|time| time.seconds()),
-                    "each_trial": time.map(|time| matches!(time, EvaluationTime::EachTrial(_))),
+                    "seconds": time,
+                    "each_trial": time.map(|_| matches!(rung.model, ModelConfig::Roll(_))),
                 })
             });
             json!({

@@ -81,7 +81,7 @@ fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
 /// # Errors
 /// [`csv::Error`] for a row whose number of fields differs from the header's.
 pub fn columns(text: &str, known: &[Column]) -> Result<Vec<(Column, Values)>, csv::Error> {
-    let mut rows = Rows::new(text.as_bytes());
+    let mut rows = Rows::new(text.as_bytes(), true);
     let column = |name: String| {
         let known = known.iter().find(|column| column.name == name);
         known.cloned().unwrap_or_else(|| name.into())
@@ -101,7 +101,7 @@ pub fn columns(text: &str, known: &[Column]) -> Result<Vec<(Column, Values)>, cs
         false => Values::Texts(Vec::new()),
     };
     let mut all: Vec<Values> = are_numbers.into_iter().map(empty).collect();
-    let mut rows = Rows::new(text.as_bytes());
+    let mut rows = Rows::new(text.as_bytes(), true);
     while let Some((_, row)) = rows.next_row()? {
         for (values, field) in all.iter_mut().zip(row) {
             match values {

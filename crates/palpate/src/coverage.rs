@@ -259,7 +259,7 @@ fn families() -> &'static [Family] {
     FAMILIES.get_or_init(|| {
         let mut families = Vec::new();
         for (_, table) in FAMILY_TABLES {
-            let mut rows = Rows::new(table.as_bytes());
+            let mut rows = Rows::new(table.as_bytes(), true);
             let header = rows.header().unwrap_or_default();
             while let Ok(Some((_, row))) = rows.next_row() {
                 let cells = header.iter().map(String::as_str).zip(row);

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
+use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene, SharedModels};
 use palpate_study::config::{LengthUnit, SceneConfig};
 use palpate_sweep::Clock;
 
@@ -14,26 +14,6 @@ const MAX_MEASUREMENTS: usize = 100_000;
 /// Largest number of trials that are timed together. With many trials, the time for reading the clock is negligible.
 const MAX_TRIALS_PER_READING: u64 = 64;
 
-/// Computing time of a model. It is the shortest of several measurements, because other programs on the machine can
-/// only make a measurement longer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EvaluationTime {
-    /// Seconds per trial of a roll, without the time for the statistics of the results. Every trial uses the model to
-    /// compute the path of the contact.
-    EachTrial(f64),
-    /// Seconds to set up a glide or a press. The model is used only during the set-up, because all trials have the
-    /// same true values.
-    SettingUp(f64),
-}
-
-impl EvaluationTime {
-    /// The computing time, s: per trial for a roll, for the whole set-up otherwise.
-    pub fn seconds(&self) -> f64 {
-        let (Self::EachTrial(seconds) | Self::SettingUp(seconds)) = self;
-        *seconds
-    }
-}
-
 /// Index in `ladder` and computing time of the chosen model, and of its neighbours: the next cheaper and the next more
 /// exact model that can compute the scene, and all models between them. A time is `None` if the model cannot compute
 /// the scene, or if `deadline` passed before the measurement.
@@ -42,7 +22,7 @@ pub(crate) fn neighbour_times(
     ladder: &Ladder,
     deadline: Duration,
     clock: &Clock<'_>,
-) -> Vec<(usize, Option<EvaluationTime>)> {
+) -> Vec<(usize, Option<f64>)> {
     let time = |place: usize| match clock() < deadline {
         true => evaluation_time(scene, &ladder.rungs[place], clock),
         false => None,
@@ -64,15 +44,18 @@ fn neighbours(ladder: &Ladder) -> RangeInclusive<usize> {
     down..=up
 }
 
-/// Measured computing time of the scene with one model; `None` if this model cannot compute the scene.
+/// Measured computing time (s) of the scene with one model: of one trial for a roll, without the time for the statistics
+/// of the results, and of the set-up for a glide or a press, whose trials all have the same true values. It is the
+/// shortest of several measurements, because other programs on the machine can only make a measurement longer. `None` if
+/// this model cannot compute the scene.
 fn evaluation_time(
     (scene, unit, seed): (&SceneConfig, LengthUnit, u64),
     rung: &Rung,
     clock: &Clock<'_>,
-) -> Option<EvaluationTime> {
+) -> Option<f64> {
     rung.accuracy.error()?;
     let config = scene.with_model(&rung.model)?;
-    let set_up = || Scene::new(&config, unit, seed).ok();
+    let set_up = || Scene::new(&config, unit, seed, &SharedModels::default()).ok();
     // Do not measure the first set-up, because it also fills caches and tables.
     let scene = set_up()?;
     let Scene::Roll(roll) = &scene else {
@@ -81,7 +64,7 @@ fn evaluation_time(
             std::hint::black_box(set_up()?);
             Some(clock().saturating_sub(start).as_secs_f64())
         };
-        return least(timed, clock).map(EvaluationTime::SettingUp);
+        return least(timed, clock);
     };
     let mut trials = 1;
     let timed = || {
@@ -91,7 +74,7 @@ fn evaluation_time(
         trials = (2 * trials).min(MAX_TRIALS_PER_READING);
         Some(seconds)
     };
-    least(timed, clock).map(EvaluationTime::EachTrial)
+    least(timed, clock)
 }
 
 /// Runs `trials` trials in the same way as the runner: in batches, where the roll can run in batches.

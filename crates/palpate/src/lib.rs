@@ -60,19 +60,18 @@ mod warnings;
 pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Values, columns, stem, unit_of};
 pub use coverage::{Coverage, FAMILY_TABLES, Family, coverage, family_scene};
-pub use ladder_timing::EvaluationTime;
 pub use output_check::check_outputs;
 pub use palpate_answers::{
-    AnswerError, Best, DesignPoint, Discrimination, EndReason, Extreme, Field, FieldEffect, Group,
-    Object, Pair, Question, Region, RegionColumn, Run, Sample, Sensitivity, Side, Sought,
-    TrialCounts, design, distinguish, sensitivity,
+    AnswerError, Best, Discrimination, Extreme, Field, FieldEffect, Group, Object, Pair, Question,
+    Region, RegionColumn, Run, Sensitivity, Side, Sought, TrialCounts, design, distinguish,
+    sensitivity,
 };
+pub use palpate_estimators::{CutPattern, marker_places};
 pub use palpate_recorded as recorded;
 pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
 pub use palpate_scene::{
-    Accuracy, Arch, CameraTrace, CutPattern, Ladder, Need, Rung, Scene, SceneTrial, Scenes, Trace,
-    marker_places,
+    Accuracy, Arch, CameraTrace, Ladder, Need, Rung, Scene, SceneTrial, Scenes, Trace,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_study::{

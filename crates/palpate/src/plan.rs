@@ -1,11 +1,11 @@
 //! Chooses the number of trials and the model for cells of a study.
 
-use palpate_scene::{Scene, SceneTrial, Scenes, TOLERANCES};
+use palpate_scene::{Arch, Scene, SceneTrial, Scenes, SharedModels, TOLERANCES};
 use palpate_study::config::{
     self, ConfigError, GlideModelConfig, GlideSensorConfig, ModelConfig, PressModelConfig,
     PressSensorConfig, RollModelConfig, RollSensorConfig, SceneConfig, Study, StudyConfig,
 };
-use palpate_study::{Quantity, Unit};
+use palpate_study::{FieldError, Quantity, Unit};
 use palpate_sweep::{Clock, Runner};
 
 use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable};
@@ -50,7 +50,9 @@ pub fn plan(
 ) -> Result<(Study, Plan), PlanError<ConfigError>> {
     if study.paths.iter().any(|path| path == "trials") {
         let message = "is swept, so that neither a budget nor a target error can choose it";
-        return Err(PlanError::SetUp(study.error_at(0, "trials", message)));
+        return Err(PlanError::SetUp(
+            study.error_at(0, FieldError::at("trials", message)),
+        ));
     }
     let cells = Chosen::new(study.clone(), numbers.to_vec());
     let (planned, plan) = planner::plan(&cells, goal, runner, clock)?;
@@ -95,7 +97,8 @@ impl Plannable for Chosen {
 
     fn set_up(&self, cell: usize) -> Result<SceneTrial, ConfigError> {
         let scene = self.study.estimable_scene(self.numbers[cell]);
-        scene.map(SceneTrial::new)
+        let arch = Arch::new();
+        scene.map(|scene| SceneTrial { scene, arch })
     }
 
     fn quantity(trial: &SceneTrial, quantity: usize) -> &'static str {
@@ -158,7 +161,10 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
 /// Estimates and true values of a trial without noise, computed with this tolerance of the model `auto`. `in_cell`
 /// lists the quantities of the cell. Returns `None` if the scene cannot be set up or the trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
-    let set_up = |scene: &SceneConfig| Scene::new(scene, config.length_unit, config.seed).ok();
+    let set_up = |scene: &SceneConfig| {
+        let models = SharedModels::default();
+        Scene::new(scene, config.length_unit, config.seed, &models).ok()
+    };
     let mut scene = with_tolerance(&config.scene, tolerance)?;
     if matches!(scene, SceneConfig::Roll(_)) {
         // Choose the model for the scene with its noise. Without noise, `auto` could choose a model that holds only for

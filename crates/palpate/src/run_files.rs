@@ -4,7 +4,7 @@
 use std::fmt::{Display, Write};
 
 use palpate_scene::map_table_of;
-use palpate_study::config::{LengthUnit, SceneConfig, Study, StudyConfig, to_toml};
+use palpate_study::config::{LengthUnit, SceneConfig, Study, to_toml};
 use palpate_study::number::Shortest;
 use palpate_study::{Column, Quantity, Statistic, Table, push_row};
 
@@ -23,7 +23,7 @@ pub(crate) fn failure_columns() -> Vec<Column> {
 /// one.
 pub fn result_columns(study: &Study) -> Vec<Column> {
     let map = map_table_of(&study.config.scene, study.config.length_unit);
-    let map = map.map_or_else(Vec::new, |map| map.table.columns);
+    let map = map.map_or_else(Vec::new, |map| map.columns);
     [
         columns(study, true),
         failure_columns(),
@@ -290,10 +290,9 @@ pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn resolved(study: &Study) -> String {
-    to_toml(&StudyConfig {
-        crate_version: Some(env!("CARGO_PKG_VERSION").to_owned()),
-        ..study.config.clone()
-    })
+    let mut config = study.config.clone();
+    config.crate_version = Some(env!("CARGO_PKG_VERSION").to_owned());
+    to_toml(&config)
 }
 
 #[cfg(test)]

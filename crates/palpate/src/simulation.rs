@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels, drop_undefined_moments};
 use palpate_study::config::{Cell, ConfigError, Output, Study};
-use palpate_study::{Column, MapTable, Table, Warning, header};
+use palpate_study::{Column, FieldError, Table, Warning, header};
 use palpate_sweep::{
     CellStatistics, Failure, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError,
     SweepOutput, Task, TrialObservations,
@@ -53,7 +53,7 @@ const MAX_CACHED: usize = 64;
 /// let runner = Runner::new(&RunOptions::default())?;
 /// // The last cell alone.
 /// let simulation = Simulation::new(&study, [2], &runner)?;
-/// assert_eq!(simulation.trials(), 100);
+/// assert_eq!(simulation.trials_before(1), 100);
 /// let ran = simulation.run(&AtomicBool::new(false), &|_trials| ())?;
 /// assert_eq!((ran.statistics.len(), ran.cells.rows[0][0].as_str()), (1, "2"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,14 +62,19 @@ const MAX_CACHED: usize = 64;
 pub struct Simulation<'a> {
     study: &'a Study,
     runner: &'a Runner,
-    arch: Arch,
+    /// The vector instructions that the simulation uses. The results do not depend on this choice.
+    pub arch: Arch,
     tasks: ShardTasks,
     states_bounds: bool,
     /// Empty table for the curvature maps of the cells, with its columns; `None` if the config requests no maps.
-    maps: Option<MapTable>,
-    warnings: Warnings,
-    /// Whether the simulation also outputs the table of trials, with one row for each estimate of each trial.
-    has_trials: bool,
+    maps: Option<Table>,
+    /// Warnings from the check of the cells before the run, for example that the contact model or the estimator is not
+    /// valid in a cell.
+    pub warnings: Warnings,
+    /// Whether the simulation also outputs the rows of the table of trials, with one row for each estimate of each
+    /// trial. [`Simulation::stream`] outputs the rows of a cell's trials before the result of the cell.
+    /// [`Simulation::run`] returns a table of all trials.
+    pub has_trials: bool,
     /// Scenes that were set up when the cells were checked, by cell number. The trials use these scenes again.
     cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,
     /// Models that several scenes share, so that each model is set up only once.
@@ -145,7 +150,9 @@ impl<'a> Simulation<'a> {
             if let Some(maps) = &self.maps
                 && map_table(self.study, &scene)? != *maps
             {
-                return Err(self.study.error_at(0, "outputs", UNLIKE_MAPS));
+                return Err(self
+                    .study
+                    .error_at(0, FieldError::at("outputs", UNLIKE_MAPS)));
             }
             let of_cell = warnings_of(&scene);
             lock(&warnings).add(number, &of_cell);
@@ -161,32 +168,8 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Sets which vector instructions the simulation uses, for example narrower ones than the processor supports. The
-    /// results do not depend on this choice.
-    #[must_use]
-    pub fn with_arch(self, arch: Arch) -> Self {
-        Self { arch, ..self }
-    }
-
-    /// Returns this simulation with an additional output: the rows of the table of trials. [`Simulation::stream`]
-    /// outputs the rows of a cell's trials before the result of the cell. [`Simulation::run`] returns a table of all
-    /// trials.
-    #[must_use]
-    pub fn with_trials(self) -> Self {
-        Self {
-            has_trials: true,
-            ..self
-        }
-    }
-
-    /// Number of trials of all cells, limited to the largest `u64`. It is an upper limit, because a cell without noise
-    /// runs only one trial.
-    pub fn trials(&self) -> u64 {
-        self.tasks.trials_before(self.study, self.tasks.tasks())
-    }
-
-    /// Number of trials of the first `tasks` tasks. Each cell is one task. The number is an upper limit, as in
-    /// [`Simulation::trials`].
+    /// Number of trials of the first `tasks` tasks, limited to the largest `u64`. Each cell is one task. The number is
+    /// an upper limit, because a cell without noise runs only one trial.
     pub fn trials_before(&self, tasks: u64) -> u64 {
         self.tasks.trials_before(self.study, tasks)
     }
@@ -212,12 +195,6 @@ impl<'a> Simulation<'a> {
         self.tasks.cell(task)
     }
 
-    /// Warnings from the check of the cells before the run, for example that the contact model or the estimator is not
-    /// valid in a cell.
-    pub fn check_warnings(&self) -> &Warnings {
-        &self.warnings
-    }
-
     /// Columns of `cells.csv`, `failures.csv`, `map.csv` and the table of trials. The columns of `map.csv` are `None`
     /// if the config requests no maps; those of the table of trials are `None` if the rows of trials are not output.
     pub fn columns(&self) -> [Option<Vec<Column>>; 4] {
@@ -225,7 +202,7 @@ impl<'a> Simulation<'a> {
         [
             Some(run_files::columns(self.study, self.states_bounds)),
             Some(run_files::failure_columns()),
-            maps.map(|maps| maps.table.columns.clone()),
+            maps.map(|maps| maps.columns.clone()),
             self.has_trials.then(run_files::trial_columns),
         ]
     }
@@ -297,7 +274,7 @@ impl<'a> Simulation<'a> {
             failures: run_files::failures(&rows),
             trials: self.has_trials.then_some(trials),
             map: self.maps.as_ref().map(|maps| {
-                let mut table = maps.table.clone();
+                let mut table = maps.clone();
                 let maps = cells.iter_mut().filter_map(|cell| cell.map.take());
                 maps.for_each(|map| table.rows.extend(map.rows));
                 table
@@ -333,7 +310,7 @@ impl<'a> Simulation<'a> {
                     format!("the map has no estimates, because trial 0 failed as `{failure}`");
                 warnings.push(Warning::new("failed-map", text, []));
             }
-            map.table
+            map
         });
         Ok(CellSetup {
             cell: number,
@@ -351,9 +328,9 @@ impl<'a> Simulation<'a> {
 const UNLIKE_MAPS: &str =
     "maps of glides and presses cannot be in one table; only \"cells\" and \"trace\" are possible";
 
-fn map_table(study: &Study, scene: &Scene) -> Result<MapTable, ConfigError> {
+fn map_table(study: &Study, scene: &Scene) -> Result<Table, ConfigError> {
     let table = scene.map_table(study.config.length_unit);
-    table.map_err(|message| study.error_at(0, "outputs", message))
+    table.map_err(|message| study.error_at(0, FieldError::at("outputs", message)))
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -460,7 +437,7 @@ pub struct Ran {
     /// Warnings of the cells, one for each warning code.
     pub warnings: Vec<Warning>,
     /// Table of all trials as CSV text, with one row per estimate or failure; `None` without
-    /// [`with_trials`](Simulation::with_trials).
+    /// [`has_trials`](Simulation::has_trials).
     pub trials: Option<String>,
 }
 

@@ -19,7 +19,7 @@ pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyM
     RollOptions::from_study(study, unit, |config| {
         let scene = RollScene::new(config, study.seed)?;
         Ok((
-            scene.reading_noise(),
+            scene.reading_noise,
             scene.series_noise().unwrap_or_default(),
         ))
     })

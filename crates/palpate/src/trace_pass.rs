@@ -1,7 +1,7 @@
 //! Traces one trial of a study.
 
 use palpate_scene::{Scenes, Trace, TraceError as PassError};
-use palpate_study::config::{ConfigError, Study};
+use palpate_study::config::{ConfigError, FieldError, Study};
 use thiserror::Error;
 
 /// Reason why a trial cannot be traced.
@@ -41,7 +41,9 @@ pub fn trace(study: &Study, cell: usize, trial: Option<u64>) -> Result<Trace, Tr
     let unit = study.config.length_unit;
     let trace = study.scene(cell)?.trace(trial, unit);
     trace.map_err(|error| match error {
-        PassError::Untouched => study.error_at(0, "scene.kind", error.to_string()).into(),
+        PassError::Untouched => study
+            .error_at(0, FieldError::at("scene.kind", error))
+            .into(),
         error => TraceError::Pass(error),
     })
 }

@@ -20,7 +20,7 @@ const MAX_DISTANCE: f64 = 1e50;
 /// use palpate_press::Body;
 ///
 /// // Hertz: a² = δ/C_r, and the surface moves by δ − C_r r²/2 within the contact.
-/// let body = Body::hertz(0.5)?;
+/// let body = Body::half_space(0.5, 0.0)?;
 /// let contact = body.press(0.25, 1.0)?;
 /// assert_eq!(contact.radius, 2.0);
 /// assert!((contact.displacement(0.0).normal - 1.0).abs() < 1e-11);
@@ -95,14 +95,6 @@ pub(crate) struct Field {
 }
 
 impl Body {
-    /// An elastic half-space whose displacements are computed at its surface. `poisson` is Poisson's ratio.
-    ///
-    /// # Errors
-    /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5].
-    pub fn hertz(poisson: f64) -> Result<Self, PressError> {
-        Self::half_space(poisson, 0.0)
-    }
-
     /// An elastic half-space whose displacements are computed at the depth `depth`. `poisson` is Poisson's ratio.
     ///
     /// # Errors

@@ -20,7 +20,7 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 ///
 /// // A sensor of radius 20 pressed by 1 on a ball of radius 80: C_r = 1/20 + 1/80 = 1/16.
 /// let skin = Skin::new(20.0)?;
-/// let body = Body::hertz(0.5)?;
+/// let body = Body::half_space(0.5, 0.0)?;
 /// let contact = skin.contact(&body, 1.0 / 80.0, 1.0)?;
 /// assert!((contact.relative_curvature - 1.0 / 16.0).abs() < 1e-15);
 /// assert!((contact.radius - 4.0).abs() < 1e-13);

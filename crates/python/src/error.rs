@@ -135,8 +135,7 @@ pub(crate) fn setting(error: SettingError) -> PyErr {
 }
 
 pub(crate) fn config(error: BadConfig) -> PyErr {
-    let path = error.path().to_owned();
-    let error = ConfigError::new_err(error.to_string());
-    let _ = Python::attach(|py| error.value(py).setattr("path", path));
-    error
+    let raised = ConfigError::new_err(error.to_string());
+    let _ = Python::attach(|py| raised.value(py).setattr("path", error.path));
+    raised
 }

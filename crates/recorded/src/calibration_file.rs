@@ -54,7 +54,7 @@ struct NormalPart {
 pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> String {
     let file = CalibrationFile {
         length_unit,
-        markers: calibration.markers(),
+        markers: calibration.markers,
         hue_turns: calibration.hue_turns,
         normal: calibration.normal_part().map(NormalPart::of),
         lateral: calibration.lateral_part().copied(),

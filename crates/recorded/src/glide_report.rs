@@ -178,7 +178,7 @@ impl GlideMap {
             let region = self.regions.as_ref().map(|regions| regions[place]);
             push_map_point(&mut map, None, point, region, &self.thresholds);
         }
-        let mut table = map.table;
+        let mut table = map;
         for name in &self.extras.names {
             let mut name = name.clone();
             while table.columns.iter().any(|column| column.name == name) {

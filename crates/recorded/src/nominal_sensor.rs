@@ -164,7 +164,7 @@ impl<'a> NominalSensor<'a> {
             .collect();
         let mut finder = Finder::default();
         let mut pictures = |number: u64| {
-            let frame = optics.render_with_noise(&still, 0, number);
+            let frame = optics.render(&still, Some((0, number)));
             let frame = frame.map_err(|error| optics_error(&error))?;
             let found = finder.find(&frame).map_err(|_| {
                 let [light, blur] = [blemishes.light_at_rim, blemishes.blur_px].map(Number);

@@ -47,7 +47,7 @@ impl Files {
     }
 
     /// Whether there is a file with this name.
-    pub fn contain(&self, name: &str) -> bool {
+    pub(crate) fn contain(&self, name: &str) -> bool {
         match &self.texts {
             Some(texts) => texts.contains_key(name),
             None => self.path(name).exists(),

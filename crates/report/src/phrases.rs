@@ -9,8 +9,11 @@ pub(crate) fn statistic(name: &str, quantities: &[&str], unit: &str) -> Label {
             .iter()
             .map(|name| label::quantity(name))
             .collect();
-        let words = format!("{} of {}", name.replace('_', " "), quantities.join(", "));
-        Label::in_unit(words, &spoken_unit(unit))
+        Label {
+            words: format!("{} of {}", name.replace('_', " "), quantities.join(", ")),
+            unit: spoken_unit(unit),
+            factor: 1.0,
+        }
     };
     Statistic::named(name).map_or_else(other, |statistic| statistic.label(quantities, unit))
 }

@@ -33,7 +33,7 @@ impl Records {
             problem,
         };
         let text = text.trim_start_matches('\u{feff}');
-        let mut table = Rows::new(text.as_bytes());
+        let mut table = Rows::new(text.as_bytes(), true);
         let header = table.header().map_err(unreadable)?.into_iter();
         let header: Vec<String> = header.map(|name| name.trim().to_owned()).collect();
         if header.iter().all(String::is_empty) {

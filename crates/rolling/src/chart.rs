@@ -14,7 +14,7 @@
 //! of the chart and first moves along its equator.
 
 use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
-use palpate_geometry::surfaces::Sphere;
+use palpate_geometry::Sphere;
 use palpate_geometry::{ChartGeometry, Parameters, Surface, TangentForm};
 
 use crate::contact_equations::{ContactEquations, contact_velocity};
@@ -86,7 +86,7 @@ impl<'a, S: Surface> ChartForm<'a, S> {
             scale,
         ];
         let form = Self {
-            probe: bodies.probe.sphere,
+            probe: bodies.probe,
             object: bodies.object,
             motion,
             held,

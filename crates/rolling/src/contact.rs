@@ -8,7 +8,7 @@ use palpate_geometry::{Surface, SurfaceError};
 ///
 /// ```
 /// use nalgebra::Point3;
-/// use palpate_geometry::surfaces::Sphere;
+/// use palpate_geometry::Sphere;
 /// use palpate_rolling::Contact;
 ///
 /// let contact = Contact::first(&Sphere::new(2.0)?, 0.0, 0.0)?;
@@ -47,7 +47,7 @@ impl Contact {
     ///
     /// # Errors
     /// Errors of [`Surface::contact_at`].
-    pub fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
+    pub(crate) fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
         let on_object = surface.contact_at(x, y)?;
         let normal = surface.level_set(&on_object)?.normal;
         // The first axis of the contact frame is +x, projected onto the tangent plane. On a wall whose normal is along

@@ -15,8 +15,9 @@ mod touch;
 mod touch_model;
 
 use nalgebra::Vector2;
-use palpate_geometry::surfaces::Sphere;
-use palpate_geometry::{InvalidShape, Shape, Surface, SurfaceError};
+use palpate_geometry::Sphere;
+use palpate_geometry::{Shape, Surface, SurfaceError};
+use palpate_statistics::BadSetting;
 
 use crate::Choice;
 use crate::ladder::CLOSED_FORM_ERROR;
@@ -56,9 +57,9 @@ impl Glider {
     /// A glider with the default model, [`TouchModel::default`]. [`Glider::on`] changes the model.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius of a spherical tip is finite and positive, and its square neither overflows
+    /// [`BadSetting`] unless the radius of a spherical tip is finite and positive, and its square neither overflows
     /// nor underflows.
-    pub fn new(object: Shape, fingertip: Fingertip) -> Result<Self, InvalidShape> {
+    pub fn new(object: Shape, fingertip: Fingertip) -> Result<Self, BadSetting> {
         if let Fingertip::Sphere { radius } = fingertip {
             Sphere::new(radius)?;
         }

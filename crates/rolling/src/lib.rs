@@ -51,7 +51,7 @@ pub use glide::{Fingertip, GlideError, Glider, InvalidTouch, Touch, TouchModel};
 pub use ladder_errors::MeasuredRung;
 pub use model::{Choice, InvalidRoll, Model, Rolls, TOLERANCES};
 pub use motion::Motion;
-pub use roller::{Probe, Roller};
+pub use roller::Roller;
 pub use sampled_path::PathPoint;
 
 #[cfg(doctest)]

@@ -49,7 +49,7 @@ impl Model {
     /// Smallest allowed tolerance for the error of a contact. Rounding errors are about as large as this tolerance.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
     /// Largest allowed tolerance for the error of a contact. A larger error would not be useful.
-    pub const LARGEST_TOLERANCE: f64 = 0.1;
+    pub(crate) const LARGEST_TOLERANCE: f64 = 0.1;
 
     pub(crate) fn name(&self) -> String {
         match self {

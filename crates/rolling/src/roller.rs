@@ -1,8 +1,7 @@
 //! The rolling probe: the bodies in contact, and the [`Roller`] that computes their contact.
 
 use nalgebra::Matrix2;
-use palpate_geometry::surfaces::Sphere;
-use palpate_geometry::{InvalidShape, Shape, Surface};
+use palpate_geometry::{Shape, Sphere, Surface};
 
 use crate::closed_form::ClosedForm;
 use crate::contact_equations::contact_velocities;
@@ -14,32 +13,9 @@ use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, R
 /// line or an area.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
-/// A spherical fingertip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Probe {
-    pub(crate) sphere: Sphere,
-}
-
-impl Probe {
-    /// A probe of `radius`.
-    ///
-    /// # Errors
-    /// [`InvalidShape`] unless the radius is finite and positive.
-    pub fn new(radius: f64) -> Result<Self, InvalidShape> {
-        Ok(Self {
-            sphere: Sphere::new(radius)?,
-        })
-    }
-
-    /// Radius of the probe.
-    pub const fn radius(&self) -> f64 {
-        self.sphere.radius()
-    }
-}
-
 #[derive(Debug)]
 pub(crate) struct Bodies<'a, S> {
-    pub(crate) probe: Probe,
+    pub(crate) probe: Sphere,
     pub(crate) object: &'a S,
     /// Length scale of the contact: the smallest displacement of the contact per radian of rolling at the start. Errors
     /// of positions are relative to this length.
@@ -81,11 +57,11 @@ impl<S: Surface> Bodies<'_, S> {
 ///
 /// ```
 /// use palpate_geometry::{Shape, surfaces::Sphere};
-/// use palpate_rolling::{Model, Motion, Probe, Roller, Rolls};
+/// use palpate_rolling::{Model, Motion, Roller, Rolls};
 ///
 /// // A probe of radius 1 rolls by 0.1 rad along x on a ball of radius 3.
 /// let rolls = [vec![Motion::rolling(0.0, 0.1, 1.0)]];
-/// let (probe, ball) = (Probe::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
+/// let (probe, ball) = (Sphere::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
 /// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls::exact(&rolls))?;
 /// // The contact moves by the angle divided by the relative curvature, 1/1 + 1/3.
 /// let shift = roller.shift(&rolls[0])?;
@@ -95,7 +71,7 @@ impl<S: Surface> Bodies<'_, S> {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Roller {
-    probe: Probe,
+    probe: Sphere,
     object: Shape,
     first: Contact,
     /// Smallest displacement of the contact per radian of rolling at the first contact (length). Errors of the contact
@@ -114,7 +90,7 @@ impl Roller {
     /// [`InvalidRoll`] if there is no first contact, if the bodies conform there, or if the tolerance is out of range.
     /// It is also an error if the model that the user has set cannot compute the rolls.
     pub fn new(
-        probe: Probe,
+        probe: Sphere,
         object: Shape,
         first_contact: (f64, f64),
         model: Model,
@@ -168,7 +144,7 @@ impl Roller {
     }
 
     /// The probe that rolls.
-    pub const fn probe(&self) -> Probe {
+    pub const fn probe(&self) -> Sphere {
         self.probe
     }
 

@@ -43,11 +43,11 @@ impl Roller {
     /// ```
     /// use nalgebra::Vector2;
     /// use palpate_geometry::{Shape, surfaces::Sphere};
-    /// use palpate_rolling::{Model, Motion, Probe, Roller, Rolls};
+    /// use palpate_rolling::{Model, Motion, Roller, Rolls};
     ///
     /// // A probe of radius 1 rolls with 0.1 rad/s along x on a ball of radius 3.
     /// let rolls = [vec![Motion::rolling(0.0, 0.1, 1.0)]];
-    /// let (probe, ball) = (Probe::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
+    /// let (probe, ball) = (Sphere::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
     /// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls::exact(&rolls))?;
     /// let path = roller.path(&rolls[0], &[0.0, 0.5, 1.0])?;
     /// assert!((path[1].displacement - Vector2::new(0.0375, 0.0)).norm() < 1e-15);
@@ -228,8 +228,8 @@ impl Nodes {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Chart, Model, Motion, Probe, Roller, Rolls};
-    use palpate_geometry::{Shape, surfaces::Ellipsoid};
+    use crate::{Chart, Model, Motion, Roller, Rolls};
+    use palpate_geometry::{Ellipsoid, Shape, Sphere};
 
     #[test]
     fn a_path_is_that_of_separate_rolls() {
@@ -245,7 +245,7 @@ mod tests {
                 tolerance: 1e-12,
                 chart: Chart::Free,
             };
-            let probe = Probe::new(1.0).unwrap();
+            let probe = Sphere::new(1.0).unwrap();
             let roller =
                 Roller::new(probe, object.clone(), start, model, Rolls::exact(&rolls)).unwrap();
             let times: Vec<f64> = (0..=40).map(|sample| 0.03 * f64::from(sample)).collect();

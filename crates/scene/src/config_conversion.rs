@@ -1,12 +1,13 @@
 //! Converts the parts of a config that rolls and glides have in common (objects, pads) to models. Errors in their
 //! settings are converted to errors with a path in the config.
 
+use palpate_statistics::BadSetting;
 use std::fmt::Display;
 
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{InvalidShape, Shape};
-use palpate_sensing::{InvalidSensor, PadLayout};
+use palpate_geometry::Formula;
+use palpate_geometry::Shape;
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_sensing::PadLayout;
 use palpate_statistics::Number;
 
 use palpate_study::FieldError;
@@ -18,7 +19,7 @@ pub(crate) fn range_error(path: &str, expected: impl Display, value: f64) -> Fie
 
 /// Converts an error of a sensor's parameter to an error with a path in the config. `table` is the path of the config
 /// table that contains the parameter.
-pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
+pub(crate) fn sensor_error(table: &str, error: BadSetting<String>) -> FieldError {
     let path = format!("{table}.{}", error.setting);
     range_error(&path, error.expected, error.value)
 }
@@ -58,7 +59,7 @@ pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
             Ok(Shape::HeightField(Graph::of_formula(formula)))
         }
     }
-    .map_err(|error: InvalidShape| {
+    .map_err(|error: BadSetting| {
         let path = format!("scene.object.{}", error.setting);
         range_error(&path, error.expected, error.value)
     })

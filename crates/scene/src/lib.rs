@@ -10,7 +10,6 @@ mod config_conversion;
 mod glide;
 mod ladder;
 mod measured_sensor;
-mod pattern;
 mod press;
 mod principal_curvatures;
 mod roll;
@@ -22,11 +21,10 @@ pub use glide::GlideScene;
 pub use ladder::{Accuracy, Ladder, Rung};
 pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
-pub use pattern::{CutPattern, marker_places};
 pub use press::{PressFailure, PressFlaw, PressScene};
 pub use principal_curvatures::drop_undefined_moments;
 pub use roll::{Arch, RollScene};
-pub use scene::{Need, Observer, Scene, SceneTrial, Scenes, Trials, map_table_of, quantities_of};
+pub use scene::{Need, Scene, SceneTrial, Scenes, Trials, map_table_of, quantities_of};
 
 pub use trace::{CameraTrace, Trace, TraceError};
 

@@ -4,7 +4,7 @@
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
 use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProbeConfig};
-use palpate_study::{FieldError, MapTable, Quantity};
+use palpate_study::{FieldError, Quantity, Table};
 use palpate_sweep::Observation;
 
 use crate::scene::{Need, Observer, Trials};
@@ -93,7 +93,7 @@ impl Trials for MeasuredSensor {
         self.needs.clone()
     }
 
-    fn map_table(&self, _unit: LengthUnit) -> Result<MapTable, &'static str> {
+    fn map_table(&self, _unit: LengthUnit) -> Result<Table, &'static str> {
         Err("a fingertip that touches nothing has no map; \"cells\" is possible")
     }
 }

@@ -5,7 +5,7 @@ use std::ops::{Deref, Range};
 
 use palpate_estimators::map_table;
 use palpate_study::config::{Cell, ConfigError, LengthUnit, SceneConfig, Study};
-use palpate_study::{FieldError, MapTable, Quantity, Warning};
+use palpate_study::{FieldError, Quantity, Table, Warning};
 use palpate_sweep::{Observation, Record, Trial};
 
 use crate::cache::SharedModels;
@@ -75,7 +75,7 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
 
 /// Empty table for the maps of a scene, as from [`Trials::map_table`]. The scene is not built. `None` if scenes of this
 /// kind have no maps.
-pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> {
+pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<Table> {
     match config {
         SceneConfig::Glide(_) => Some(map_table(unit, true)),
         SceneConfig::Press(_) => Some(PressScene::profile_table(unit)),
@@ -85,19 +85,11 @@ pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> 
 
 impl Scene {
     /// Builds the scene of a config. The lengths in the config are in `unit`. `seed` is the seed of the scene's random
-    /// numbers.
+    /// numbers. Several scenes may share `models`.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
-    pub fn new(config: &SceneConfig, unit: LengthUnit, seed: u64) -> Result<Self, FieldError> {
-        Self::of(config, unit, seed, &SharedModels::default())
-    }
-
-    /// Builds the scene of a config like [`Scene::new`], but with a cache of models. Several scenes may share `models`.
-    ///
-    /// # Errors
-    /// The errors of [`Scene::new`].
-    pub fn of(
+    pub fn new(
         config: &SceneConfig,
         unit: LengthUnit,
         seed: u64,
@@ -182,8 +174,9 @@ pub trait Scenes {
 impl Scenes for Study {
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
         let config = self.cell(cell)?.config;
-        Scene::new(&config.scene, config.length_unit, config.seed)
-            .map_err(|error| located(self, cell, error))
+        let models = SharedModels::default();
+        Scene::new(&config.scene, config.length_unit, config.seed, &models)
+            .map_err(|error| self.error_at(cell, error))
     }
 
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
@@ -197,37 +190,31 @@ impl Scenes for Study {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError> {
         let config = &cell.config;
-        let scene = Scene::of(&config.scene, config.length_unit, config.seed, models);
+        let scene = Scene::new(&config.scene, config.length_unit, config.seed, models);
         let is_estimable = |scene: Scene| scene.estimable().map(|()| scene);
         scene
             .and_then(is_estimable)
-            .map_err(|error| located(self, number, error))
+            .map_err(|error| self.error_at(number, error))
     }
 
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
         let config = self.cell(cell)?.config;
         let Some(scene) = config.scene.with_model(&rung.model) else {
             let message = format!("{} is not a model of this kind of scene", rung.name);
-            return Err(self.error_at(cell, "scene.model", message));
+            return Err(self.error_at(cell, FieldError::at("scene.model", message)));
         };
-        Scene::new(&scene, config.length_unit, config.seed)
-            .map_err(|error| located(self, cell, error))
+        let models = SharedModels::default();
+        Scene::new(&scene, config.length_unit, config.seed, &models)
+            .map_err(|error| self.error_at(cell, error))
     }
 
     fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {
-        scene.ladder().map_err(|error| located(self, cell, error))
-    }
-}
-
-fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
-    match error.part {
-        Some(part) => study.error_in_text(cell, &error.path, part, error.message),
-        None => study.error_at(cell, &error.path, error.message),
+        scene.ladder().map_err(|error| self.error_at(cell, error))
     }
 }
 
 /// Function that receives the outcomes of a trial, each with the index of its quantity.
-pub type Observer<'a> = &'a mut (dyn FnMut(usize, Observation) + 'a);
+pub(crate) type Observer<'a> = &'a mut (dyn FnMut(usize, Observation) + 'a);
 
 /// Trials of a scene. A trial simulates readings and estimates the true values from them.
 ///
@@ -332,7 +319,7 @@ pub trait Trials {
     ///
     /// # Errors
     /// A text that states the reason if there are no maps.
-    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str>;
+    fn map_table(&self, unit: LengthUnit) -> Result<Table, &'static str>;
 
     /// Adds the map of a trial to a table from [`Trials::map_table`]. The rows begin with the number of the grid point
     /// (`cell`).
@@ -340,7 +327,7 @@ pub trait Trials {
     /// # Errors
     /// The name of the failure, which stays the same in all versions. The table then contains no estimates for this
     /// grid point.
-    fn map(&self, _cell: usize, _trial: u64, _table: &mut MapTable) -> Result<(), &'static str> {
+    fn map(&self, _cell: usize, _trial: u64, _table: &mut Table) -> Result<(), &'static str> {
         Ok(())
     }
 }
@@ -382,16 +369,6 @@ pub struct SceneTrial {
     pub scene: Scene,
     /// Processor's vector instructions with which batches of trials run. They do not change the results of the trials.
     pub arch: Arch,
-}
-
-impl SceneTrial {
-    /// The trials of a scene. Batches of trials run with the widest vector instructions of the processor.
-    pub fn new(scene: Scene) -> Self {
-        Self {
-            scene,
-            arch: Arch::new(),
-        }
-    }
 }
 
 impl Trial for SceneTrial {

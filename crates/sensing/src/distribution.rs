@@ -1,6 +1,7 @@
 //! Distributions of measurement errors, and Gaussian errors of single numbers.
 
-use crate::{InvalidSensor, Stream};
+use crate::Stream;
+use palpate_statistics::BadSetting;
 
 /// The distribution of a measurement error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,20 +54,20 @@ impl GaussianError {
     /// An error with the standard deviation `std`, in the unit of the measured number, and with mean 0.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the standard deviation is from 0 to 10¹⁵⁰.
-    pub fn new(std: f64) -> Result<Self, InvalidSensor> {
+    /// [`BadSetting`] unless the standard deviation is from 0 to 10¹⁵⁰.
+    pub fn new(std: f64) -> Result<Self, BadSetting<String>> {
         let holds = (0.0..=1e150).contains(&std);
-        InvalidSensor::unless(holds, "std", std, "from 0 to 1e150")?;
+        BadSetting::unless(holds, "std", std, "from 0 to 1e150")?;
         Ok(Self { std, bias: 0.0 })
     }
 
     /// The same error, but with the mean `bias` instead of 0.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the bias is from −10¹⁵⁰ to 10¹⁵⁰.
-    pub fn with_bias(self, bias: f64) -> Result<Self, InvalidSensor> {
+    /// [`BadSetting`] unless the bias is from −10¹⁵⁰ to 10¹⁵⁰.
+    pub fn with_bias(self, bias: f64) -> Result<Self, BadSetting<String>> {
         let holds = bias.abs() <= 1e150;
-        InvalidSensor::unless(holds, "bias", bias, "from -1e150 to 1e150")?;
+        BadSetting::unless(holds, "bias", bias, "from -1e150 to 1e150")?;
         Ok(Self { bias, ..self })
     }
 

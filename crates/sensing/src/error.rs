@@ -1,10 +1,7 @@
-//! Error types for invalid parameters of sensors, and for contacts outside of the pads.
+//! Error of contacts outside of the pads.
 
-use palpate_statistics::{BadSetting, Number};
+use palpate_statistics::Number;
 use thiserror::Error;
-
-/// A parameter of a sensor that is out of its range.
-pub type InvalidSensor = BadSetting<String>;
 
 /// The contact is outside of the pads, which cover only a cap of the fingertip.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]

@@ -19,7 +19,7 @@ mod uniform_lattice;
 mod wrist;
 
 pub use distribution::{Distribution, GaussianError};
-pub use error::{BeyondPads, InvalidSensor};
+pub use error::BeyondPads;
 pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
 pub use position::{PositionAxes, PositionError};
 pub use rotation::{AngularVelocityError, Encoder};

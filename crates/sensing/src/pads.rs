@@ -2,12 +2,11 @@
 //! Gupta and Payandeh 1996, section 4.1.3).
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
+use palpate_statistics::BadSetting;
 
 use palpate_statistics::Number;
 
-use crate::{
-    BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
-};
+use crate::{BeyondPads, Stream, UniformLattice, direction_at, displacement_between};
 
 /// Smallest allowed pitch, relative to the fingertip's radius. Double-precision numbers do not resolve positions on
 /// smaller pads.
@@ -57,7 +56,8 @@ pub struct Pads {
     radius: f64,
     pitch: f64,
     cap_rad: f64,
-    offset: PadOffset,
+    /// Position of the first contact relative to the pads: at the centre of a pad, or at a random place.
+    pub offset: PadOffset,
     tiling: Tiling,
 }
 
@@ -91,7 +91,7 @@ impl Pads {
     /// edge of the cap.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the radius is finite and positive, `cap_rad` is in (0, π], and the pitch is from 1e-15
+    /// [`BadSetting`] unless the radius is finite and positive, `cap_rad` is in (0, π], and the pitch is from 1e-15
     /// to 1 times the radius (for a uniform lattice, from 1.2e-7).
     pub fn new(
         radius: f64,
@@ -99,15 +99,15 @@ impl Pads {
         layout: PadLayout,
         offset: PadOffset,
         cap_rad: f64,
-    ) -> Result<Self, InvalidSensor> {
-        InvalidSensor::unless(
+    ) -> Result<Self, BadSetting<String>> {
+        BadSetting::unless(
             radius > 0.0 && (radius * std::f64::consts::TAU).is_finite(),
             "radius",
             radius,
             "> 0 and have a finite circumference",
         )?;
         let fits = pitch > 0.0 && pitch <= radius;
-        InvalidSensor::unless(
+        BadSetting::unless(
             fits,
             "pitch",
             pitch,
@@ -115,9 +115,9 @@ impl Pads {
         )?;
         let resolved = pitch / radius >= FINEST;
         let expected = "at least 1e-15 of the probe's radius";
-        InvalidSensor::unless(resolved, "pitch", pitch, expected)?;
+        BadSetting::unless(resolved, "pitch", pitch, expected)?;
         let cap = cap_rad > 0.0 && cap_rad <= std::f64::consts::PI;
-        InvalidSensor::unless(cap, "cap_deg", cap_rad.to_degrees(), "> 0 and at most 180")?;
+        BadSetting::unless(cap, "cap_deg", cap_rad.to_degrees(), "> 0 and at most 180")?;
         let tiling = match layout {
             PadLayout::Square => Tiling::Square,
             PadLayout::Hexagonal => Tiling::Hexagonal,
@@ -147,19 +147,6 @@ impl Pads {
             // square).
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
             Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
-        }
-    }
-
-    /// Position of the first contact relative to the pads: at the centre of a pad, or at a random place.
-    pub const fn offset(&self) -> PadOffset {
-        self.offset
-    }
-
-    /// The same array of pads, but with the first contact at the centre of a pad.
-    pub fn centred(&self) -> Self {
-        Self {
-            offset: PadOffset::Centred,
-            ..self.clone()
         }
     }
 

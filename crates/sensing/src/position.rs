@@ -1,8 +1,9 @@
 //! Errors of measured positions.
 
 use nalgebra::{Point3, Vector3};
+use palpate_statistics::BadSetting;
 
-use crate::{Distribution, InvalidSensor, Stream};
+use crate::{Distribution, Stream};
 
 /// The axes along which a measured position has an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,9 +17,11 @@ pub enum PositionAxes {
 /// Independent errors of the coordinates of a measured point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionError {
-    distribution: Distribution,
+    /// Distribution of the error of each component.
+    pub distribution: Distribution,
     size: f64,
-    axes: PositionAxes,
+    /// Components of the position that have an error.
+    pub axes: PositionAxes,
 }
 
 impl PositionError {
@@ -26,29 +29,19 @@ impl PositionError {
     /// Gaussian, or the bound of a uniform distribution.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the size is from 0 to 10¹⁵⁰.
+    /// [`BadSetting`] unless the size is from 0 to 10¹⁵⁰.
     pub fn new(
         distribution: Distribution,
         size: f64,
         axes: PositionAxes,
-    ) -> Result<Self, InvalidSensor> {
+    ) -> Result<Self, BadSetting<String>> {
         let holds = (0.0..=1e150).contains(&size);
-        InvalidSensor::unless(holds, "size", size, "from 0 to 1e150")?;
+        BadSetting::unless(holds, "size", size, "from 0 to 1e150")?;
         Ok(Self {
             distribution,
             size,
             axes,
         })
-    }
-
-    /// Distribution of the position error.
-    pub const fn distribution(&self) -> Distribution {
-        self.distribution
-    }
-
-    /// Axes along which the position has an error.
-    pub const fn axes(&self) -> PositionAxes {
-        self.axes
     }
 
     /// Whether the error is random, that is, its size is not 0. Without an error, readings are exact, and no random

@@ -1,8 +1,9 @@
 //! Errors of measured rotations: quantisation by encoders, and noise of the angular velocity.
 
 use nalgebra::Vector2;
+use palpate_statistics::BadSetting;
 
-use crate::{Distribution, InvalidSensor, Stream};
+use crate::{Distribution, Stream};
 
 /// Joint encoders, which round the rotation at the end of a roll to the nearest encoder step. The start of the roll has
 /// no error. It lies between two encoder steps, at a random position that is different for every roll.
@@ -26,10 +27,10 @@ impl Encoder {
     /// Encoders that count in steps of `step_rad`.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the step is finite and positive.
-    pub fn new(step_rad: f64) -> Result<Self, InvalidSensor> {
+    /// [`BadSetting`] unless the step is finite and positive.
+    pub fn new(step_rad: f64) -> Result<Self, BadSetting<String>> {
         let holds = step_rad > 0.0 && step_rad.is_finite();
-        InvalidSensor::unless(holds, "step_rad", step_rad, "finite and > 0")?;
+        BadSetting::unless(holds, "step_rad", step_rad, "finite and > 0")?;
         Ok(Self { step_rad })
     }
 
@@ -67,10 +68,10 @@ impl AngularVelocityError {
     /// (Gaussian) of the error, divided by |ω|.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the fraction is from 0 to 1e150.
-    pub fn new(distribution: Distribution, fraction: f64) -> Result<Self, InvalidSensor> {
+    /// [`BadSetting`] unless the fraction is from 0 to 1e150.
+    pub fn new(distribution: Distribution, fraction: f64) -> Result<Self, BadSetting<String>> {
         let holds = (0.0..=1e150).contains(&fraction);
-        InvalidSensor::unless(holds, "fraction", fraction, "from 0 to 1e150")?;
+        BadSetting::unless(holds, "fraction", fraction, "from 0 to 1e150")?;
         Ok(Self {
             distribution,
             fraction,

@@ -1,9 +1,10 @@
 //! Errors of measured surface normals.
 
 use nalgebra::{Vector2, Vector3};
+use palpate_statistics::BadSetting;
 
+use crate::Stream;
 use crate::sphere_map::moved_along;
-use crate::{InvalidSensor, Stream};
 
 /// Error of a measured normal: a tilt by independent Gaussian angles along two perpendicular tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,10 +16,10 @@ impl NormalError {
     /// A tilt whose standard deviation along each tangent is `std_rad`.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the standard deviation is from 0 to π.
-    pub fn new(std_rad: f64) -> Result<Self, InvalidSensor> {
+    /// [`BadSetting`] unless the standard deviation is from 0 to π.
+    pub fn new(std_rad: f64) -> Result<Self, BadSetting<String>> {
         let holds = (0.0..=std::f64::consts::PI).contains(&std_rad);
-        InvalidSensor::unless(holds, "std_rad", std_rad, "from 0 to π")?;
+        BadSetting::unless(holds, "std_rad", std_rad, "from 0 to π")?;
         Ok(Self { std_rad })
     }
 

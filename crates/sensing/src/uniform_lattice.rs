@@ -8,8 +8,7 @@
 //! that they are accurate even for 10¹³ pads.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
-
-use crate::InvalidSensor;
+use palpate_statistics::BadSetting;
 
 /// A spherical Fibonacci lattice of pads over the whole sphere.
 ///
@@ -39,11 +38,11 @@ impl UniformLattice {
     /// A lattice on the unit sphere with one pad per area of pitch². `pitch_rad` is the pitch as an angle.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the number of pads that follows from this pitch is from 2 to 10¹⁵.
-    pub fn with_pitch(pitch_rad: f64) -> Result<Self, InvalidSensor> {
+    /// [`BadSetting`] unless the number of pads that follows from this pitch is from 2 to 10¹⁵.
+    pub fn with_pitch(pitch_rad: f64) -> Result<Self, BadSetting<String>> {
         let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
         let holds = pitch_rad > 0.0 && (2.0..=MOST_PADS).contains(&pads);
-        InvalidSensor::unless(
+        BadSetting::unless(
             holds,
             "pitch",
             pitch_rad,

@@ -1,9 +1,10 @@
 //! A force and torque sensor in the wrist, which infers the contact point on the fingertip.
 
 use nalgebra::{Vector2, Vector3};
+use palpate_statistics::BadSetting;
 
 use crate::sphere_map::moved_along;
-use crate::{InvalidSensor, Stream, direction_at, displacement_between};
+use crate::{Stream, direction_at, displacement_between};
 
 /// A wrist sensor that infers the contact point with an isotropic error on the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,15 +18,15 @@ impl Wrist {
     /// along each tangent direction.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless `0 < radius <= 1e300`, and `std` is at least 0 and at most 1e150 radii.
-    pub fn new(std: f64, radius: f64) -> Result<Self, InvalidSensor> {
+    /// [`BadSetting`] unless `0 < radius <= 1e300`, and `std` is at least 0 and at most 1e150 radii.
+    pub fn new(std: f64, radius: f64) -> Result<Self, BadSetting<String>> {
         let holds = std >= 0.0 && std.is_finite();
-        InvalidSensor::unless(holds, "std", std, "finite and at least 0")?;
+        BadSetting::unless(holds, "std", std, "finite and at least 0")?;
         // The limit ensures that half the circumference of the fingertip is a finite length.
         let holds = radius > 0.0 && radius <= 1e300;
-        InvalidSensor::unless(holds, "radius", radius, "above 0 and at most 1e300")?;
+        BadSetting::unless(holds, "radius", radius, "above 0 and at most 1e300")?;
         let holds = std / radius <= 1e150;
-        InvalidSensor::unless(holds, "std", std, "at most 1e150 times the probe's radius")?;
+        BadSetting::unless(holds, "std", std, "at most 1e150 times the probe's radius")?;
         Ok(Self { std, radius })
     }
 

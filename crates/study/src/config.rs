@@ -57,6 +57,5 @@ pub use roll::*;
 pub use schema::schema;
 pub use setting_list::*;
 pub use study::*;
-pub use sweep::{RangeConfig, Sample, Spacing, SweepConfig};
 pub(crate) use tree::suggest;
 pub use vary::{Takes, Varied, Vary, VaryError};

@@ -27,7 +27,7 @@ pub struct Label {
 impl Label {
     /// Label of a column whose numbers are displayed without a factor. `unit` is in the usual notation, such as
     /// `1/cm²`.
-    pub fn in_unit(words: impl Into<String>, unit: &str) -> Self {
+    pub(crate) fn in_unit(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
             unit: unit.to_owned(),
@@ -37,7 +37,7 @@ impl Label {
 
     /// Label of a column of shares, which are displayed in percent. `unit` is a percent sign, or a percent sign with
     /// its reference, such as `% of the IFD` (inter-finger distance).
-    pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
+    pub(crate) fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
             unit: unit.to_owned(),

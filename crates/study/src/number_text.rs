@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use palpate_statistics::Number;
-
 /// The shortest text that parses to the same number, as in tables. A negative zero is written without its sign.
 ///
 /// ```
@@ -11,7 +9,6 @@ use palpate_statistics::Number;
 ///
 /// assert_eq!(number::shortest(-0.0), "0");
 /// assert_eq!(number::shortest(1.0 / 3.0), "0.3333333333333333");
-/// assert_eq!(number::exact(1e300), "1e300");
 /// assert_eq!(number::significant(-1234567.0, 3), "−1.23 × 10⁶");
 /// assert_eq!(number::grouped(1_234_567), "1,234,567");
 /// ```
@@ -31,12 +28,6 @@ impl fmt::Display for Shortest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         (self.0 + 0.0).fmt(f)
     }
-}
-
-/// The shortest text that parses to the same number. It has an exponent if the number's magnitude is at least 1e16 or
-/// below 1e-4.
-pub fn exact(value: f64) -> String {
-    Number(value).to_string()
 }
 
 /// A number as text for messages, with at most six significant digits and without trailing zeros.

@@ -1,6 +1,5 @@
 //! Writes and reads tables of results.
 
-use std::fmt::Display;
 use std::io::Read;
 
 use csv::{Reader, ReaderBuilder, StringRecord};
@@ -155,20 +154,11 @@ pub struct Rows<R> {
 }
 
 impl<R: Read> Rows<R> {
-    /// Reads the rows of a text that begins with a header line.
-    pub fn new(csv: R) -> Self {
-        Self::of(csv, true)
-    }
-
-    /// Reads the rows of a text that has no header.
-    pub fn without_header(csv: R) -> Self {
-        Self::of(csv, false)
-    }
-
-    fn of(csv: R, has_headers: bool) -> Self {
+    /// Reads the rows of a text. `has_header` states whether its first line is a header.
+    pub fn new(csv: R, has_header: bool) -> Self {
         let mut builder = ReaderBuilder::new();
         Self {
-            reader: builder.has_headers(has_headers).from_reader(csv),
+            reader: builder.has_headers(has_header).from_reader(csv),
             record: StringRecord::new(),
         }
     }
@@ -202,40 +192,5 @@ fn push_field(text: &mut String, field: &str) {
         text.push('"');
     } else {
         text.push_str(field);
-    }
-}
-
-/// A map: a table of the curvatures at the points of a patch, with one row per point. The values of a row are added one
-/// after the other.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MapTable {
-    /// The finished rows of the map.
-    pub table: Table,
-    /// The values of the unfinished row, as texts. The row is added to the table when it is complete.
-    row: Vec<String>,
-}
-
-impl MapTable {
-    /// Creates an empty map with these columns.
-    pub fn new(columns: impl IntoIterator<Item = Column>) -> Self {
-        Self {
-            table: Table::new(columns),
-            row: Vec::new(),
-        }
-    }
-
-    /// Adds a text to the unfinished row.
-    pub fn text(&mut self, field: impl Display) {
-        self.row.push(field.to_string());
-    }
-
-    /// Adds a number to the unfinished row, or an empty text if there is no number.
-    pub fn number(&mut self, value: Option<f64>) {
-        self.row.push(value.map_or_else(String::new, shortest));
-    }
-
-    /// Adds the completed row to the table, and begins the next row.
-    pub fn end_row(&mut self) {
-        self.table.rows.push(std::mem::take(&mut self.row));
     }
 }

@@ -3,10 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
+use palpate_statistics::Number;
 use thiserror::Error;
 
 use crate::config::suggest;
-use crate::number;
 use crate::quantity::{Quantity, QuantityKind};
 use crate::statistic::Statistic;
 
@@ -82,8 +82,8 @@ pub enum TargetError {
     /// The limit of a share is above 1, but has no percent sign.
     #[error(
         "{statistic} is a share, and {} may mean {} % or {} %; write {} % or {}",
-        number::exact(*limit), number::exact(*limit), number::exact(100.0 * limit), number::exact(*limit),
-        number::exact(limit / 100.0)
+        Number(*limit), Number(*limit), Number(100.0 * limit), Number(*limit),
+        Number(limit / 100.0)
     )]
     PlainShare {
         /// Name of the statistic, with its quantity.
@@ -100,7 +100,7 @@ pub enum TargetError {
         statistic: String,
     },
     /// The limit of the target is outside the possible values of the statistic.
-    #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
+    #[error("{statistic} is {range}, and the limit is {}", Number(*limit))]
     OutOfRange {
         /// Name of the target's statistic.
         statistic: &'static str,
@@ -227,6 +227,6 @@ impl fmt::Display for Target {
         if let Some(quantity) = self.quantity {
             write!(f, "({})", quantity.name)?;
         }
-        write!(f, " {} {}", self.bound.sign(), number::exact(self.limit))
+        write!(f, " {} {}", self.bound.sign(), Number(self.limit))
     }
 }

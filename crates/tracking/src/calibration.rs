@@ -37,7 +37,8 @@ pub use normal::{MarkerGain, NormalCalibration, NormalFrom, NormalPoint};
 pub struct Calibration {
     normal: Option<NormalCalibration>,
     lateral: Option<LateralCalibration>,
-    markers: Option<usize>,
+    /// Number of markers that the sensor shows at rest; `None` if the number is not known.
+    pub markers: Option<usize>,
     /// Mean hue of the markers at rest, turns; `None` if the mean is not known.
     pub hue_turns: Option<f64>,
 }
@@ -77,11 +78,6 @@ impl Calibration {
     /// The calibration for tangential displacements; `None` if there is none.
     pub const fn lateral_part(&self) -> Option<&LateralCalibration> {
         self.lateral.as_ref()
-    }
-
-    /// Number of markers that the sensor shows at rest; `None` if the number is not known.
-    pub const fn markers(&self) -> Option<usize> {
-        self.markers
     }
 
     /// Checks that `found`, the number of markers in a frame at rest, fits this calibration. The number may differ by

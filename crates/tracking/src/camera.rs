@@ -84,11 +84,6 @@ impl Equidistant {
         })
     }
 
-    /// Focal length f in r = f θ, px per radian. If the lens has odd terms, f is the scale in the middle of the image.
-    pub const fn px_per_rad(&self) -> f64 {
-        self.px_per_rad
-    }
-
     /// Place on the skin that the camera shows at an image point: two coordinates in rad, which are 0 at the apex. If
     /// the lens model assigns no place to the point, the result is the apex.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {

@@ -40,12 +40,7 @@ pub enum Status {
     New,
 }
 
-impl Status {
-    /// Name of the status in files. It stays the same in all versions.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-}
+impl Status {}
 
 /// A marker in the frame at rest and in the pressed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

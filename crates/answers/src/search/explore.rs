@@ -16,7 +16,7 @@ pub(crate) enum SearchRange {
 
 /// Reason why a search for values that meet a target ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EndReason {
+pub(crate) enum EndReason {
     /// Every gap between values that meet the target and values that miss it is small enough. For all tested values
     /// outside of these gaps, it is decided whether they meet the target.
     Known,

@@ -2,16 +2,16 @@
 
 /// A range of a field's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub(crate) struct Span {
     /// Smallest value of the field in the range.
-    pub from: f64,
+    pub(crate) from: f64,
     /// Largest value of the field in the range.
-    pub to: f64,
+    pub(crate) to: f64,
     /// Whether the values that are tested in the range are spaced evenly on a logarithmic scale. This is the case if
     /// both ends are positive and their ratio exceeds 8.
-    pub is_log: bool,
+    pub(crate) is_log: bool,
     /// Whether all values of the range must be whole numbers.
-    pub is_whole: bool,
+    pub(crate) is_whole: bool,
 }
 
 /// Values are spaced logarithmically if the ratio of the two ends of the range exceeds this number.

@@ -68,13 +68,13 @@ fn roll_models(study: &Study) -> Result<CompetingModels> {
         tolerance: 10_f64.powi(-exponent),
         chart,
     }));
-    let taken = scene.roller().choice().model;
+    let taken = scene.roller.choice().model;
     if !models.contains(&taken) {
         models.push(taken);
     }
     let rolls = scene.noiseless();
     let rolls = Rolls::exact(&rolls);
-    let roller = scene.roller();
+    let roller = &scene.roller;
     let truth = ends(roller, TRUE_ROLL, rolls)?;
     let length = length_scale(roller)?;
     let measured = roller.measure(&models, chart, rolls);
@@ -302,7 +302,7 @@ fn distances(config: &PressConfig) -> Result<Vec<f64>> {
 pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<press::Body> {
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     Ok(match *model {
-        PressModelConfig::Hertz { poisson, .. } => press::Body::hertz(poisson)?,
+        PressModelConfig::Hertz { poisson, .. } => press::Body::half_space(poisson, 0.0)?,
         PressModelConfig::HalfSpace { poisson, .. } => {
             press::Body::half_space(poisson, marker_depth)?
         }

@@ -6,8 +6,8 @@ use std::rc::Rc;
 
 use anyhow::{Result, ensure};
 use palpate_geometry::Shape;
-use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere};
-use palpate_rolling::{Chart, Contact, HeldAxis, Model, Motion, Probe, Roller, Rolls};
+use palpate_geometry::{Ellipsoid, Graph, Sphere};
+use palpate_rolling::{Chart, Contact, HeldAxis, Model, Motion, Roller, Rolls};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::scene_trials::at_least_rounding;
@@ -106,7 +106,7 @@ impl Roll {
     fn roller(&self, model: Model) -> Result<Roller> {
         let rolls = [vec![self.motion()]];
         let rolls = Rolls::exact(&rolls);
-        let probe = Probe::new(RADIUS)?;
+        let probe = Sphere::new(RADIUS)?;
         Ok(Roller::new(
             probe,
             self.object.clone(),

@@ -8,8 +8,8 @@ use nalgebra::Vector2;
 use palpate::SceneTrial;
 use palpate::recorded::{RollOptions, RollRecording, estimate_roll};
 use palpate_geometry::Shape;
-use palpate_geometry::surfaces::{Graph, Sphere};
-use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
+use palpate_geometry::{Graph, Sphere};
+use palpate_rolling::{Fingertip, Glider, Motion, Roller, Rolls};
 use palpate_scene::{RollScene, Scene, Scenes};
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
 use palpate_study::config;
@@ -53,7 +53,7 @@ pub fn motion(angle_rad: f64) -> Motion {
 pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
     let rolls = [vec![motion(angle_rad)]];
     let rolls = Rolls::exact(&rolls);
-    let probe = Probe::new(1.0)?;
+    let probe = Sphere::new(1.0)?;
     Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
 }
 
@@ -94,9 +94,10 @@ impl Ep1 {
              object = {{ kind = \"sphere\", radius = 5.0 }}\n\
              motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n{setting}\n"
         );
-        Ok(Self(SceneTrial::new(
-            config::parse("hot.toml", &text)?.scene(0)?,
-        )))
+        Ok(Self(SceneTrial {
+            scene: config::parse("hot.toml", &text)?.scene(0)?,
+            arch: palpate_scene::Arch::new(),
+        }))
     }
 
     /// Root mean square of the relative error of the estimated normal curvature over `trials` trials. As in the sweep

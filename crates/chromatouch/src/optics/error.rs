@@ -124,11 +124,6 @@ impl OpticsError {
         Ok(BadSetting::unless(holds, setting, value, expected)?)
     }
 
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
-
     /// Name of the wrong setting in the config, if a setting is the reason.
     pub const fn setting(&self) -> Option<&'static str> {
         match self {

@@ -17,9 +17,8 @@ use row::{Row, Rows};
 
 impl Optics {
     /// Renders an anti-aliased frame of the markers, with 8 bits per channel and levels that are linear in the light. A
-    /// marker whose motion is `None` is missing. Pixel noise is drawn from the random stream `pixels`, row by row.
-    /// Three random numbers are drawn for each pixel whose centre lies in the image circle. If `pixels` is `None` or
-    /// the standard deviation of the noise is 0, there is no noise.
+    /// marker whose motion is `None` is missing. The pixel noise depends only on `noise`, which is a seed and the number
+    /// of the frame. There is no noise if `noise` is `None` or the standard deviation of the noise is 0.
     ///
     /// ```
     /// use palpate_chromatouch::{
@@ -43,7 +42,7 @@ impl Optics {
     pub fn render(
         &self,
         motions: &[Option<MarkerMotion>],
-        pixels: Option<&mut Stream>,
+        noise: Option<(u64, u64)>,
     ) -> Result<RgbImage, OpticsError> {
         let mut markers = Vec::new();
         for sight in self.sights(motions)? {
@@ -56,7 +55,8 @@ impl Optics {
         let side = self.camera.size_px();
         let size = side as usize;
         let mut frame = RgbImage::new(side, side);
-        let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);
+        let noise = noise.filter(|_| self.blemishes.pixel_std > 0.0);
+        let mut noise = noise.map(|(seed, frame)| Stream::new(seed, frame, Channel::Pixel));
         let mut rows = Rows::new(self, &markers);
         let mut blur = Blur::new(self.blemishes.blur_px, size);
         let mut row = Row::new(size);
@@ -65,26 +65,11 @@ impl Optics {
                 None => rows.paint(number, &mut row),
                 Some(blur) => blur.blur(number, &mut row, |number, row| rows.paint(number, row)),
             }
-            if let Some(stream) = noise.as_deref_mut() {
+            if let Some(stream) = &mut noise {
                 row.add_noise(rows.inside(number), self.blemishes.pixel_std as f32, stream);
             }
             row.write(bytes);
         }
         Ok(frame)
-    }
-
-    /// Renders a frame like [`Optics::render`]. The pixel noise depends only on the seed and on the number of the
-    /// frame.
-    ///
-    /// # Errors
-    /// The errors of [`Optics::project`].
-    pub fn render_with_noise(
-        &self,
-        motions: &[Option<MarkerMotion>],
-        seed: u64,
-        frame: u64,
-    ) -> Result<RgbImage, OpticsError> {
-        let mut pixels = Stream::new(seed, frame, Channel::Pixel);
-        self.render(motions, Some(&mut pixels))
     }
 }

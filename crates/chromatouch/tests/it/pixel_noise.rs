@@ -2,7 +2,6 @@
 
 use image::RgbImage;
 use palpate_chromatouch::{Blemishes, Camera, Colours, Lens, MarkerArray, Optics};
-use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
@@ -21,8 +20,7 @@ fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]
         ..Blemishes::default()
     };
     let optics = Optics::new(array, camera, colours, blemishes).unwrap();
-    let mut stream = Stream::new(seed, trial, Channel::Pixel);
-    optics.render(&[], Some(&mut stream)).unwrap()
+    optics.render(&[], Some((seed, trial))).unwrap()
 }
 
 fn inside(size_px: u32, row: u32) -> impl Iterator<Item = u32> {

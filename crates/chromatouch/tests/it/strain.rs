@@ -102,7 +102,7 @@ fn many_gores_strain_in_proportion_to_their_width() {
 fn too_few_gores_are_named() {
     for (gores, percent) in [(0, None), (1, Some("243 %")), (2, Some("106 %"))] {
         let error = FoldStrain::of(gores).unwrap_err();
-        assert_eq!(error.name(), "too-few-gores");
+        assert_eq!(<&str>::from(&error), "too-few-gores");
         let message = error.to_string();
         assert!(message.contains(&format!("gores is {gores}; it must be at least 3")));
         assert_eq!(message.contains('%'), percent.is_some());

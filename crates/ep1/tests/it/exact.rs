@@ -3,9 +3,9 @@
 use approx::assert_relative_eq;
 use nalgebra::Vector2;
 use palpate_ep1::{LeastSquares, ProbeReading};
-use palpate_geometry::surfaces::Graph;
-use palpate_geometry::{CurvatureForm, Shape};
-use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
+use palpate_geometry::Graph;
+use palpate_geometry::{CurvatureForm, Shape, Sphere};
+use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
 use proptest::prelude::*;
 
 use crate::{EXACT, eight, readings, rotated};
@@ -55,7 +55,7 @@ fn rolled(object: Shape, theta: f64, model: Model) -> Vec<ProbeReading> {
         .map(|&(direction, theta)| vec![Motion::rolling(direction, theta, 1.0)])
         .collect();
     let roller = Roller::new(
-        Probe::new(1.0).unwrap(),
+        Sphere::new(1.0).unwrap(),
         object,
         (0.0, 0.0),
         model,

@@ -7,9 +7,9 @@ use palpate_ep1::{
     Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
     SeriesNoise, estimate_series,
 };
-use palpate_geometry::surfaces::{Cylinder, Ellipsoid, Graph};
+use palpate_geometry::{Cylinder, Ellipsoid, Graph, Sphere};
 use palpate_geometry::{Shape, ShapeThresholds, Surface};
-use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
+use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
 
 use crate::ball_rolls::{EXACT, RADIUS, chart, pad, rolls, without_starts};
 use crate::draws::Draws;
@@ -201,7 +201,7 @@ fn integrated(shape: &Shape, first: (f64, f64), rotation: f64) -> (Vec<RollSerie
     let all: Vec<_> = (0..8)
         .map(|roll| motions(0.2 + 0.785 * f64::from(roll)))
         .collect();
-    let probe = Probe::new(1.0).unwrap();
+    let probe = Sphere::new(1.0).unwrap();
     let roller = Roller::new(probe, shape.clone(), first, model, Rolls::exact(&all)).unwrap();
     let from = *roller.first_contact();
     let series = all.iter().map(|motion| {

@@ -1,9 +1,10 @@
 //! Horizontal cylinders.
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use palpate_statistics::BadSetting;
 
 use crate::error::{SQUARABLE, checked_finite, checked_length, is_within_reach};
-use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
+use crate::{ChartJet, CurvatureForm, LevelSet, Parameters, Surface, SurfaceError};
 
 /// An infinite cylinder with a horizontal axis through the origin.
 ///
@@ -21,8 +22,8 @@ impl Cylinder {
     /// A cylinder of `radius` whose axis has the angle `direction_rad` from +x towards +y.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius is between 1e-150 and 1e150 and the direction is finite.
-    pub fn new(radius: f64, direction_rad: f64) -> Result<Self, InvalidShape> {
+    /// [`BadSetting`] unless the radius is between 1e-150 and 1e150 and the direction is finite.
+    pub fn new(radius: f64, direction_rad: f64) -> Result<Self, BadSetting> {
         let radius = checked_length("radius", radius)?;
         let (sin, cos) = libm::sincos(checked_finite("direction", direction_rad)?);
         let axis = Vector3::new(cos, sin, 0.0);

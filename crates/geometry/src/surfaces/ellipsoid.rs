@@ -1,9 +1,10 @@
 //! Triaxial ellipsoids.
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use palpate_statistics::BadSetting;
 
 use crate::error::{checked_length, is_within_reach};
-use crate::{ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError};
+use crate::{ChartJet, LevelSet, Meridian, Parameters, Surface, SurfaceError};
 
 /// The ellipsoid `x²/a² + y²/b² + z²/c² = 1`.
 ///
@@ -18,8 +19,8 @@ impl Ellipsoid {
     /// An ellipsoid with semi-axes along x, y and z.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless all three semi-axes are between 1e-150 and 1e150.
-    pub fn new(semi_axes: [f64; 3]) -> Result<Self, InvalidShape> {
+    /// [`BadSetting`] unless all three semi-axes are between 1e-150 and 1e150.
+    pub fn new(semi_axes: [f64; 3]) -> Result<Self, BadSetting> {
         for axis in semi_axes {
             checked_length("semi_axes", axis)?;
         }

@@ -1,12 +1,11 @@
 //! Graphs z = f(x, y): paraboloid, saddle, and height fields from formulas.
 
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
+use palpate_statistics::BadSetting;
 
 use crate::error::{SQUARABLE, checked_finite, is_within_reach};
 use crate::formula::Formula;
-use crate::{
-    ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
-};
+use crate::{ChartJet, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm};
 
 /// Height with its first and second derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +51,7 @@ pub trait Height {
 ///
 /// ```
 /// use nalgebra::Vector3;
-/// use palpate_geometry::{Surface, surfaces::Graph};
+/// use palpate_geometry::{Graph, Surface};
 ///
 /// // At the apex of z = −c (x² + y²) every normal curvature is 2 c.
 /// let bump = Graph::paraboloid(0.25)?;
@@ -94,8 +93,8 @@ impl Graph<Paraboloid> {
     /// The graph `z = −c (x² + y²)`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless `c` (1/length) is finite.
-    pub fn paraboloid(c: f64) -> Result<Self, InvalidShape> {
+    /// [`BadSetting`] unless `c` (1/length) is finite.
+    pub fn paraboloid(c: f64) -> Result<Self, BadSetting> {
         let c = checked_finite("c", c)?;
         Ok(Self::of_height(Paraboloid { c }))
     }
@@ -105,8 +104,8 @@ impl Graph<Saddle> {
     /// The graph `z = a (x² − y²)`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless `a` (1/length) is finite.
-    pub fn saddle(a: f64) -> Result<Self, InvalidShape> {
+    /// [`BadSetting`] unless `a` (1/length) is finite.
+    pub fn saddle(a: f64) -> Result<Self, BadSetting> {
         let a = checked_finite("a", a)?;
         Ok(Self::of_height(Saddle { a }))
     }

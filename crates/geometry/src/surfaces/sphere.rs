@@ -1,11 +1,10 @@
 //! Spheres, touched from outside, and dishes, touched from inside.
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use palpate_statistics::BadSetting;
 
 use crate::error::{SQUARABLE, checked_length};
-use crate::{
-    ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError, TangentForm,
-};
+use crate::{ChartJet, CurvatureForm, LevelSet, Parameters, Surface, SurfaceError, TangentForm};
 
 /// A sphere about the origin.
 ///
@@ -30,8 +29,8 @@ impl Sphere {
     /// A sphere of `radius`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius is between 1e-150 and 1e150.
-    pub fn new(radius: f64) -> Result<Self, InvalidShape> {
+    /// [`BadSetting`] unless the radius is between 1e-150 and 1e150.
+    pub fn new(radius: f64) -> Result<Self, BadSetting> {
         let radius = checked_length("radius", radius)?;
         Ok(Self { radius })
     }
@@ -46,8 +45,8 @@ impl Dish {
     /// A dish of `radius`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius is between 1e-150 and 1e150.
-    pub fn new(radius: f64) -> Result<Self, InvalidShape> {
+    /// [`BadSetting`] unless the radius is between 1e-150 and 1e150.
+    pub fn new(radius: f64) -> Result<Self, BadSetting> {
         let radius = checked_length("radius", radius)?;
         Ok(Self { radius })
     }

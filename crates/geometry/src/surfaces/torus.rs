@@ -1,9 +1,10 @@
 //! Ring tori about a vertical axis.
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use palpate_statistics::BadSetting;
 
 use crate::error::{SQUARABLE, checked_length};
-use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
+use crate::{ChartJet, LevelSet, Parameters, Surface, SurfaceError};
 
 /// A ring torus about the z axis.
 ///
@@ -13,7 +14,7 @@ use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError}
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
-/// use palpate_geometry::{Parameters, Surface, surfaces::Torus};
+/// use palpate_geometry::{Parameters, Surface, Torus};
 ///
 /// let torus = Torus::new(3.0, 1.0)?;
 /// // The Gaussian curvature is 1/(r (R + r)) on the outer equator and −1/(r (R − r)) on the inner one.
@@ -33,13 +34,13 @@ impl Torus {
     /// A torus whose tube of `minor_radius` is centred on a circle of `major_radius`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless both are between 1e-150 and 1e150 and `minor_radius < major_radius`, so that the tube
+    /// [`BadSetting`] unless both are between 1e-150 and 1e150 and `minor_radius < major_radius`, so that the tube
     /// does not intersect itself.
-    pub fn new(major_radius: f64, minor_radius: f64) -> Result<Self, InvalidShape> {
+    pub fn new(major_radius: f64, minor_radius: f64) -> Result<Self, BadSetting> {
         checked_length("major_radius", major_radius)?;
         checked_length("minor_radius", minor_radius)?;
         let fits = minor_radius < major_radius;
-        InvalidShape::unless(fits, "minor_radius", minor_radius, "below major_radius")?;
+        BadSetting::unless(fits, "minor_radius", minor_radius, "below major_radius")?;
         Ok(Self {
             major_radius,
             minor_radius,

@@ -2,7 +2,7 @@
 //! are equally close.
 
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{Surface, SurfaceError};
 use proptest::prelude::*;
 

@@ -6,9 +6,9 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::Vector3;
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::Formula;
 use palpate_geometry::{CurvatureForm, Meridian, Parameters, Shape, Surface, SurfaceError};
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use proptest::prelude::*;
 
 #[test]

@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere, Torus};
+use palpate_geometry::Formula;
+use palpate_geometry::{Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{Meridian, Shape, Surface};
 
 const PARABOLOIDS: [f64; 4] = [5.0, 0.5, 0.01, -0.3];

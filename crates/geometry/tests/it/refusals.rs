@@ -1,15 +1,16 @@
 //! Tests which shapes and positions are rejected, and the names of the errors.
 
+use palpate_statistics::BadSetting;
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
-use palpate_geometry::{InvalidShape, Parameters, Shape, Surface, SurfaceError};
+use palpate_geometry::Formula;
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
+use palpate_geometry::{Parameters, Shape, Surface, SurfaceError};
 
 #[test]
 fn constructors_refuse_what_makes_no_surface() {
-    fn refuses<T: std::fmt::Debug>(made: Result<T, InvalidShape>, parameter: &str, value: f64) {
+    fn refuses<T: std::fmt::Debug>(made: Result<T, BadSetting>, parameter: &str, value: f64) {
         let refused = made.unwrap_err();
         assert_eq!(refused.setting, parameter);
         assert!(refused.value == value || value.is_nan() && refused.value.is_nan());

@@ -103,8 +103,8 @@ fn threads_and_vectors_do_not_change_a_byte() {
     }
     let study = palpate::parse("c.toml", &config).unwrap();
     let runner = Runner::new(&RunOptions::default()).unwrap();
-    let simulation = Simulation::new(&study, 0..study.cell_count(), &runner).unwrap();
-    let narrow = simulation.with_arch(Arch::Scalar);
+    let mut narrow = Simulation::new(&study, 0..study.cell_count(), &runner).unwrap();
+    narrow.arch = Arch::Scalar;
     let tables = narrow.run(&AtomicBool::new(false), &|_| ()).unwrap();
     assert_eq!(tables.cells.to_csv(), desk.read("one/cells.csv"));
 }

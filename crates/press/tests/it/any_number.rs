@@ -134,7 +134,7 @@ proptest! {
     fn bodies_return_numbers_or_the_expected_error(numbers in prop::array::uniform7(any_number())) {
         let [poisson, thickness, depth, curvature, indentation, r, young] = numbers;
         let is_depth = is_setting(depth, 0.0..=1e50);
-        valid_value(is_setting(poisson, 0.0..=0.5), Body::hertz(poisson));
+        valid_value(is_setting(poisson, 0.0..=0.5), Body::half_space(poisson, 0.0));
         valid_value(is_setting(poisson, 0.0..=0.5) && is_depth, Body::half_space(poisson, depth));
         let is_layer = is_setting(thickness, 1e-50..=1e50) && is_setting(depth, 0.0..=thickness);
         valid_value(is_layer, Body::bonded_layer(thickness, depth));

@@ -25,7 +25,7 @@ fn estimate(radius: f64, fit: &ForwardFit, indentation: Option<f64>) -> PressEst
 #[test]
 fn a_flat_pad_is_the_limit_of_large_radii() {
     let bodies = [
-        Body::hertz(0.5).unwrap(),
+        Body::half_space(0.5, 0.0).unwrap(),
         Body::half_space(0.4, 0.5).unwrap(),
         Body::bonded_layer(3.0, 0.5).unwrap(),
     ];
@@ -86,7 +86,7 @@ fn a_row_of_markers_on_a_flat_pad_determines_the_curvature_along_it() {
         .collect();
     let skin = Skin::new(f64::INFINITY).unwrap();
     let markers = Markers::new(skin, &places).unwrap();
-    let body = Body::hertz(0.5).unwrap();
+    let body = Body::half_space(0.5, 0.0).unwrap();
     let contact = skin.contact(&body, 0.1, 0.5).unwrap();
     let readings = Readings::of(&markers, &contact, [0.4, 0.3]);
     let mut reading = readings.reading(&markers, None);
@@ -99,7 +99,7 @@ fn a_row_of_markers_on_a_flat_pad_determines_the_curvature_along_it() {
 #[test]
 fn a_plane_has_no_contact_point_on_a_flat_pad() {
     let skin = Skin::new(f64::INFINITY).unwrap();
-    let body = Body::hertz(0.5).unwrap();
+    let body = Body::half_space(0.5, 0.0).unwrap();
     let press = |object| skin.contact(&body, object, 0.5).err();
     assert!(matches!(press(0.0), Some(PressError::Conforming { .. })));
     assert!(matches!(press(-0.1), Some(PressError::EdgeContact { .. })));

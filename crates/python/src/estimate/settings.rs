@@ -1,7 +1,7 @@
 //! Reads the settings of readings and estimators from keyword arguments.
 
 use palpate::config::infinite_length::json_number;
-use palpate::config::{Accepts, LengthUnit, Setting, StudyConfig};
+use palpate::config::{Accepts, FieldError, LengthUnit, Setting, StudyConfig};
 use palpate::recorded::StudyMismatch;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -95,5 +95,5 @@ pub(crate) fn like<T>(
     let options = options(&of_cell.config, unit);
     options
         .map(Some)
-        .map_err(|error| error::config(study.error_at(cell, error.path(), error.to_string())))
+        .map_err(|error| error::config(study.error_at(cell, FieldError::at(error.path(), &error))))
 }

@@ -45,9 +45,7 @@ pub(super) fn run(
         let first = cells.first().copied();
         let simulation = Simulation::new(&study, cells, &runner);
         let mut simulation = simulation.map_err(SweepError::SetUp)?;
-        if with_trials {
-            simulation = simulation.with_trials();
-        }
+        simulation.has_trials = with_trials;
         let ran = simulation.run(&watch.cancelled, &|trials| watch.add(trials))?;
         let first = first.filter(|_| study.config.outputs.contains(&Output::Trace));
         let trace = first.map(|first| trace(&study, first, None));

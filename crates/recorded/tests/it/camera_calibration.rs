@@ -6,7 +6,6 @@ use palpate_chromatouch::{
     OddTerms, Optics, Pose,
 };
 use palpate_recorded::{CameraEstimate, Frame, calibrate_camera};
-use palpate_sensing::{Channel, Stream};
 use palpate_study::config::{Study, parse};
 
 const SIZE: u32 = 500;
@@ -104,8 +103,7 @@ impl Truth {
             .expect("optics");
         let mut motions = vec![Some(MarkerMotion::default()); places.len()];
         motions[..self.lost].fill(None);
-        let mut noise = Stream::new(seed, 0, Channel::Pixel);
-        optics.render(&motions, Some(&mut noise)).expect("a frame")
+        optics.render(&motions, Some((seed, 0))).expect("a frame")
     }
 }
 

@@ -5,7 +5,8 @@ use super::series::{Mark, OPEN_MARKER, PointSet};
 use super::style::{FRAME, Style};
 use crate::records::distinct;
 use crate::table::same;
-use palpate_study::{config, number};
+use palpate_statistics::Number;
+use palpate_study::config;
 use plotters::style::Color;
 
 /// An axis of a plot. It converts numbers in the config to the numbers that the axis displays.
@@ -22,13 +23,7 @@ impl AxisScale {
     /// states the reason. `what` is the name of the value in the error message.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
-        let refused = |why| {
-            format!(
-                "the {what} at {} = {} is {why}",
-                self.name,
-                number::exact(value)
-            )
-        };
+        let refused = |why| format!("the {what} at {} = {} is {why}", self.name, Number(value));
         self.spacing
             .refusal(place)
             .map_or(Ok(place), |why| Err(refused(why)))

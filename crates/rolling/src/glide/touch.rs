@@ -102,11 +102,6 @@ impl GlideError {
         let (x, y) = (centre.x, centre.y);
         Self::ContactLost { x, y, radius }
     }
-
-    /// Name of this kind of error. It stays the same in all versions.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
 }
 
 /// A point of the object with its normal, and with its curvature along the level line and up the slope.

@@ -1,7 +1,8 @@
 //! Models that find the contact of a gliding fingertip.
 
 use nalgebra::Vector2;
-use palpate_geometry::{InvalidShape, Shape, Surface};
+use palpate_geometry::{Shape, Surface};
+use palpate_statistics::BadSetting;
 use palpate_statistics::Number;
 use thiserror::Error;
 
@@ -47,7 +48,7 @@ impl TouchModel {
 pub enum InvalidTouch {
     /// The fingertip has an invalid radius.
     #[error("{0}")]
-    Tip(#[from] InvalidShape),
+    Tip(#[from] BadSetting),
     /// The model that the user has set cannot compute the contacts of this fingertip with this object.
     #[error("the model `{rung}` cannot compute this: {reason}")]
     Unsupported {

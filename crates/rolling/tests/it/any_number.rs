@@ -3,12 +3,11 @@
 //! reversed roll end at the first contact.
 
 use nalgebra::{Vector2, Vector3};
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::Formula;
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{Shape, Surface};
 use palpate_rolling::{
-    Chart, Contact, Fingertip, Glider, HeldAxis, InvalidRoll, Model, Motion, Probe, Roller, Rolls,
-    Touch,
+    Chart, Contact, Fingertip, Glider, HeldAxis, InvalidRoll, Model, Motion, Roller, Rolls, Touch,
 };
 use proptest::prelude::*;
 
@@ -107,7 +106,7 @@ proptest! {
             sliding: Vector2::from(sliding) * probe,
             duration_s,
         };
-        let made = Probe::new(probe).unwrap();
+        let made = Sphere::new(probe).unwrap();
         for object in [
             sphere(size),
             dish(size),
@@ -160,7 +159,7 @@ proptest! {
             let length = way * motion.duration_s * sharpness;
             (length <= 6.0 || length.is_nan()) && motion.angular_velocity.z.abs() < 6.0
         };
-        let probe = Probe::new(made[3]);
+        let probe = Sphere::new(made[3]);
         prop_assert_eq!(probe.is_ok(), (1e-150..=1e150).contains(&made[3]));
         let Ok(probe) = probe else { return Ok(()) };
         let at = [(0.0, 0.0), (place[0], place[1])];
@@ -233,7 +232,7 @@ proptest! {
         ] {
             let rolls = [vec![there, back]];
             let rolls = Rolls::exact(&rolls);
-            let made = Probe::new(probe).unwrap();
+            let made = Sphere::new(probe).unwrap();
             let roller = Roller::new(made, object.clone(), (0.1 * size.min(probe), 0.0), auto, rolls).unwrap();
             let end = roller.roll(&[there, back]).unwrap();
             let scale = scale * 1e-8;

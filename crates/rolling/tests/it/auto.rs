@@ -1,6 +1,7 @@
 //! Tests which roll model `auto` chooses if the rolls are too long to measure the errors of the models.
 
-use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
+use palpate_geometry::Sphere;
+use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
 
 use crate::scenes::{auto, ellipsoid};
 
@@ -20,7 +21,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
     let start = |turned: f64, tolerance: f64| {
         let rolls = turns(turned);
         let auto = auto(tolerance);
-        let probe = Probe::new(1.0).unwrap();
+        let probe = Sphere::new(1.0).unwrap();
         let rolls = Rolls::exact(&rolls);
         let roller = Roller::new(probe, ellipsoid(5.0, 4.0, 3.0), (1.0, 0.5), auto, rolls);
         roller.unwrap()

@@ -2,8 +2,8 @@
 //! found by a search on a fine grid.
 
 use nalgebra::{Point3, Vector2};
-use palpate_geometry::{Shape, Surface};
-use palpate_rolling::{Motion, Probe, RollError, RollFault, Roller, Rolls};
+use palpate_geometry::{Shape, Sphere, Surface};
+use palpate_rolling::{Motion, RollError, RollFault, Roller, Rolls};
 
 use crate::scenes::{auto, height_field, saddle};
 
@@ -119,7 +119,7 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
         // The roller rejects a hollow object if the radius of the hollow is not larger than the probe's radius. Such
         // objects are skipped.
         let Ok(roller) = Roller::new(
-            Probe::new(radius).unwrap(),
+            Sphere::new(radius).unwrap(),
             object,
             place,
             model,
@@ -166,7 +166,7 @@ fn along_x(formula: &str, radius: f64, angle_rad: f64, spin: f64) -> Result<f64,
     motion.angular_velocity.z = spin;
     let rolls = [vec![motion]];
     let model = auto(1e-9);
-    let (probe, exact) = (Probe::new(radius).unwrap(), Rolls::exact(&rolls));
+    let (probe, exact) = (Sphere::new(radius).unwrap(), Rolls::exact(&rolls));
     let object = height_field(formula, &[]);
     let roller = Roller::new(probe, object, (0.0, 0.0), model, exact).unwrap();
     let terrain = roller.terrain(&rolls[0], 0.0).unwrap();

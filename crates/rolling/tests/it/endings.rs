@@ -1,10 +1,8 @@
 //! Tests rolls that end early, and rolls that cannot begin.
 
 use nalgebra::Point3;
-use palpate_geometry::{Shape, SurfaceError};
-use palpate_rolling::{
-    Chart, InvalidRoll, Model, Motion, Probe, RollError, RollFault, Roller, Rolls,
-};
+use palpate_geometry::{Shape, Sphere, SurfaceError};
+use palpate_rolling::{Chart, InvalidRoll, Model, Motion, RollError, RollFault, Roller, Rolls};
 
 use crate::scenes::{
     DOP853, auto, dish, dop853, height_field, paraboloid, plane, roll, roller, saddle, sphere,
@@ -12,7 +10,7 @@ use crate::scenes::{
 
 fn refused(radius: f64, object: Shape, model: Model, motion: Motion) -> InvalidRoll {
     let rolls = vec![vec![motion]];
-    let probe = Probe::new(radius).unwrap();
+    let probe = Sphere::new(radius).unwrap();
     Roller::new(probe, object, (0.0, 0.0), model, Rolls::exact(&rolls)).unwrap_err()
 }
 
@@ -108,7 +106,7 @@ fn walls_are_located() {
 #[test]
 fn a_start_off_the_object_is_refused() {
     let rolls = vec![vec![Motion::rolling(0.0, 1.0, 1.0)]];
-    let probe = Probe::new(1.0).unwrap();
+    let probe = Sphere::new(1.0).unwrap();
     for place in [(4.0, 4.0), (f64::NAN, 0.0)] {
         let rolls = Rolls::exact(&rolls);
         let error = Roller::new(probe, sphere(5.0), place, DOP853, rolls);

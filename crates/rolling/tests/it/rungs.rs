@@ -2,8 +2,8 @@
 
 use approx::assert_relative_eq;
 use nalgebra::{Vector2, Vector3};
-use palpate_geometry::Shape;
-use palpate_rolling::{Chart, HeldAxis, Model, Motion, Probe, Roller, Rolls};
+use palpate_geometry::{Shape, Sphere};
+use palpate_rolling::{Chart, HeldAxis, Model, Motion, Roller, Rolls};
 
 use crate::scenes::{
     DOP853, auto, cylinder, difference, dish, dop853, ellipsoid, height_field, paraboloid, plane,
@@ -198,7 +198,7 @@ fn a_meridian_takes_no_motion_that_changes_on_the_way() {
         Motion::rolling(0.3, 0.6, 1.0),
         Motion::rolling(2.0, 0.3, 1.0),
     ]];
-    let (probe, rolls) = (Probe::new(1.0).unwrap(), Rolls::exact(&rolls));
+    let (probe, rolls) = (Sphere::new(1.0).unwrap(), Rolls::exact(&rolls));
     let made = Roller::new(probe, paraboloid(1.0), (0.0, 0.0), Model::Meridian, rolls);
     let error = made.err().unwrap().to_string();
     assert!(error.contains("the motion changes on the way"), "{error}");

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use palpate_geometry::Formula;
 use palpate_geometry::Shape;
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_rolling::{Chart, Contact, Model, Motion, Probe, Roller, Rolls};
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_rolling::{Chart, Contact, Model, Motion, Roller, Rolls};
 
 pub(crate) fn sphere(radius: f64) -> Shape {
     Shape::Sphere(Sphere::new(radius).unwrap())
@@ -67,7 +67,7 @@ pub(crate) fn roller(
     motion: Motion,
 ) -> Roller {
     let rolls = vec![vec![motion]];
-    let probe = Probe::new(radius).unwrap();
+    let probe = Sphere::new(radius).unwrap();
     Roller::new(probe, object.clone(), start, model, Rolls::exact(&rolls)).unwrap()
 }
 

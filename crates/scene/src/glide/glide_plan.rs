@@ -2,12 +2,13 @@
 
 use nalgebra::Vector3;
 use palpate_ep2::{Contact, RoundTip};
-use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
+use palpate_geometry::{Shape, ShapeThresholds, Surface};
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, Model, Touch, TouchModel};
 use palpate_sensing::{
     BeyondPads, Channel, Distribution, NormalError, PadOffset, Pads, PositionAxes, PositionError,
     Stream,
 };
+use palpate_statistics::BadSetting;
 use palpate_statistics::Number;
 
 use super::fingertip_sensor::{GlideSensor, SensorKind};
@@ -174,7 +175,7 @@ fn tip_text(tip: &RoundTip, with_normals: bool) -> String {
     )
 }
 
-fn tip_error(error: InvalidShape) -> FieldError {
+fn tip_error(error: BadSetting) -> FieldError {
     range_error("scene.probe.radius", error.expected, error.value)
 }
 
@@ -320,11 +321,11 @@ fn noise(
 impl ContactNoise {
     fn need(&self) -> Option<String> {
         let position = self.position.map(|error| {
-            let distribution = match error.distribution() {
+            let distribution = match error.distribution {
                 Distribution::Gaussian => "Gaussian",
                 Distribution::Uniform => "uniform",
             };
-            let axes = match error.axes() {
+            let axes = match error.axes {
                 PositionAxes::Xyz => "x, y and z",
                 PositionAxes::Z => "z",
             };

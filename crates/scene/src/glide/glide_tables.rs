@@ -3,7 +3,7 @@
 use palpate_ep2::{Contact, ShapeError, regions};
 use palpate_estimators::push_map_point;
 use palpate_study::config::LengthUnit;
-use palpate_study::{Column, MapTable, Table, Unit};
+use palpate_study::{Column, Table, Unit};
 
 use super::glide_trial::GlideScene;
 use crate::trace::{Trace, counted};
@@ -36,7 +36,7 @@ impl GlideScene {
         &self,
         cell: usize,
         trial: u64,
-        table: &mut MapTable,
+        table: &mut Table,
     ) -> Result<(), ShapeError> {
         let fit = self.fit(Some(trial))?;
         let world: Vec<_> = self.grid.places.iter().map(|place| place.point).collect();

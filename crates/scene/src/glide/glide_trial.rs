@@ -17,7 +17,7 @@ use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape, map_table};
 use palpate_study::config::{GlideConfig, LengthUnit};
-use palpate_study::{FieldError, MapTable, Quantity};
+use palpate_study::{FieldError, Quantity, Table};
 use palpate_sweep::Observation;
 
 const GLIDE_QUANTITIES: [Quantity; 3] = [
@@ -282,11 +282,11 @@ impl Trials for GlideScene {
         Ok(self.record(trial, unit))
     }
 
-    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str> {
+    fn map_table(&self, unit: LengthUnit) -> Result<Table, &'static str> {
         Ok(map_table(unit, true))
     }
 
-    fn map(&self, cell: usize, trial: u64, table: &mut MapTable) -> Result<(), &'static str> {
+    fn map(&self, cell: usize, trial: u64, table: &mut Table) -> Result<(), &'static str> {
         self.push_map(cell, trial, table)
             .map_err(|error| error.name())
     }

@@ -258,8 +258,8 @@ impl SimulatedCamera {
         motions: &[Option<MarkerMotion>],
         trial: Option<u64>,
     ) -> Result<image::RgbImage, PressFailure> {
-        let mut stream = trial.map(|trial| Stream::new(self.seed, trial, Channel::Pixel));
-        Ok(self.optics.render(motions, stream.as_mut())?)
+        let noise = trial.map(|trial| (self.seed, trial));
+        Ok(self.optics.render(motions, noise)?)
     }
 
     fn with_noise(

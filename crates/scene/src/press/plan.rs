@@ -15,7 +15,7 @@ use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{
     CameraConfig, LengthUnit, ModelConfig, NoiseKnown, PressConfig, PressEstimatorConfig,
-    PressModelConfig,
+    PressModelConfig, PressSensorConfig,
 };
 
 use super::camera_calibration::RestFrames;
@@ -57,7 +57,12 @@ impl PressScene {
             None => Body::solved_layer(thickness, depth),
         };
         let body = SoftBody::new(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
-        let (has_tangential, frames) = config.sensor.displacements();
+        let (has_tangential, frames) = match &config.sensor {
+            PressSensorConfig::Direct { tangential, frames } => (*tangential, *frames),
+            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
+                (camera.tangential, camera.frames)
+            }
+        };
         let noise = PressNoise::new(&config.noise, frames, places.len(), seed)?;
         let setup = PressSetup {
             config,

@@ -2,7 +2,8 @@
 
 use palpate_estimators::tracks_table;
 use palpate_study::config::LengthUnit;
-use palpate_study::{Column, MapTable, Table, Unit};
+use palpate_study::number::shortest;
+use palpate_study::{Column, Table, Unit};
 
 use super::PressFailure;
 use super::trial::PressScene;
@@ -50,7 +51,7 @@ impl PressScene {
             readings.push_numbers(row);
         }
         let scale = sensor.camera().map_or_else(String::new, |sensor| {
-            let px_per_rad = sensor.camera.lens.px_per_rad();
+            let px_per_rad = sensor.camera.optics.camera().px_per_rad();
             format!(", camera with {px_per_rad:.3} px per rad")
         });
         let count = match readings.rows.len() {
@@ -79,7 +80,7 @@ impl PressScene {
 
     /// Empty table of profiles. A profile contains true and estimated displacements as functions of the distance from
     /// the contact. Fields stay empty if there is no estimate.
-    pub(crate) fn profile_table(unit: LengthUnit) -> MapTable {
+    pub(crate) fn profile_table(unit: LengthUnit) -> Table {
         let names = [
             "radial_position",
             "normal_displacement",
@@ -88,7 +89,7 @@ impl PressScene {
             "estimated_radial_displacement",
         ];
         let lengths = Column::in_length(names, Unit::Length, unit);
-        MapTable::new(std::iter::once(Column::count("cell")).chain(lengths))
+        Table::new(std::iter::once(Column::count("cell")).chain(lengths))
     }
 
     /// Adds the displacement profile of this scene to the table, with the estimate of trial number `trial`.
@@ -100,7 +101,7 @@ impl PressScene {
         &self,
         cell: usize,
         trial: u64,
-        table: &mut MapTable,
+        table: &mut Table,
     ) -> Result<(), PressFailure> {
         let contact = self.body.contact(&self.markers, &self.geometry)?;
         let estimated = self.estimated_displacement(trial);
@@ -110,12 +111,12 @@ impl PressScene {
             let estimate = estimated.as_ref();
             let estimate = estimate.map_or([None, None], |displacement| displacement(position));
             let truth = contact.displacement(position);
-            table.text(cell);
-            let numbers = [position, truth.normal, truth.radial].map(Some);
-            for number in numbers.into_iter().chain(estimate) {
-                table.number(number);
-            }
-            table.end_row();
+            let numbers = [position, truth.normal, truth.radial].map(Some).into_iter();
+            let numbers = numbers.chain(estimate);
+            let texts = numbers.map(|number| number.map_or_else(String::new, shortest));
+            table
+                .rows
+                .push([cell.to_string()].into_iter().chain(texts).collect());
         }
         estimated.map(drop)
     }

@@ -1,11 +1,12 @@
 //! Readings of a press: the sensors that read the markers and the indentation, and their noise.
 
+use palpate_statistics::BadSetting;
 use std::sync::Arc;
 
 use palpate_chromatouch::MarkerMotion;
 use palpate_estimators::{MarkerImages, pressed_images};
 use palpate_press::{Markers, Measured, Reading};
-use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
+use palpate_sensing::{Channel, GaussianError, Stream};
 use palpate_study::FieldError;
 use palpate_study::config::{CameraConfig, Length, PressNoiseConfig, ReadingNoise};
 use palpate_tracking::{Change, Marker};
@@ -251,8 +252,9 @@ impl MarkerReading {
 /// Gaussian error with the standard deviation `std`, or no error if `std` is `None`. `noise` is the name of the config
 /// field that states the error.
 pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, FieldError> {
-    GaussianError::new(std.unwrap_or(0.0))
-        .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
+    GaussianError::new(std.unwrap_or(0.0)).map_err(|error: BadSetting<String>| {
+        FieldError::at(format!("scene.noise.{noise}.std"), error)
+    })
 }
 
 /// Number `count` of lost markers or of outliers, which the config states in the table `noise`; 0 if `count` is `None`.

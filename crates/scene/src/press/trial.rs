@@ -10,7 +10,7 @@ use palpate_statistics::{BadSetting, HALF_WIDTHS, NORMAL_95};
 use palpate_study::config::{
     Indentation, LengthUnit, PressConfig, PressEstimatorConfig, PressObjectConfig,
 };
-use palpate_study::{FieldError, MapTable, Quantity};
+use palpate_study::{FieldError, Quantity, Table};
 use palpate_sweep::Observation;
 
 use super::plan::{Choice, PressRungs};
@@ -463,11 +463,11 @@ impl Trials for PressScene {
         Ok(self.record(trial, unit)?)
     }
 
-    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str> {
+    fn map_table(&self, unit: LengthUnit) -> Result<Table, &'static str> {
         Ok(Self::profile_table(unit))
     }
 
-    fn map(&self, cell: usize, trial: u64, table: &mut MapTable) -> Result<(), &'static str> {
+    fn map(&self, cell: usize, trial: u64, table: &mut Table) -> Result<(), &'static str> {
         self.push_profile(cell, trial, table)
             .map_err(|error| error.name())
     }

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector2;
 use palpate_ep1::{LeastSquares, ReadingNoise};
-use palpate_geometry::{Shape, Surface};
+use palpate_geometry::{Shape, Sphere, Surface};
 use palpate_rolling::{
-    Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, RollError, Roller, Rolls, Terrain,
+    Chart, HeldAxis, InvalidRoll, Model, Motion, RollError, Roller, Rolls, Terrain,
 };
 use palpate_sensing::{AngularVelocityError, Distribution};
 
@@ -39,7 +39,7 @@ impl RollScene {
     /// [`FieldError`] with the path of the invalid field.
     pub fn new(config: &RollConfig, seed: u64) -> Result<Self, FieldError> {
         let ProbeConfig::Sphere { radius } = config.probe;
-        let probe = Probe::new(radius)
+        let probe = Sphere::new(radius)
             .map_err(|error| range_error("scene.probe.radius", error.expected, error.value))?;
         let object = shape(&config.object)?;
         let noise = motion_noise(config)?;
@@ -213,7 +213,7 @@ fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
 /// without noise have this length.
 fn roller(
     config: &RollConfig,
-    probe: Probe,
+    probe: Sphere,
     object: Shape,
     noise: Option<MotionNoise>,
 ) -> Result<(Roller, Vec<Motion>), FieldError> {

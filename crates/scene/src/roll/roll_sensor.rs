@@ -55,7 +55,7 @@ impl RollSensor {
         match self {
             Self::Ideal => false,
             Self::Wrist(wrist) => wrist.shift_std() > 0.0,
-            Self::Pads(pads) => pads.offset() != PadOffset::Centred,
+            Self::Pads(pads) => pads.offset != PadOffset::Centred,
         }
     }
 
@@ -67,7 +67,7 @@ impl RollSensor {
                 ..ReadingNoise::default()
             },
             Self::Pads(pads) => {
-                let start = match pads.offset() {
+                let start = match pads.offset {
                     PadOffset::Centred => PadStart::Centred,
                     PadOffset::Random => PadStart::PerRoll,
                     PadOffset::RandomPerTrial => PadStart::PerTrial,
@@ -92,7 +92,7 @@ impl RollSensor {
             }
             Self::Pads(pads) => {
                 let mut stream = Stream::new(seed, trial, Channel::PadOffset);
-                match pads.offset() {
+                match pads.offset {
                     PadOffset::Random => SensorTrial::RandomPads(pads, stream),
                     PadOffset::Centred | PadOffset::RandomPerTrial => {
                         SensorTrial::Pads(pads, pads.place(&mut stream))
@@ -107,7 +107,11 @@ impl RollSensor {
     pub(super) fn noiseless(&self) -> Self {
         match self {
             Self::Ideal | Self::Wrist(_) => Self::Ideal,
-            Self::Pads(pads) => Self::Pads(pads.centred()),
+            Self::Pads(pads) => {
+                let mut pads = pads.clone();
+                pads.offset = PadOffset::Centred;
+                Self::Pads(pads)
+            }
         }
     }
 
@@ -131,7 +135,7 @@ impl RollSensor {
             Self::Ideal => "ideal sensor: no noise".to_owned(),
             Self::Wrist(_) => "wrist sensor: two contact points inferred per probe".to_owned(),
             Self::Pads(pads) => {
-                let start = match pads.offset() {
+                let start = match pads.offset {
                     PadOffset::Centred => "centred on the first contact",
                     PadOffset::Random => "at an offset drawn for each roll",
                     PadOffset::RandomPerTrial => "at an offset drawn per trial",

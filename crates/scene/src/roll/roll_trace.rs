@@ -6,7 +6,7 @@ use super::motion_noise::{NoiseTrial, lasting};
 use super::roll_trial::RollScene;
 use crate::trace::{Trace, TraceError, counted};
 use palpate_study::config::{LengthUnit, Side};
-use palpate_study::readings::{CONTACTS, Measure, ROLL_SERIES, ROLLS, ROTATION_VECTOR};
+use palpate_study::readings::{self, CONTACTS, Measure, ROLL_SERIES, ROLLS, ROTATION_VECTOR};
 use palpate_study::{Column, Table, Unit};
 
 /// Number of samples of each roll in the table, in addition to the first contact.
@@ -109,11 +109,7 @@ fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
 /// Table of roll readings with the columns [`ROLLS`] and one row per roll. A row contains the rotation of the probe
 /// (`Δθ_x`, `Δθ_y`) and the displacement of the contact on the probe (`Δp_u`, `Δp_v`).
 fn roll_readings_table(readings: impl IntoIterator<Item = [f64; 4]>, unit: LengthUnit) -> Table {
-    let mut table = Table::new(ROLLS.iter().flat_map(|column| match column.measure {
-        Measure::Length => Column::in_length([column.name], Unit::Length, unit),
-        Measure::Angle => [Column::number(column.name, "rad")],
-        _ => [Column::count(column.name)],
-    }));
+    let mut table = empty_table(&ROLLS, unit);
     for (probe, reading) in readings.into_iter().enumerate() {
         table.push(probe, reading);
     }
@@ -135,13 +131,7 @@ fn roll_series_table(
     } else {
         &CONTACTS
     };
-    let columns = [&ROLL_SERIES[..2], rotations, places].concat();
-    let mut table = Table::new(columns.iter().flat_map(|column| match column.measure {
-        Measure::Length => Column::in_length([column.name], Unit::Length, unit),
-        Measure::Angle => [Column::number(column.name, "rad")],
-        Measure::Time => [Column::number("time_s", "s")],
-        _ => [Column::count(column.name)],
-    }));
+    let mut table = empty_table(&[&ROLL_SERIES[..2], rotations, places].concat(), unit);
     for (probe, time_s, rotation, place) in samples {
         let mut row = vec![time_s];
         row.extend(&rotation[..rotations.len()]);
@@ -149,6 +139,15 @@ fn roll_series_table(
         table.push(probe, row);
     }
     table
+}
+
+fn empty_table(columns: &[readings::Column], unit: LengthUnit) -> Table {
+    Table::new(columns.iter().flat_map(|column| match column.measure {
+        Measure::Length => Column::in_length([column.name], Unit::Length, unit),
+        Measure::Angle => [Column::number(column.name, "rad")],
+        Measure::Time => [Column::number("time_s", "s")],
+        _ => [Column::count(column.name)],
+    }))
 }
 
 /// Motions from the start of a roll to the time `t_s`. The motion that is in progress at this time is shortened.

@@ -22,7 +22,7 @@ use crate::principal_curvatures::PointCurvature;
 use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_study::config::{LengthUnit, RollEstimatorConfig, Side};
-use palpate_study::{FieldError, MapTable, Quantity, Warning};
+use palpate_study::{FieldError, Quantity, Table, Warning};
 use palpate_sweep::{Observation, Observations};
 
 pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
@@ -48,12 +48,14 @@ pub(crate) fn quantities_of(has_principal: bool) -> &'static [Quantity] {
 #[derive(Clone, Debug)]
 pub struct RollScene {
     pub(super) seed: u64,
-    pub(super) roller: Roller,
+    /// Computes rolls with the chosen model.
+    pub roller: Roller,
     pub(super) rolls: Vec<Roll>,
     pub(super) noise: Option<MotionNoise>,
     pub(super) sensor: RollSensor,
     pub(super) rotation_sensor: RotationSensor,
-    pub(super) reading_noise: ReadingNoise,
+    /// Noise that the estimator assumes for readings at the ends of rolls.
+    pub reading_noise: ReadingNoise,
     pub(super) fit: RollFit,
     /// Closed form of the rolls. It exists if the displacement of the contact is linear in the rotation for all rolls,
     /// and the reported rotations are the same in every trial; otherwise `None`.
@@ -131,16 +133,6 @@ impl Together<'_> {
 }
 
 impl RollScene {
-    /// Noise that the estimator assumes for readings at the ends of rolls.
-    pub const fn reading_noise(&self) -> ReadingNoise {
-        self.reading_noise
-    }
-
-    /// The roller that computes rolls with the chosen model.
-    pub const fn roller(&self) -> &Roller {
-        &self.roller
-    }
-
     pub(crate) fn commands(&self) -> impl Iterator<Item = &Motion> {
         self.rolls.iter().map(|roll| &roll.command)
     }
@@ -487,7 +479,7 @@ impl Trials for RollScene {
         self.record(trial, unit)
     }
 
-    fn map_table(&self, _unit: LengthUnit) -> Result<MapTable, &'static str> {
+    fn map_table(&self, _unit: LengthUnit) -> Result<Table, &'static str> {
         Err("a roll has no map; \"cells\" and \"trace\" are possible")
     }
 }

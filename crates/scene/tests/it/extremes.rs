@@ -67,7 +67,7 @@ fn layered(thickness: f64) -> String {
 fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let study = parse("study.toml", text);
     let scene = study.and_then(|study| study.estimable_scene(0));
-    let scene = scene.map_err(|error| error.path().to_owned())?;
+    let scene = scene.map_err(|error| error.path)?;
     let mut all: Vec<(&'static str, f64, f64)> = Vec::new();
     for number in 0..3 {
         scene.trial(number, |quantity, outcome| {

@@ -1,6 +1,7 @@
 //! Sensors without contact: strain of the folded skin, image area of markers, and cutting patterns.
 
-use palpate_scene::{CutPattern, Scene, Scenes};
+use palpate_estimators::CutPattern;
+use palpate_scene::{Scene, Scenes};
 use palpate_study::config::{Study, parse};
 
 const GORES: &str =
@@ -162,11 +163,11 @@ fn patterns_that_cannot_be_are_refused_at_the_field() {
             Ok(study) => CutPattern::of(&study).unwrap_err(),
             Err(error) => error,
         };
-        assert_eq!(error.path(), path, "{error}");
+        assert_eq!(error.path, path, "{error}");
     }
     let rolling = "name = \"a\"\n[scene]\nkind = \"roll\"\nprobe = { kind = \"sphere\", radius = 1 }\nobject = { kind = \"plane\" }\nmotion = { rate_rad_per_s = 0.1, duration_s = 1.0 }\n";
     let error = CutPattern::of(&study(rolling)).unwrap_err();
-    assert_eq!(error.path(), "scene.kind");
+    assert_eq!(error.path, "scene.kind");
 }
 
 #[test]
@@ -175,5 +176,5 @@ fn discs_wider_than_the_sensor_have_no_area() {
     let wide = DISCS.replace("magenta_diameter = 2.0", "magenta_diameter = 60.0");
     let scene = study(&text(&format!("{lattice}, {wide}"), "")).estimable_scene(0);
     let error = scene.map(|_| ()).unwrap_err();
-    assert!(error.path().starts_with("scene.probe.discs"), "{error}");
+    assert!(error.path.starts_with("scene.probe.discs"), "{error}");
 }

@@ -246,7 +246,7 @@ fn maps_hold_truth_and_estimate_of_every_place() {
     let scene = scene(POINT, r#"{ kind = "saddle", a = 0.3 }"#, NOISE);
     let mut table = scene.map_table(LengthUnit::Mm).unwrap();
     scene.map(3, 0, &mut table).unwrap();
-    let csv = table.table.to_csv();
+    let csv = table.to_csv();
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     assert_eq!(header.len(), 31);

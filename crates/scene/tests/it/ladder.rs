@@ -109,20 +109,20 @@ fn glides_that_are_searched_for_err_by_less_than_their_tolerance() {
     }
     let study = config::parse("study.toml", &text(r#"model = { kind = "closed-form" }"#)).unwrap();
     let error = study.scene(0).unwrap_err();
-    assert_eq!(error.path(), "scene.model.kind");
+    assert_eq!(error.path, "scene.model.kind");
     let points = glide(
         SADDLE,
         r#"{ kind = "point" }"#,
         r#"model = { kind = "newton" }"#,
     );
     let study = config::parse("study.toml", &points).unwrap();
-    assert_eq!(study.scene(0).unwrap_err().path(), "scene.model.kind");
+    assert_eq!(study.scene(0).unwrap_err().path, "scene.model.kind");
     let loose = config::parse(
         "study.toml",
         &text(r#"model = { kind = "newton", tolerance = 2.0 }"#),
     );
     let error = loose.unwrap().scene(0).unwrap_err();
-    assert_eq!(error.path(), "scene.model.tolerance");
+    assert_eq!(error.path, "scene.model.tolerance");
 }
 
 fn press(depth: f64, model: &str, indentation: f64, estimator: &str) -> String {
@@ -263,7 +263,7 @@ fn auto_meets_any_tolerance_at_any_size() {
         for text in [rolled(1.0, &auto(tolerance)), slid(1.0, &auto(tolerance))] {
             let study = config::parse("study.toml", &text);
             let error = study.and_then(|study| study.ladder(0)).unwrap_err();
-            assert_eq!(error.path(), "scene.model.tolerance", "{tolerance}");
+            assert_eq!(error.path, "scene.model.tolerance", "{tolerance}");
         }
     }
 }

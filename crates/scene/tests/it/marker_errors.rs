@@ -4,7 +4,6 @@
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
 };
-use palpate_sensing::{Channel, Stream};
 use palpate_tracking::{Finder, Found, Ground, Marker, Mask};
 
 /// A sensor at rest. `Look` renders its frames and finds the markers in them.
@@ -47,8 +46,7 @@ impl Look {
     }
 
     fn found(&mut self, frame: u64) -> Found {
-        let mut noise = Stream::new(5, frame, Channel::Pixel);
-        let frame = self.optics.render(&self.motions, Some(&mut noise));
+        let frame = self.optics.render(&self.motions, Some((5, frame)));
         let found = self.finder.find(&frame.expect("a frame"));
         found.expect("markers")
     }

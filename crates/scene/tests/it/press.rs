@@ -41,10 +41,10 @@ pub(super) fn press(text: &str) -> PressScene {
 pub(super) fn refused(text: &str) -> String {
     let study = match parse("study.toml", text) {
         Ok(study) => study,
-        Err(error) => return format!("{}: {}", error.path(), error.message()),
+        Err(error) => return format!("{}: {}", error.path, error.message),
     };
     let error = study.estimable_scene(0).unwrap_err();
-    format!("{}: {}", error.path(), error.message())
+    format!("{}: {}", error.path, error.message)
 }
 
 pub(super) fn outcomes(

@@ -3,10 +3,11 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_sensing::{
-    AngularVelocityError, Channel, Distribution, Encoder, GaussianError, InvalidSensor,
-    NormalError, PadLayout, PadOffset, Pads, PositionAxes, PositionError, Stream, UniformLattice,
-    Wrist, direction_at, displacement_between,
+    AngularVelocityError, Channel, Distribution, Encoder, GaussianError, NormalError, PadLayout,
+    PadOffset, Pads, PositionAxes, PositionError, Stream, UniformLattice, Wrist, direction_at,
+    displacement_between,
 };
+use palpate_statistics::BadSetting;
 use proptest::prelude::*;
 
 /// Any double-precision number, a number of ordinary size, or a limit of a setting.
@@ -45,7 +46,7 @@ fn is_lattice(pitch_rad: f64) -> bool {
 
 /// Returns the sensor, or `None` if its parameters are invalid. Panics if valid parameters (`is_good`) are rejected, or
 /// if invalid parameters are accepted.
-fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
+fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, BadSetting<String>>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()
 }

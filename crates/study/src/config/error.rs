@@ -32,15 +32,18 @@ pub(super) type Span = Range<usize>;
 ///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
 /// "#;
 /// let error = parse("study.toml", text).expect_err("a radius is positive");
-/// assert_eq!(error.path(), "scene.object.radius");
+/// assert_eq!(error.path, "scene.object.radius");
 /// assert!(error.to_string().starts_with("study.toml:5:"));
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {}{message}{details}", if path.is_empty() { String::new() } else { format!("{path}: ") })]
 pub struct ConfigError {
     place: String,
-    path: String,
-    message: String,
+    /// Path of the field that has the problem: keys and array indices joined by dots. The path is empty if the error
+    /// applies to the whole file.
+    pub path: String,
+    /// The problem in words, without position and excerpt.
+    pub message: String,
     details: String,
 }
 
@@ -72,17 +75,6 @@ impl ConfigError {
         );
         let _ = write!(self.details, "\n{indent}= in cell {cell}: {coordinates}");
         self
-    }
-
-    /// Path of the field that has the problem: keys and array indices joined by dots. The path is empty if the error
-    /// applies to the whole file.
-    pub fn path(&self) -> &str {
-        &self.path
-    }
-
-    /// The problem in words, without position and excerpt.
-    pub fn message(&self) -> &str {
-        &self.message
     }
 }
 
@@ -300,41 +292,24 @@ impl FieldError {
 }
 
 impl Study {
-    /// Error in a field of a cell (one combination of the swept values), found after the config was validated, for
-    /// example a pitch that is larger than the probe. The error states the position of the field in the text. If a
-    /// sweep sets the field, it states the position of the swept value. If the field is missing in the text, it states
-    /// the position of the table that would contain the field.
-    pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
-        self.error_within(cell, path, None, message.into())
-    }
-
     /// Error in a part of the config that does not belong to a cell of the study, for example in a plot (`plot.0.y`) or
     /// at the top level (`claims.0`).
     pub fn error_beside(&self, path: &str, message: impl Into<String>) -> ConfigError {
         self.source.error(Fault::new(message).under(path))
     }
 
-    /// Error in a part of a field whose value is a text, for example an unknown name in a formula. `part` is a byte
-    /// range of this text.
-    pub fn error_in_text(
-        &self,
-        cell: usize,
-        path: &str,
-        part: Range<usize>,
-        message: impl Into<String>,
-    ) -> ConfigError {
-        self.error_within(cell, path, Some(part), message.into())
-    }
-
-    fn error_within(
-        &self,
-        cell: usize,
-        path: &str,
-        part: Option<Range<usize>>,
-        message: String,
-    ) -> ConfigError {
-        let mut fault = self.grid.in_text(cell, Fault::new(message).under(path));
-        fault.span = part.and_then(|part| self.part_of(cell, path, &fault.location, part));
+    /// Error in a field of a cell (one combination of the swept values), found after the config was validated, for
+    /// example a pitch that is larger than the probe. The error states the position of the field in the text. If a
+    /// sweep sets the field, it states the position of the swept value. If the field is missing in the text, it states
+    /// the position of the table that would contain the field.
+    pub fn error_at(&self, cell: usize, error: FieldError) -> ConfigError {
+        let FieldError {
+            path,
+            message,
+            part,
+        } = error;
+        let mut fault = self.grid.in_text(cell, Fault::new(message).under(&path));
+        fault.span = part.and_then(|part| self.part_of(cell, &path, &fault.location, part));
         let error = self.source.error(fault);
         if self.grid.axes.is_empty() {
             error

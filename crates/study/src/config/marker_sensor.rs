@@ -216,14 +216,6 @@ impl PressSensorConfig {
             _ => None,
         }
     }
-
-    /// Whether the sensor reads displacements along the skin, and the number of readings that are averaged.
-    pub const fn displacements(&self) -> (bool, u32) {
-        match self {
-            Self::Direct { tangential, frames } => (*tangential, *frames),
-            Self::Projected(camera) | Self::Rendered(camera) => (camera.tangential, camera.frames),
-        }
-    }
 }
 
 /// The camera, and the method that computes displacements from its images. The camera has a fisheye lens. If `k3` and

@@ -3,7 +3,7 @@
 mod check;
 
 use super::validate::NAME;
-use crate::number;
+use palpate_statistics::Number;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,7 @@ impl PlotConfig {
         let text = |value: &toml::Value| match value {
             toml::Value::String(text) => text.clone(),
             toml::Value::Integer(integer) => integer.to_string(),
-            toml::Value::Float(float) => number::exact(*float),
+            toml::Value::Float(float) => Number(*float).to_string(),
             other => other.to_string(),
         };
         self.where_.iter().map(move |(path, value)| {

@@ -372,7 +372,7 @@ pub enum Side {
 pub struct RotationNoise {
     /// Distribution of the error of the measured rotation.
     #[serde(default)]
-    pub kind: GaussianKind,
+    pub(crate) kind: GaussianKind,
     /// Standard deviation of the Gaussian error, 0 by default. State either this or `std_rad`.
     #[schemars(extend("minimum" = 0, "maximum" = 180, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
@@ -402,7 +402,7 @@ impl RotationNoise {
 /// Distribution of the error of the measured rotation; it is always Gaussian.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum GaussianKind {
+pub(crate) enum GaussianKind {
     /// Gaussian error with mean 0.
     #[default]
     Gaussian,

@@ -105,22 +105,6 @@ pub struct Range {
 }
 
 impl Range {
-    /// Range of the numbers greater than 0.
-    pub const POSITIVE: Self = Self {
-        above: Some(0.0),
-        least: None,
-        most: None,
-        is_whole: false,
-        may_be_infinite: false,
-    };
-
-    /// Range of the numbers that are 0 or greater.
-    pub const NOT_NEGATIVE: Self = Self {
-        above: None,
-        least: Some(0.0),
-        ..Self::POSITIVE
-    };
-
     /// Parses a number and checks that it is in the range.
     ///
     /// # Errors

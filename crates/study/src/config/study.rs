@@ -55,7 +55,7 @@ pub struct StudyConfig {
     /// Sweep axes, which vary fields of the config. Each combination of their values is a cell of the study. The first
     /// axis varies slowest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub sweep: Vec<SweepConfig>,
+    pub(crate) sweep: Vec<SweepConfig>,
     /// Plots of the study's tables. Without this section, one default plot is drawn: the relative rms error of the
     /// object's curvature over the first swept field. It has one line for each value of the second swept field, and one
     /// panel for each value of the third.

@@ -14,49 +14,49 @@ use toml::Value;
 /// for each field (`ranges`).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SweepConfig {
+pub(crate) struct SweepConfig {
     /// Path of the swept field: keys and array indices joined by dots, for example `scene.object.radius`.
-    pub path: Option<String>,
+    pub(crate) path: Option<String>,
     /// Paths of fields that vary together. Each entry of `values` is then an array with one value per field.
     #[schemars(extend("minItems" = 1))]
-    pub paths: Option<Vec<String>>,
+    pub(crate) paths: Option<Vec<String>>,
     /// Values of the axis. A value that is a table needs a `label`, which the results show instead of the table.
     #[schemars(with = "Option<Vec<serde_json::Value>>", extend("minItems" = 1))]
-    pub values: Option<Vec<toml::Value>>,
+    pub(crate) values: Option<Vec<toml::Value>>,
     /// First value of the axis, if its values are a range.
-    pub from: Option<f64>,
+    pub(crate) from: Option<f64>,
     /// Last value of the axis, if its values are a range.
-    pub to: Option<f64>,
+    pub(crate) to: Option<f64>,
     /// Number of values of a range, including both ends, or number of sampled points.
     #[schemars(extend("minimum" = 1))]
-    pub count: Option<u32>,
+    pub(crate) count: Option<u32>,
     /// Spacing of the values of a range: `linear` or `log`. Values between the ends are rounded to 12 digits.
-    pub spacing: Option<Spacing>,
+    pub(crate) spacing: Option<Spacing>,
     /// Method that chooses `count` points within `ranges`. If many fields are swept, such a sample needs far fewer
     /// points than a grid.
-    pub sample: Option<Sample>,
+    pub(crate) sample: Option<Sample>,
     /// Range of each sampled field, with the path of the field as key. The columns of the result tables are in the
     /// alphabetical order of the paths.
-    pub ranges: Option<BTreeMap<String, RangeConfig>>,
+    pub(crate) ranges: Option<BTreeMap<String, RangeConfig>>,
 }
 
 /// Range of the values of a sampled field.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RangeConfig {
+pub(crate) struct RangeConfig {
     /// Smallest value of the sampled field.
-    pub from: f64,
+    pub(crate) from: f64,
     /// Upper end of the range. All values of the field are below this end.
-    pub to: f64,
+    pub(crate) to: f64,
     /// Scale on which the points are spread evenly: `linear` or `log`.
     #[serde(default)]
-    pub spacing: Spacing,
+    pub(crate) spacing: Spacing,
 }
 
 /// Kind of quasi-random points that fill ranges evenly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Sample {
+pub(crate) enum Sample {
     /// Sobol's sequence with Owen's scrambling (Burley 2020). The points do not depend on the seed of the study. Of the
     /// first 2ⁿ points, equal numbers lie in each half, in each quarter and so on of every range.
     Sobol,
@@ -75,7 +75,7 @@ impl SweepConfig {
 /// Spacing of the values of a range.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Spacing {
+pub(crate) enum Spacing {
     /// Neighbouring values have equal differences.
     #[default]
     Linear,

@@ -68,8 +68,8 @@ fn refuses(base: &str, table: &str) {
             None if place.contains(':') => (format!("study.toml:{place}: "), ""),
             None => ("study.toml".to_owned(), place),
         };
-        let is_there = error.to_string().starts_with(&place) && error.path() == path;
-        if !is_there || !error.message().contains(words) {
+        let is_there = error.to_string().starts_with(&place) && error.path == path;
+        if !is_there || !error.message.contains(words) {
             wrong.push(format!("{row}\n{error}"));
         }
     }

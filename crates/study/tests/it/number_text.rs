@@ -1,6 +1,7 @@
 //! Tests how numbers are written as texts.
 
-use palpate_study::number::{exact, finite, grouped, rounded, significant};
+use palpate_statistics::Number;
+use palpate_study::number::{finite, grouped, rounded, significant};
 
 #[test]
 fn numbers_are_short_and_exact_enough() {
@@ -29,7 +30,7 @@ fn numbers_are_short_and_exact_enough() {
         (5e-324, "5e-324"),
         (0.0001, "0.0001"),
     ] {
-        assert_eq!(exact(value), text);
+        assert_eq!(Number(value).to_string(), text);
     }
     assert_eq!(grouped(1_234_567), "1,234,567");
     assert_eq!(grouped(999), "999");

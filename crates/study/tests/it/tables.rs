@@ -18,7 +18,7 @@ fn any_text_reads_back_the_same() {
     table.rows.push(fields.map(str::to_owned).to_vec());
     table.push(3, [-0.0, 1e-300, 0.1, 5.0, 6.0, 7.0, 8.0]);
     let csv = table.to_csv();
-    let mut rows = Rows::new(csv.as_bytes());
+    let mut rows = Rows::new(csv.as_bytes(), true);
     assert_eq!(rows.header().unwrap(), fields);
     assert_eq!(rows.next_row().unwrap().unwrap().1, fields.as_slice());
     let (_, row) = rows.next_row().unwrap().unwrap();

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::time::Instant;
 
 use anyhow::anyhow;
-use palpate::config::SceneConfig;
+use palpate::config::{FieldError, SceneConfig};
 use palpate::{
     ConfigError, Goal, MODEL_ERROR_SHARE, Plan, PlanError, RunOptions, Runner, Study, Warning,
     Warnings,
@@ -69,7 +69,7 @@ fn refused(
     let at = |cell: usize, field, error| {
         let target = exact(target.unwrap_or_default());
         let message = format!("--target-error {target}: {error}");
-        Failure::usage(study.error_at(numbers[cell], field, message))
+        Failure::usage(study.error_at(numbers[cell], FieldError::at(field, message)))
     };
     match error {
         PlanError::SetUp(error) => Failure::usage(error),

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use palpate::config::ModelConfig;
-use palpate::{Accuracy, Check, Coverage, EvaluationTime, Family, Ladder, Rungs, load};
+use palpate::{Accuracy, Check, Coverage, Family, Ladder, Rungs, load};
 
 use crate::answer_commands::note_ignored_fields;
 use crate::budget::runner;
@@ -193,10 +193,7 @@ fn errors_of(ladder: &Ladder) -> &'static str {
 
 /// One line of text per model in `times`: its error, its computing time, and the ratio of this time to the computing
 /// time of the chosen model.
-fn rung_lines(
-    ladder: &Ladder,
-    times: &[(usize, Option<EvaluationTime>)],
-) -> impl Iterator<Item = String> {
+fn rung_lines(ladder: &Ladder, times: &[(usize, Option<f64>)]) -> impl Iterator<Item = String> {
     let name = |place: usize| ladder.rungs[place].name.as_str();
     let widths = times.iter().map(|(place, _)| name(*place).chars().count());
     let width = widths.max().unwrap_or(0);
@@ -206,7 +203,8 @@ fn rung_lines(
         let is_taken = place == ladder.taken;
         let mark = if is_taken { '>' } else { ' ' };
         let time = time.map_or_else(String::new, |time| {
-            time_in_words(time, of_taken.filter(|_| !is_taken))
+            let model = &ladder.rungs[place].model;
+            time_in_words(time, of_taken.filter(|_| !is_taken), model)
         });
         let text = match &ladder.rungs[place].accuracy {
             Accuracy::Impossible(why) => format!("cannot: {why}"),
@@ -219,14 +217,14 @@ fn rung_lines(
     })
 }
 
-/// A computing time as text. If `other` is given, the text also contains the time divided by `other`.
-fn time_in_words(time: EvaluationTime, other: Option<EvaluationTime>) -> String {
-    let seconds = short(time.seconds());
+/// A computing time (s) of a model as text. If `other` is given, the text also contains the time divided by `other`.
+fn time_in_words(time: f64, other: Option<f64>, model: &ModelConfig) -> String {
+    let seconds = short(time);
     let ratio = other.map_or_else(String::new, |other| {
-        format!(" ({} x)", two_digits(time.seconds() / other.seconds()))
+        format!(" ({} x)", two_digits(time / other))
     });
-    match time {
-        EvaluationTime::EachTrial(_) => format!(", {seconds} per trial{ratio}"),
-        EvaluationTime::SettingUp(_) => format!(", {seconds} once for all trials{ratio}"),
+    match model {
+        ModelConfig::Roll(_) => format!(", {seconds} per trial{ratio}"),
+        _ => format!(", {seconds} once for all trials{ratio}"),
     }
 }

@@ -11,7 +11,7 @@ use palpate_recorded::{
     RollOptions, StudyMismatch, estimate_force, estimate_glide, estimate_press, estimate_roll,
     parse_glide, parse_load_curve, parse_press, parse_roll,
 };
-use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
+use palpate_study::config::{self, FieldError, LengthUnit, Study, StudyConfig};
 use palpate_study::readings::{columns_of, of_key};
 use serde::Serialize;
 use serde_json::{Map, Value as Json};
@@ -100,7 +100,10 @@ impl Like {
         let unit = unit.unwrap_or(self.config.length_unit);
         options(&self.config, unit).map_err(|error| {
             let message = error.to_string();
-            Failure::usage(self.study.error_at(self.cell, error.path(), message))
+            Failure::usage(
+                self.study
+                    .error_at(self.cell, FieldError::at(error.path(), message)),
+            )
         })
     }
 }

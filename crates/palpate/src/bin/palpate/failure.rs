@@ -50,7 +50,7 @@ impl Failure {
         };
         let field = error
             .downcast_ref::<ConfigError>()
-            .map(ConfigError::path)
+            .map(|error| error.path.as_str())
             .filter(|path| !path.is_empty());
         error_json(kind, status, &self.to_string(), field)
     }

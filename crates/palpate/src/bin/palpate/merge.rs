@@ -66,11 +66,8 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let numbers = numbers_of(&study, header.request.every_nth_cell as usize);
     let (cells, first_cell) = (numbers.len(), numbers[0]);
     let simulation = Simulation::of_shard(&study, numbers, Shard::default(), &runner);
-    let simulation = simulation.map_err(Failure::usage)?;
-    let simulation = match args.trials_out.is_some() {
-        true => simulation.with_trials(),
-        false => simulation,
-    };
+    let mut simulation = simulation.map_err(Failure::usage)?;
+    simulation.has_trials = args.trials_out.is_some();
     if args.trials_out.is_some() && !header.request.trials_out {
         return Err(Failure::usage(anyhow!(
             "the shards have no rows of trials: they were run without --trials-out"

@@ -105,17 +105,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let cells = numbers.len();
     let first = numbers[0];
     let simulation = Simulation::of_shard(&study, numbers, shard, &runner);
-    let simulation = match found {
+    let mut simulation = match found {
         // If the run resumes a journal, do not check the cells again: all cells were checked before the journal was
         // started.
         Some(_) => simulation,
         None => simulation.and_then(Simulation::checked),
     }
     .map_err(Failure::usage)?;
-    let simulation = match args.trials_out.is_some() {
-        true => simulation.with_trials(),
-        false => simulation,
-    };
+    simulation.has_trials = args.trials_out.is_some();
     if let Some(trials_out) = &trials_out {
         trials_out.refuse_other(&simulation)?;
     }
@@ -134,7 +131,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         Some(found) => (found.warnings.clone(), found.header.warnings.clone()),
         None => {
             let mut known = planned.clone();
-            known.merge(simulation.check_warnings().clone());
+            known.merge(simulation.warnings.clone());
             // If only a sample of the cells was checked, each cell reports its own warnings when it runs. Do not count
             // the warnings of the check as well.
             let is_sampled = simulation.is_sampled();

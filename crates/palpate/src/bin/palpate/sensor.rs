@@ -3,7 +3,7 @@
 mod calibrate;
 mod track;
 
-use palpate_scene::CutPattern;
+use palpate_estimators::CutPattern;
 use palpate_study::config;
 
 use crate::cli::{PatternArgs, SensorCommand};

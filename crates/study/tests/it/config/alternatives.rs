@@ -43,7 +43,7 @@ fn a_varied_field_replaces_a_swept_alternative() {
         ("scene.motion.arc_length".to_owned(), vec![0.5.into()]),
         ("scene.motion.angle_deg".to_owned(), vec![5.0.into()]),
     ];
-    let path = study.varied(&both).unwrap_err().path().to_owned();
+    let path = study.varied(&both).unwrap_err().path;
     assert_eq!(path, "scene.motion.angle_deg");
 }
 
@@ -55,7 +55,7 @@ fn a_set_field_replaces_a_written_alternative() {
     assert_eq!(lengths(&text, 0), [None, None, Some(4.0)]);
     let both = [angle, field("scene.motion.arc_length")];
     let text = with_fields("study.toml", BASE, &both).unwrap();
-    assert_eq!(error(&text).path(), "scene.motion.arc_length");
+    assert_eq!(error(&text).path, "scene.motion.arc_length");
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn a_number_of_rolls_stands_for_their_directions() {
         "duration_s",
         "rolls = 4, directions_deg = [0, 90], duration_s",
     );
-    assert_eq!(error(&both).path(), "scene.motion.directions_deg");
+    assert_eq!(error(&both).path, "scene.motion.directions_deg");
     let swept = study("[[sweep]]\npath = \"scene.motion.rolls\"\nvalues = [3, 9]\n");
     let SceneConfig::Roll(roll) = swept.cell(1).unwrap().config.scene else {
         panic!("no roll")

@@ -58,7 +58,7 @@ fn fields_are_set_added_and_removed() {
     );
     // `name` is not a table, so it has no field `first`.
     let error = with("name.first", json!(1)).unwrap_err();
-    assert_eq!(error.path(), "name.first");
+    assert_eq!(error.path, "name.first");
     let error = with_fields("made", "name = [", &set("name", json!("x"))).unwrap_err();
     assert!(error.to_string().starts_with("made"), "{error}");
 }
@@ -75,7 +75,7 @@ fn axes_multiply_and_need_lists() {
     let six = with_axes("made", &two, &set("seed", json!([1, 2, 3]))).unwrap();
     assert_eq!(parse("made", &six).unwrap().cell_count(), 6);
     let error = with_axes("made", &text, &set("seed", json!(1))).unwrap_err();
-    assert_eq!(error.path(), "seed");
+    assert_eq!(error.path, "seed");
     assert!(error.to_string().contains("list of values"), "{error}");
 }
 
@@ -87,6 +87,6 @@ fn values_without_a_toml_form_are_rejected() {
         (json!({ "seed": u64::MAX }), "seed"),
     ] {
         let error = of_json("made", &config).unwrap_err();
-        assert_eq!(error.path(), path);
+        assert_eq!(error.path, path);
     }
 }

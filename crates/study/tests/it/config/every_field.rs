@@ -228,10 +228,7 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
         let study = match parse("study.toml", &text(&swept)) {
             Ok(study) => study,
             Err(error) => {
-                assert!(
-                    !error.message().contains("names nothing"),
-                    "{name}: {error}"
-                );
+                assert!(!error.message.contains("names nothing"), "{name}: {error}");
                 outcomes.entry(name).or_insert(Some(error.to_string()));
                 continue;
             }
@@ -277,7 +274,7 @@ fn a_field_outside_the_scene_cannot_be_swept() {
     };
     for path in ["stop.min_trials", "claims.0", "plot.0.x", "length_unit"] {
         let error = swept(path).unwrap_err();
-        assert!(error.message().contains("cannot sweep"), "{error}");
+        assert!(error.message.contains("cannot sweep"), "{error}");
     }
     for path in ["seed", "trials"] {
         assert_eq!(swept(path).unwrap().takes(path), Some(Takes::Whole));

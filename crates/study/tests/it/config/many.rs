@@ -121,7 +121,7 @@ fn a_value_that_is_beyond_its_limit_is_found_wherever_it_stands() {
         let mut values = values.clone();
         values[place] = "-5.5".to_owned();
         let error = error(&all(&values));
-        assert_eq!(error.path(), "scene.object.radius");
+        assert_eq!(error.path, "scene.object.radius");
         assert!(error.to_string().contains(&format!("in cell {place}: ")));
     }
 }

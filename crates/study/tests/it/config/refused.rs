@@ -174,7 +174,7 @@ fn bad_fields() {
         parse("study.toml", &text).unwrap();
     }
     for text in ["", "# only a comment\n"] {
-        assert!(error(text).message().starts_with("the config is empty"));
+        assert!(error(text).message.starts_with("the config is empty"));
     }
     refuses(
         "",

@@ -89,7 +89,7 @@ fn errors_about_values_that_a_program_sets_name_no_line() {
         let values = vec![5.0.into(), value.into()];
         let error = study("").varied(&[("scene.object.radius".to_owned(), values)]);
         let error = error.expect_err("out of its limits");
-        assert_eq!(error.path(), "scene.object.radius");
+        assert_eq!(error.path, "scene.object.radius");
         let said = error.to_string();
         assert!(
             said.starts_with("study.toml: ") && !said.contains(" | "),

@@ -183,20 +183,33 @@ impl<T: Flagged> FromArgMatches for Settings<T> {
     }
 }
 
+const POSITIVE: Range = Range {
+    above: Some(0.0),
+    least: None,
+    most: None,
+    is_whole: false,
+    may_be_infinite: false,
+};
+
 pub(super) fn positive(text: &str) -> Result<f64, String> {
-    Range::POSITIVE.parse(text)
+    POSITIVE.parse(text)
 }
 
 pub(super) fn radius(text: &str) -> Result<f64, String> {
     let range = Range {
         may_be_infinite: true,
-        ..Range::POSITIVE
+        ..POSITIVE
     };
     range.parse(text)
 }
 
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
-    Range::NOT_NEGATIVE.parse(text)
+    let range = Range {
+        above: None,
+        least: Some(0.0),
+        ..POSITIVE
+    };
+    range.parse(text)
 }
 
 /// Parses `size` numbers, separated by commas. Error messages show `name` as the expected form.

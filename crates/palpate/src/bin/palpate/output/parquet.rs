@@ -68,7 +68,7 @@ impl<W: Write + Send> Writer<W> {
     }
 
     pub(super) fn write(&mut self, rows: &str) -> io::Result<()> {
-        let mut rows = Rows::without_header(rows.as_bytes());
+        let mut rows = Rows::new(rows.as_bytes(), false);
         while let Some((_, row)) = rows.next_row().map_err(io::Error::other)? {
             if row.len() != self.columns.len() {
                 let (fields, columns) = (row.len(), self.columns.len());

@@ -115,7 +115,7 @@ fn read_csv<const N: usize>(
     columns: [&str; N],
     take: &mut dyn FnMut([&str; N]) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let mut rows = Rows::new(BufReader::new(File::open(path)?));
+    let mut rows = Rows::new(BufReader::new(File::open(path)?), true);
     let names = rows.header()?;
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(columns) {

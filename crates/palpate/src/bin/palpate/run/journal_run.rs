@@ -102,7 +102,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
 
     pub(super) fn run(mut self) -> Result<(Totals, Warnings), Failure> {
         let simulation = self.simulation;
-        let all = simulation.trials();
+        let all = simulation.trials_before(simulation.tasks());
         let done = simulation.trials_before(self.tasks);
         let progress = Progress::new(all, done);
         let signals = Signals::new()?;

@@ -5,14 +5,15 @@ use palpate_study::config::{
     BareFingertipConfig, ConfigError, LengthUnit, PressConfig, PressProbeConfig, SceneConfig, Study,
 };
 
-use palpate_estimators::{LAYOUT, MarkerSphere};
 use palpate_study::{Column, FieldError, Table};
+
+use crate::marker_sphere::{LAYOUT, MarkerSphere};
 
 /// The flat pattern of a study's sensor, ready to be cut.
 ///
 /// ```
 /// use palpate_study::config::parse;
-/// use palpate_scene::CutPattern;
+/// use palpate_estimators::CutPattern;
 ///
 /// let text = r#"
 ///     name = "fingertip"
@@ -54,13 +55,12 @@ impl CutPattern {
     /// [`ConfigError`] if there is no pattern. The error is at the field that causes it: a scene without a marker
     /// sensor, a layout without gores, missing discs, a missing length unit, or discs that overlap or would be cut.
     pub fn of(study: &Study) -> Result<Self, ConfigError> {
-        let refuse = |error: FieldError| study.error_at(0, &error.path, error.message);
         let (config, probe) = (&study.config, probe(study)?);
         let unit_mm = millimetres(config.length_unit).ok_or_else(|| {
             let message = "must be m, cm, mm or um, because a cutting file is in millimetres";
-            study.error_at(0, "length_unit", message)
+            study.error_at(0, FieldError::at("length_unit", message))
         })?;
-        planned(&MarkerSphere::of(probe), unit_mm).map_err(refuse)
+        planned(&MarkerSphere::of(probe), unit_mm).map_err(|error| study.error_at(0, error))
     }
 }
 
@@ -70,7 +70,7 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
         | SceneConfig::Fingertip(BareFingertipConfig { probe, .. }) => Ok(probe),
         SceneConfig::Roll(_) | SceneConfig::Glide(_) => {
             let message = "has no sensor with markers; only `press` and `fingertip` have one";
-            Err(study.error_at(0, "scene.kind", message))
+            Err(study.error_at(0, FieldError::at("scene.kind", message)))
         }
     }
 }
@@ -79,7 +79,7 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
 /// from the apex, at the distance √(x² + y²) along the skin.
 ///
 /// ```
-/// use palpate_scene::marker_places;
+/// use palpate_estimators::marker_places;
 /// use palpate_study::config::parse;
 ///
 /// let text = r#"
@@ -96,7 +96,7 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
 /// [`ConfigError`] if the scene has no marker sensor, or if the layout is invalid.
 pub fn marker_places(study: &Study) -> Result<Vec<[f64; 2]>, ConfigError> {
     let places = MarkerSphere::of(probe(study)?).places();
-    places.map_err(|error| study.error_at(0, &error.path, error.message))
+    places.map_err(|error| study.error_at(0, error))
 }
 
 fn millimetres(unit: LengthUnit) -> Option<f64> {
