@@ -62,7 +62,7 @@ const REFINEMENTS: usize = 3;
 /// let target = "relative_rms_error(mean_curvature) <= 2 %".parse()?;
 /// let question = Question::new(target, vec![noise.parse()?], None)?;
 /// let region = design(&study, &question, &runner, &|| start.elapsed(), &|_, _| ())?;
-/// let [meets, misses] = region.columns[0].runs[..] else { panic!("{}", region.sentence()) };
+/// let [meets, misses] = region.columns[0].runs[..] else { panic!("{}", region.lines()[0]) };
 /// assert!(meets.side == Side::Meets && meets.to < misses.from && misses.from < 1.06 * meets.to);
 ///
 /// // Two objects, and the largest noise that still meets the target.

@@ -7,6 +7,7 @@ use palpate_study::{Label, Quantity, Table, label, number};
 use palpate_sweep::{Order, Repeats, TrialMeans};
 use serde_json::{Value, json};
 
+use crate::Answer;
 use crate::cell_trials::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
@@ -116,10 +117,61 @@ impl Object {
 }
 
 impl Discrimination {
+    /// Values of the swept fields that do not define objects, in words. All objects of a group share these values. The
+    /// text is empty if there are no such fields.
+    pub(crate) fn settings_in_words(&self, group: &Group) -> String {
+        settings_in_words(&self.columns, &group.settings)
+    }
+
+    /// The swept values that define an object, in words, with their units.
+    pub(crate) fn object_in_words(&self, object: &Object) -> String {
+        let pairs = self.object_columns.iter().zip(&object.label);
+        let said = pairs.map(|(column, text)| Label::of_field(column).value(text));
+        said.collect::<Vec<_>>().join(", ")
+    }
+
+    fn pair(&self, group: &Group, pair: &Pair) -> String {
+        let objects = [pair.first, pair.second].map(|place| &group.objects[place]);
+        let [one, other] = objects.map(|object| self.object_in_words(object));
+        let trials = &self.trials;
+        let (Some(order), Some(repeats)) = (pair.order, pair.repeats) else {
+            return format!("{one} and {other} have the same {}", self.quantity.words);
+        };
+        let sure = percent(self.confidence);
+        let repeats = match repeats {
+            Repeats::Found(1) => format!("one is enough for {sure} %"),
+            Repeats::Found(count) => format!("{} {trials} for {sure} %", number::grouped(count)),
+            Repeats::About(count) => {
+                format!("about {} {trials} for {sure} %", number::grouped(count))
+            }
+            Repeats::Never => format!("no number of {trials} is enough for {sure} %"),
+            Repeats::Unknown => {
+                format!("{sure} % needs more {trials} than were simulated")
+            }
+        };
+        let failing = objects
+            .into_iter()
+            .filter(|object| object.counts.failure_rate() > STATED_FAILURES);
+        let failures = failing.map(|object| {
+            let at = self.object_in_words(object);
+            format!("; {}", object.counts.failures_in_words(trials, &at))
+        });
+        format!(
+            "{one} and {other}: {} % of single {trials} put them in the right order ({} to {}); \
+             {repeats}{}",
+            percent(order.probability),
+            percent(order.low),
+            percent(order.high),
+            failures.collect::<String>()
+        )
+    }
+}
+
+impl Answer for Discrimination {
     /// Table with one row per pair of objects. A row contains both objects, the probability that one trial of each
     /// object distinguishes them, and the 95 % interval of this probability. It also contains the number of trials that
     /// must be averaged to distinguish the objects with the required confidence.
-    pub fn table(&self) -> Table {
+    fn table(&self) -> Table {
         let names = |of: &str| -> Vec<String> {
             self.object_columns
                 .iter()
@@ -193,7 +245,7 @@ impl Discrimination {
     /// One sentence for each pair of objects whose true values are next to each other, in ascending order. Objects are
     /// compared only if all swept fields that do not define objects have equal values. The sentence starts with these
     /// values.
-    pub fn sentences(&self) -> Vec<String> {
+    fn lines(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for group in &self.groups {
             let settings = self.settings_in_words(group);
@@ -210,59 +262,10 @@ impl Discrimination {
         sentences
     }
 
-    /// Values of the swept fields that do not define objects, in words. All objects of a group share these values. The
-    /// text is empty if there are no such fields.
-    pub(crate) fn settings_in_words(&self, group: &Group) -> String {
-        settings_in_words(&self.columns, &group.settings)
-    }
-
-    /// The swept values that define an object, in words, with their units.
-    pub(crate) fn object_in_words(&self, object: &Object) -> String {
-        let pairs = self.object_columns.iter().zip(&object.label);
-        let said = pairs.map(|(column, text)| Label::of_field(column).value(text));
-        said.collect::<Vec<_>>().join(", ")
-    }
-
-    fn pair(&self, group: &Group, pair: &Pair) -> String {
-        let objects = [pair.first, pair.second].map(|place| &group.objects[place]);
-        let [one, other] = objects.map(|object| self.object_in_words(object));
-        let trials = &self.trials;
-        let (Some(order), Some(repeats)) = (pair.order, pair.repeats) else {
-            return format!("{one} and {other} have the same {}", self.quantity.words);
-        };
-        let sure = percent(self.confidence);
-        let repeats = match repeats {
-            Repeats::Found(1) => format!("one is enough for {sure} %"),
-            Repeats::Found(count) => format!("{} {trials} for {sure} %", number::grouped(count)),
-            Repeats::About(count) => {
-                format!("about {} {trials} for {sure} %", number::grouped(count))
-            }
-            Repeats::Never => format!("no number of {trials} is enough for {sure} %"),
-            Repeats::Unknown => {
-                format!("{sure} % needs more {trials} than were simulated")
-            }
-        };
-        let failing = objects
-            .into_iter()
-            .filter(|object| object.counts.failure_rate() > STATED_FAILURES);
-        let failures = failing.map(|object| {
-            let at = self.object_in_words(object);
-            format!("; {}", object.counts.failures_in_words(trials, &at))
-        });
-        format!(
-            "{one} and {other}: {} % of single {trials} put them in the right order ({} to {}); \
-             {repeats}{}",
-            percent(order.probability),
-            percent(order.low),
-            percent(order.high),
-            failures.collect::<String>()
-        )
-    }
-
     /// The result as JSON. For each pair of objects, it contains the probability that one trial of each object
     /// distinguishes them, the 95 % interval of this probability, and the required number of trials. It also contains
-    /// the texts of [`Self::sentences`].
-    pub fn to_json(&self, study: &Study) -> Value {
+    /// the texts of [`Answer::lines`].
+    fn to_json(&self, study: &Study) -> Value {
         let groups = self.groups.iter().map(|group| {
             let pairs = group.pairs.iter().map(|pair| {
                 let [first, second] = [pair.first, pair.second]
@@ -299,16 +302,13 @@ impl Discrimination {
             "quantity": self.quantity.name,
             "confidence": self.confidence,
             "groups": groups.collect::<Value>(),
-            "answer": self.sentences(),
+            "answer": self.lines(),
         })
     }
 
     /// Heat map with one panel per group of objects. Each square of the map belongs to a pair of objects. It shows the
     /// probability that one trial of each object distinguishes them. `name` is the name of the figure's files.
-    ///
-    /// # Errors
-    /// [`ReportError`] if the figure cannot be drawn.
-    pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
+    fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
         let panel = |group: &Group| {
             let count = group.objects.len();
             let mut shares = vec![vec![None; count]; count];

@@ -7,7 +7,7 @@
 //! | how reliably do trials distinguish the swept objects? | [`distinguish`] returns a [`Discrimination`] |
 //!
 //! Both functions run trials on a [`Runner`](palpate_sweep::Runner), which distributes them among threads. Their
-//! answers can be output as sentences, tables, JSON and a figure. If values miss the target because too many trials
+//! results are [`Answer`]s, with sentences, tables, JSON and a figure. If values miss the target because too many trials
 //! fail, the answer names the most frequent kind of failure.
 
 mod cell_trials;
@@ -27,6 +27,11 @@ mod sensitivity;
 mod target_score;
 mod words;
 
+use palpate_report::{Figure, ReportError};
+use palpate_study::Table;
+use palpate_study::config::Study;
+use serde_json::Value;
+
 pub use cell_trials::TrialCounts;
 pub use design::design;
 pub use discrimination::{Discrimination, Group, Object, Pair};
@@ -37,6 +42,24 @@ pub use question::{Extreme, Question, Sought};
 pub use region::{Best, Region, RegionColumn};
 pub use search::{Run, Side};
 pub use sensitivity::{FieldEffect, Sensitivity, sensitivity};
+
+/// The result of [`design`], [`distinguish`] or [`sensitivity`], in the forms in which it can be output.
+pub trait Answer {
+    /// The answer in lines of text.
+    fn lines(&self) -> Vec<String>;
+
+    /// Table of the results.
+    fn table(&self) -> Table;
+
+    /// The answer as JSON. `study` is the study of the question.
+    fn to_json(&self, study: &Study) -> Value;
+
+    /// Figure of the results. `name` is the name of the figure's files.
+    ///
+    /// # Errors
+    /// [`ReportError`] if the figure cannot be drawn.
+    fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError>;
+}
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]

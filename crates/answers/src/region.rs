@@ -3,10 +3,13 @@
 
 use std::cmp::Ordering;
 
+use palpate_report::{Figure, ReportError};
 use palpate_scene::quantities_of;
 use palpate_study::config::Study;
-use palpate_study::{Bound, Target};
+use palpate_study::{Bound, Table, Target};
+use serde_json::Value;
 
+use crate::Answer;
 use crate::cell_trials::TrialCounts;
 use crate::error::{AnswerError, MAX_CELLS};
 use crate::field::Field;
@@ -291,5 +294,24 @@ fn check_order(fields: &[Field], path: &str) -> Result<(), AnswerError> {
             text: field.text(place),
         }),
         None => Ok(()),
+    }
+}
+
+impl Answer for Region {
+    fn lines(&self) -> Vec<String> {
+        let sentence = std::iter::once(self.sentence());
+        sentence.chain(self.details()).collect()
+    }
+
+    fn table(&self) -> Table {
+        self.results_table()
+    }
+
+    fn to_json(&self, study: &Study) -> Value {
+        self.region_json(study)
+    }
+
+    fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
+        self.region_figure(name, title)
     }
 }

@@ -21,10 +21,7 @@ impl Region {
     /// field of [`Region::grid`] on the horizontal axis. There is one panel for each combination of values of the
     /// remaining fields. If one field is varied, it is on the horizontal axis, and the target's statistic on the
     /// vertical axis. `name` is the file name of the figure, without extension.
-    ///
-    /// # Errors
-    /// [`ReportError`] if the figure cannot be drawn.
-    pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
+    pub(crate) fn region_figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
         let mut notes = vec![self.sentence()];
         let chart = match self.grid.split_last() {
             Some((last, further)) => DesignChart::Map(self.map(last, further)),

@@ -9,11 +9,56 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 
 impl Region {
+    /// The answer as JSON: the sentence, the best value, and the ranges of values that meet or miss the target at each
+    /// combination of values of the fields in [`Region::grid`]. If only one field is varied, there is only one
+    /// combination, and its results also appear at the top level of the JSON object.
+    pub(crate) fn region_json(&self, study: &Study) -> Value {
+        let columns = self.columns.iter().map(|column| {
+            let at: Map<_, _> = self.grid_json(column).collect();
+            let fields = [("at".to_owned(), Value::Object(at))];
+            fields
+                .into_iter()
+                .chain(self.column_json(column))
+                .collect::<Value>()
+        });
+        let best = self.best().map(|best| {
+            let field = &self.searched;
+            let searched = (field.path.clone(), json_of(field, best.searched));
+            let all = self.grid_json(best.column).chain([searched]);
+            all.collect::<Value>()
+        });
+        let grid = self.grid.iter();
+        let grid = grid.map(|field| json!({ "path": field.path, "unit": field.label.unit }));
+        let question = &self.question;
+        let mut value = json!({
+            "format_version": 1,
+            "study": study.config.name,
+            "answer": self.sentence(),
+            "target": question.target.to_string(),
+            "max_failures": question.max_failures,
+            "path": self.searched.path,
+            "unit": self.searched.label.unit,
+            "confidence": question.confidence,
+            "grid": grid.collect::<Value>(),
+            "sought": question.sought.as_ref().map(|sought| &sought.path),
+            "best_that_meets": best,
+            "columns": columns.collect::<Value>(),
+        });
+        if let (true, [only], Some(fields)) = (
+            self.grid.is_empty(),
+            &self.columns[..],
+            value.as_object_mut(),
+        ) {
+            fields.extend(self.column_json(only));
+        }
+        value
+    }
+
     /// Table of the results of all trials. It has one row for each combination of values of the fields in
     /// [`Region::grid`], each tested value of the searched field, each cell, and each kind of trials. The kinds are
     /// trials of the search, and fresh trials that verify the answer. A row contains the statistic that is compared
     /// with the target, its standard error, and whether the tested value meets the target.
-    pub fn table(&self) -> Table {
+    pub(crate) fn results_table(&self) -> Table {
         let grid = self.grid.iter().map(|field| &field.column);
         let fields = grid.chain([&self.searched.column]).cloned();
         let target = &self.question.target;
@@ -85,51 +130,6 @@ impl Region {
     fn grid_texts(&self, column: &RegionColumn) -> impl Iterator<Item = String> {
         let pairs = self.grid.iter().zip(&column.at);
         pairs.map(|(field, value)| field.text(*value))
-    }
-
-    /// The answer as JSON: the sentence, the best value, and the ranges of values that meet or miss the target at each
-    /// combination of values of the fields in [`Region::grid`]. If only one field is varied, there is only one
-    /// combination, and its results also appear at the top level of the JSON object.
-    pub fn to_json(&self, study: &Study) -> Value {
-        let columns = self.columns.iter().map(|column| {
-            let at: Map<_, _> = self.grid_json(column).collect();
-            let fields = [("at".to_owned(), Value::Object(at))];
-            fields
-                .into_iter()
-                .chain(self.column_json(column))
-                .collect::<Value>()
-        });
-        let best = self.best().map(|best| {
-            let field = &self.searched;
-            let searched = (field.path.clone(), json_of(field, best.searched));
-            let all = self.grid_json(best.column).chain([searched]);
-            all.collect::<Value>()
-        });
-        let grid = self.grid.iter();
-        let grid = grid.map(|field| json!({ "path": field.path, "unit": field.label.unit }));
-        let question = &self.question;
-        let mut value = json!({
-            "format_version": 1,
-            "study": study.config.name,
-            "answer": self.sentence(),
-            "target": question.target.to_string(),
-            "max_failures": question.max_failures,
-            "path": self.searched.path,
-            "unit": self.searched.label.unit,
-            "confidence": question.confidence,
-            "grid": grid.collect::<Value>(),
-            "sought": question.sought.as_ref().map(|sought| &sought.path),
-            "best_that_meets": best,
-            "columns": columns.collect::<Value>(),
-        });
-        if let (true, [only], Some(fields)) = (
-            self.grid.is_empty(),
-            &self.columns[..],
-            value.as_object_mut(),
-        ) {
-            fields.extend(self.column_json(only));
-        }
-        value
     }
 
     fn grid_json(&self, column: &RegionColumn) -> impl Iterator<Item = (String, Value)> {

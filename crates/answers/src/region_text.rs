@@ -13,24 +13,9 @@ const ERROR_DIGITS: usize = 1;
 const MAX_CLAUSES: usize = 12;
 
 impl Region {
-    /// The answer in one sentence: the best value of the optimised field or, if no field is optimised, the values that
-    /// meet the target.
-    pub fn sentence(&self) -> String {
-        let text = match (&self.question.sought, self.grid.is_empty()) {
-            (Some(sought), _) => self.best_in_words(sought),
-            (None, false) => self.values_that_meet(),
-            (None, true) => {
-                let certainty = format!(" ({})", self.certainty());
-                let text = self.column_in_words(&self.columns[0], &certainty);
-                format!("{}: {text}", self.searched.label.words)
-            }
-        };
-        format!("{}.", capitalized(&text))
-    }
-
     /// The lines below the sentence that states the answer. They state the target, the numbers of values and trials,
     /// the searches that reached a limit, and the answer at each combination of the grid.
-    pub fn lines(&self) -> Vec<String> {
+    pub(crate) fn details(&self) -> Vec<String> {
         let samples = || self.columns.iter().flat_map(RegionColumn::samples);
         let points = self.columns.iter().flat_map(|column| &column.points);
         let fresh = points.flat_map(|point| &point.fresh);
@@ -56,6 +41,21 @@ impl Region {
             lines.extend(self.columns.iter().map(line));
         }
         lines
+    }
+
+    /// The answer in one sentence: the best value of the optimised field or, if no field is optimised, the values that
+    /// meet the target.
+    pub(crate) fn sentence(&self) -> String {
+        let text = match (&self.question.sought, self.grid.is_empty()) {
+            (Some(sought), _) => self.best_in_words(sought),
+            (None, false) => self.values_that_meet(),
+            (None, true) => {
+                let certainty = format!(" ({})", self.certainty());
+                let text = self.column_in_words(&self.columns[0], &certainty);
+                format!("{}: {text}", self.searched.label.words)
+            }
+        };
+        format!("{}.", capitalized(&text))
     }
 
     /// Notes about ends of ranges that new trials did not confirm, and about searches that reached the limit of time or

@@ -7,6 +7,7 @@ use palpate_study::{Label, Quantity, Table, number};
 use palpate_sweep::Runner;
 use serde_json::{Value, json};
 
+use crate::Answer;
 use crate::distinguish::place_of;
 use crate::error::AnswerError;
 
@@ -301,9 +302,9 @@ fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
     (run.is_ok() && is_finite).then(|| (errors / count, truths / count))
 }
 
-impl Sensitivity {
+impl Answer for Sensitivity {
     /// Table with one row per field. The field with the largest effect comes first.
-    pub fn table(&self) -> Table {
+    fn table(&self) -> Table {
         let columns = "field value low high rms_error_low rms_error_high effect effect_std failures trials quantity unit";
         let mut table = Table::new(columns.split(' ').map(str::to_owned));
         table.rows.extend(self.effects.iter().map(|one| {
@@ -321,7 +322,7 @@ impl Sensitivity {
     }
 
     /// Lines for a terminal: the rms error, one line per field, and the fields whose effect cannot be measured.
-    pub fn lines(&self) -> Vec<String> {
+    fn lines(&self) -> Vec<String> {
         let size = number::significant(self.rms_error, 3);
         let mut lines = vec![
             format!(
@@ -353,7 +354,7 @@ impl Sensitivity {
     }
 
     /// The effects of all config fields on the rms error, as JSON.
-    pub fn to_json(&self, study: &Study) -> Value {
+    fn to_json(&self, study: &Study) -> Value {
         let effects = self.effects.iter().map(|one| {
             json!({
                 "field": one.column,
@@ -379,10 +380,7 @@ impl Sensitivity {
     }
 
     /// Bar chart of the largest effects on the rms error. `name` is the name of the chart's files.
-    ///
-    /// # Errors
-    /// [`ReportError`] if the chart cannot be drawn.
-    pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
+    fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
         let bars = self.effects.iter().take(MAX_BARS).map(|one| {
             let words = Label::of_field(&one.column).words;
             (words, one.effect, one.effect_std)

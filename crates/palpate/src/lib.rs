@@ -62,9 +62,9 @@ pub use columns::{Values, columns, stem, unit_of};
 pub use coverage::{Coverage, FAMILY_TABLES, Family, coverage, family_scene};
 pub use output_check::check_outputs;
 pub use palpate_answers::{
-    AnswerError, Best, Discrimination, Extreme, Field, FieldEffect, Group, Object, Pair, Question,
-    Region, RegionColumn, Run, Sensitivity, Side, Sought, TrialCounts, design, distinguish,
-    sensitivity,
+    Answer, AnswerError, Best, Discrimination, Extreme, Field, FieldEffect, Group, Object, Pair,
+    Question, Region, RegionColumn, Run, Sensitivity, Side, Sought, TrialCounts, design,
+    distinguish, sensitivity,
 };
 pub use palpate_estimators::{CutPattern, marker_places};
 pub use palpate_recorded as recorded;

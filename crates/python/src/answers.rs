@@ -7,12 +7,39 @@ pub(crate) mod report;
 pub(crate) mod sensitivity;
 
 use palpate::glossary::{SUBJECTS, meaning, similar};
-use palpate::{Quantity, ReportError, Statistic, Study, Table as Rows};
+use palpate::{Answer, Quantity, ReportError, Statistic, Study, Table as Rows};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error;
 use crate::figure::Figure;
+use crate::json::to_python;
+use crate::record::Made;
+
+/// An answer with a table and a figure.
+struct Found<A> {
+    answer: A,
+    study: Study,
+    /// Name of the figure.
+    name: &'static str,
+}
+
+impl<A: Answer + Send + Sync> Made for Found<A> {
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.answer.to_json(&self.study))
+    }
+
+    fn others(&self) -> &'static [&'static str] {
+        &["table", "figure"]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        match name {
+            "table" => table(py, &self.answer.table(), &self.study),
+            _ => figure(py, self.answer.figure(self.name, self.study.heading())),
+        }
+    }
+}
 
 fn table<'py>(py: Python<'py>, rows: &Rows, study: &Study) -> PyResult<Bound<'py, PyAny>> {
     crate::table::table_of(py, rows, study.config.length_unit)

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use palpate::{AnswerError, Extreme, Question, Region, Sought};
+use palpate::{Answer, AnswerError, Extreme, Question, Region, Sought};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -36,7 +36,7 @@ impl Made for Found {
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let Self { region, study } = self;
         match name {
-            "lines" => Ok(region.lines().into_pyobject(py)?.into_any()),
+            "lines" => Ok(region.lines()[1..].into_pyobject(py)?.into_any()),
             "table" => table(py, &region.table(), study),
             "runs" => table(py, &region.runs(), study),
             _ => figure(py, region.figure("design", study.heading())),

@@ -3,11 +3,10 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::Found;
 use super::question::{listed, set as set_of, unanswered, wrong};
-use super::{figure, table};
 use crate::error;
-use crate::json::to_python;
-use crate::record::{Made, Record, record};
+use crate::record::{Record, record};
 use crate::study::{Study, runner};
 use crate::watch::watched;
 
@@ -15,29 +14,6 @@ record!(
     Distinction,
     "Probabilities that one trial of each of two objects puts their estimates in the right order, and the number of\ntrials that suffices.\n\nFields: those that `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs`\nof `first`, `second`, `told_apart` (a probability, None if they are equal), `low95`, `high95` and `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
 );
-
-struct Found {
-    discrimination: palpate::Discrimination,
-    study: palpate::Study,
-}
-
-impl Made for Found {
-    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.discrimination.to_json(&self.study))
-    }
-
-    fn others(&self) -> &'static [&'static str] {
-        &["table", "figure"]
-    }
-
-    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let (discrimination, study) = (&self.discrimination, &self.study);
-        match name {
-            "table" => table(py, &discrimination.table(), study),
-            _ => figure(py, discrimination.figure("distinguish", study.heading())),
-        }
-    }
-}
 
 /// Computes, for every pair of objects in a sweep, how often the estimates of single trials put the two objects in the
 /// right order. Also computes how many trials must be averaged for a reliable order.
@@ -133,8 +109,9 @@ pub(crate) fn distinguish<'py>(
         let discrimination =
             palpate::distinguish(&study, quantity, confidence, &runner, &progress)?;
         Ok(Found {
-            discrimination,
+            answer: discrimination,
             study,
+            name: "distinguish",
         })
     })?;
     let found = found.map_err(|error| unanswered(error, "quantity"))?;

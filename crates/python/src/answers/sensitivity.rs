@@ -3,11 +3,10 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::Found;
 use super::question::{set as set_of, unanswered};
-use super::{figure, table};
 use crate::error;
-use crate::json::to_python;
-use crate::record::{Made, Record, record};
+use crate::record::{Record, record};
 use crate::study::{Study, runner};
 use crate::watch::watched;
 
@@ -15,29 +14,6 @@ record!(
     Sensitivity,
     "Effects of the numeric fields of a scene on the rms error of a quantity, the largest first.\n\nFields: those that `palpate sensitivity --json` prints: `effects`, each with `field`, `value`, the two compared `values`,\ntheir `rms_errors`, `effect` (relative change of the error per relative change of the field), `effect_std` and `failures`;\n`skipped` fields with the reason `why`; `quantity`, `unit`, `trials` and `rms_error`. `table` is a Table of all effects, `figure` a Figure of the largest."
 );
-
-struct Found {
-    sensitivity: palpate::Sensitivity,
-    study: palpate::Study,
-}
-
-impl Made for Found {
-    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.sensitivity.to_json(&self.study))
-    }
-
-    fn others(&self) -> &'static [&'static str] {
-        &["table", "figure"]
-    }
-
-    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let Self { sensitivity, study } = self;
-        match name {
-            "table" => table(py, &sensitivity.table(), study),
-            _ => figure(py, sensitivity.figure("sensitivity", study.heading())),
-        }
-    }
-}
 
 /// Computes the effect of each numeric field of a study's scene on the rms error of a quantity.
 ///
@@ -107,7 +83,11 @@ pub(crate) fn sensitivity<'py>(
         let progress = |done: usize, _all: usize| watch.reach(done as u64);
         let quantity = quantity.as_deref();
         let sensitivity = palpate::sensitivity(&study, quantity, trials, step, &runner, &progress)?;
-        Ok(Found { sensitivity, study })
+        Ok(Found {
+            answer: sensitivity,
+            study,
+            name: "sensitivity",
+        })
     })?;
     let found = found.map_err(|error| unanswered(error, "quantity"))?;
     Sensitivity::of(py, Record::new(found))

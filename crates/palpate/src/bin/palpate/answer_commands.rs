@@ -3,8 +3,7 @@
 use std::time::{Duration, Instant};
 
 use palpate::config::{Study, Vary};
-use palpate::{AnswerError, ConfigError, Extreme, Figure, Question, ReportError, Sought, load};
-use serde_json::Value;
+use palpate::{Answer, AnswerError, ConfigError, Extreme, Question, Sought, load};
 
 use crate::budget::runner;
 use crate::cli::{AnswerArgs, DesignArgs, DistinguishArgs, SensitivityArgs};
@@ -32,7 +31,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let vary = vary.map(|vary| vary.path.as_str());
     let set = question.set.iter().map(|(path, _)| path.as_str());
     note_ignored_fields(&study, vary.chain(set));
-    let mut folder = open_dir(&args.answer)?;
+    let folder = open_dir(&args.answer)?;
     let bar = progress::counter_of("trials");
     let show_progress = |values: usize, trials: u64| {
         if start.elapsed() >= QUIET_TIME {
@@ -44,21 +43,12 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let found = palpate::design(&study, &question, &runner, &clock, &show_progress);
     bar.finish_and_clear();
     let found = found.map_err(failure)?;
-    let lines: Vec<String> = [found.sentence()]
-        .into_iter()
-        .chain(found.lines())
-        .collect();
-    if let Some(folder) = &mut folder {
-        let texts = vec![
-            (DESIGN_WORDS, format!("{}\n", lines.join("\n"))),
-            (DESIGN_CONFIG, palpate::resolved(&study)),
-            (DESIGN, found.table().to_csv()),
-            (DESIGN_REGION, found.runs().to_csv()),
-        ];
-        let figure = found.figure(DESIGN_FIGURE, study.heading());
-        write(folder, &study, texts, figure)?;
-    }
-    print(&args.answer, lines, || found.to_json(&study))
+    let others = [
+        (DESIGN_CONFIG, palpate::resolved(&study)),
+        (DESIGN_REGION, found.runs().to_csv()),
+    ];
+    let names = [DESIGN, DESIGN_WORDS, DESIGN_FIGURE];
+    output_answer(&args.answer, folder, &study, &found, names, others.into())
 }
 
 fn question(args: &DesignArgs, study: &Study) -> Result<Question, AnswerError> {
@@ -97,7 +87,7 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
         true => study,
         false => study.varied(&fields).map_err(Failure::usage)?,
     };
-    let mut folder = open_dir(&args.answer)?;
+    let folder = open_dir(&args.answer)?;
     let bar = progress::bar_of("cells");
     let show_progress = |done: usize, all: usize| {
         bar.set_length(all as u64);
@@ -112,18 +102,8 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
     );
     bar.finish_and_clear();
     let found = found.map_err(failure)?;
-    if let Some(folder) = &mut folder {
-        let texts = vec![
-            (DISTINGUISH, found.table().to_csv()),
-            (
-                DISTINGUISH_WORDS,
-                format!("{}\n", found.sentences().join("\n")),
-            ),
-        ];
-        let figure = found.figure(DISTINGUISH_FIGURE, study.heading());
-        write(folder, &study, texts, figure)?;
-    }
-    print(&args.answer, found.sentences(), || found.to_json(&study))
+    let names = [DISTINGUISH, DISTINGUISH_WORDS, DISTINGUISH_FIGURE];
+    output_answer(&args.answer, folder, &study, &found, names, Vec::new())
 }
 
 pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
@@ -137,7 +117,7 @@ pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
         .map(|(path, value)| (path, vec![value]))
         .collect();
     let study = study.varied(&set).map_err(Failure::usage)?;
-    let mut folder = open_dir(&args.answer)?;
+    let folder = open_dir(&args.answer)?;
     let bar = progress::bar_of("fields");
     let show_progress = |done: usize, all: usize| {
         bar.set_length(all as u64);
@@ -153,15 +133,8 @@ pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
     );
     bar.finish_and_clear();
     let found = found.map_err(failure)?;
-    if let Some(folder) = &mut folder {
-        let texts = vec![
-            (SENSITIVITY, found.table().to_csv()),
-            (SENSITIVITY_WORDS, format!("{}\n", found.lines().join("\n"))),
-        ];
-        let figure = found.figure(SENSITIVITY_FIGURE, study.heading());
-        write(folder, &study, texts, figure)?;
-    }
-    print(&args.answer, found.lines(), || found.to_json(&study))
+    let names = [SENSITIVITY, SENSITIVITY_WORDS, SENSITIVITY_FIGURE];
+    output_answer(&args.answer, folder, &study, &found, names, Vec::new())
 }
 
 fn failure(error: AnswerError) -> Failure {
@@ -190,33 +163,36 @@ pub(crate) fn note_ignored_fields<'a>(study: &Study, paths: impl Iterator<Item =
     }
 }
 
-/// Writes the texts and the figure of an answer into `folder`, and replaces the files of an earlier answer.
-fn write(
-    folder: &mut LockedDir,
-    study: &Study,
-    texts: Vec<(&str, String)>,
-    figure: Result<Figure, ReportError>,
-) -> Result<(), Failure> {
-    let texts = texts.into_iter();
-    let texts = texts.map(|(name, text)| (name.to_owned(), text.into_bytes()));
-    let mut files: Vec<(String, Vec<u8>)> = texts.collect();
-    files.extend(drawings(&[figure.map_err(Failure::work)?])?);
-    let contents = files.iter();
-    let contents = contents.map(|(name, bytes)| (name.as_str(), Contents::Bytes(bytes)));
-    let of_study = StudyId::new(&study.config.name, &palpate::resolved(study));
-    let left = folder.replace(contents.collect(), &of_study)?;
-    left.iter().for_each(|line| eprintln!("warning: {line}"));
-    Ok(())
-}
-
-/// Prints an answer as JSON or as lines of text. The last line names the directory with the answer's files.
-fn print(
+/// Writes the files of an answer into `folder`, in place of the files of an earlier answer, and prints the answer as JSON
+/// or as lines of text. The last line names the directory. `names` are the names of the table, of the text and of the
+/// figure; `others` are the names and contents of further files.
+fn output_answer(
     args: &AnswerArgs,
-    mut lines: Vec<String>,
-    value: impl FnOnce() -> Value,
+    folder: Option<LockedDir>,
+    study: &Study,
+    answer: &impl Answer,
+    [table, words, figure]: [&str; 3],
+    others: Vec<(&str, String)>,
 ) -> Result<(), Failure> {
+    let mut lines = answer.lines();
+    if let Some(mut folder) = folder {
+        let texts = [
+            (table, answer.table().to_csv()),
+            (words, format!("{}\n", lines.join("\n"))),
+        ];
+        let texts = texts.into_iter().chain(others);
+        let texts = texts.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+        let mut files: Vec<(String, Vec<u8>)> = texts.collect();
+        let figure = answer.figure(figure, study.heading());
+        files.extend(drawings(&[figure.map_err(Failure::work)?])?);
+        let contents = files.iter();
+        let contents = contents.map(|(name, bytes)| (name.as_str(), Contents::Bytes(bytes)));
+        let of_study = StudyId::new(&study.config.name, &palpate::resolved(study));
+        let left = folder.replace(contents.collect(), &of_study)?;
+        left.iter().for_each(|line| eprintln!("warning: {line}"));
+    }
     if args.json {
-        return output::print(&output::json(&value())?);
+        return output::print(&output::json(&answer.to_json(study))?);
     }
     let files = args.out.iter();
     lines.extend(files.map(|dir| format!("files    {}", dir.display())));
