@@ -14,6 +14,8 @@ pub use plane::Plane;
 pub use sphere::{Dish, Sphere};
 pub use torus::Torus;
 
+use strum::IntoStaticStr;
+
 use nalgebra::{Point3, Vector2, Vector3};
 
 use crate::{
@@ -21,7 +23,8 @@ use crate::{
 };
 
 /// A surface of any of the types in [`crate::surfaces`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 #[allow(missing_docs, reason = "each variant is the surface of the same name")]
 pub enum Shape {
     Sphere(Sphere),
@@ -77,18 +80,8 @@ impl Shape {
     }
 
     /// Name of the surface in configs, in kebab case.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Sphere(_) => "sphere",
-            Self::Dish(_) => "dish",
-            Self::Plane(_) => "plane",
-            Self::Cylinder(_) => "cylinder",
-            Self::Ellipsoid(_) => "ellipsoid",
-            Self::Torus(_) => "torus",
-            Self::Paraboloid(_) => "paraboloid",
-            Self::Saddle(_) => "saddle",
-            Self::HeightField(_) => "height-field",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }
 

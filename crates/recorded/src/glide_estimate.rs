@@ -452,7 +452,7 @@ impl<'r> GlideFitResult<'r> {
         };
         GlideEstimate {
             format_version: FORMAT_VERSION,
-            method: options.estimator.name(),
+            method: (&options.estimator).into(),
             contacts: recorded.contacts.len(),
             fingers: recorded.fingers,
             with_normals: recorded.has_normals(),

@@ -112,7 +112,7 @@ fn one(study: &Study, plot: &PlotConfig, name: &str) -> Result<Figure, ReportErr
     if let (Some(wanted), Some(found)) = (kind.scene(), found)
         && wanted != found
     {
-        let kind = kind.name();
+        let kind = <&str>::from(kind);
         return Err(of.bad(format!(
             "kind {kind:?} needs a scene of kind {wanted}, and the scene of this study is a {found}"
         )));

@@ -1,5 +1,7 @@
 //! Statistics over the trials of a cell of the study, with their column names in `cells.csv` and their names in words.
 
+use strum::IntoStaticStr;
+
 use crate::label::{self, Label, spoken_unit};
 use crate::quantity::{Quantity, QuantityKind};
 
@@ -13,7 +15,8 @@ use crate::quantity::{Quantity, QuantityKind};
 /// assert_eq!(Statistic::ALL[0].name(), "truth");
 /// assert_eq!(Statistic::Q50.short(), "median estimate");
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 pub enum Statistic {
     /// True value of the quantity in the simulated scene.
     Truth,
@@ -84,28 +87,8 @@ impl Statistic {
     ];
 
     /// Name of the column of `cells.csv` that contains the statistic.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Truth => "truth",
-            Self::Trials => "trials",
-            Self::Failures => "failures",
-            Self::Mean => "mean",
-            Self::Std => "std",
-            Self::Bias => "bias",
-            Self::RmsError => "rms_error",
-            Self::RmsErrorStd => "rms_error_std",
-            Self::MeanAbsError => "mean_abs_error",
-            Self::RelativeRmsError => "relative_rms_error",
-            Self::RelativeMeanAbsError => "relative_mean_abs_error",
-            Self::Q05 => "q05",
-            Self::Q50 => "q50",
-            Self::Q95 => "q95",
-            Self::MeanReportedStd => "mean_reported_std",
-            Self::Coverage50 => "coverage50",
-            Self::Coverage80 => "coverage80",
-            Self::Coverage95 => "coverage95",
-            Self::StdBound => "std_bound",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 
     /// Meaning of the statistic, in sentences.

@@ -2,11 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use strum::IntoStaticStr;
 
 use super::schema::{number, whole};
 
 /// The estimator of the patch's surface and curvature.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideEstimatorConfig {
     /// One bicubic spline, fitted to the heights of the contacts and, if there are normals, to the slopes. A penalty on
@@ -163,19 +165,6 @@ impl GlideEstimatorConfig {
     /// in this form.
     pub fn position_fraction_of_ifd(&self) -> Option<f64> {
         self.clone().noise()?.position_fraction_of_ifd
-    }
-
-    /// Name of the estimator's kind, as configs state it.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Penalised { .. } => "penalised",
-            Self::TwoPass { .. } => "two-pass",
-            Self::Quadric(_) => "quadric",
-            Self::Plane(_) => "plane",
-            Self::Sphere(_) => "sphere",
-            Self::Cylinder(_) => "cylinder",
-            Self::Shape(_) => "shape",
-        }
     }
 }
 

@@ -6,6 +6,7 @@ use super::validate::NAME;
 use palpate_statistics::Number;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use strum::IntoStaticStr;
 
 use super::study::Output;
 use std::collections::BTreeMap;
@@ -77,7 +78,10 @@ impl PlotConfig {
 }
 
 /// Kind of a plot. It determines which result is plotted.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, IntoStaticStr,
+)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 pub enum PlotKind {
     /// Lines that plot one column of `cells.csv` over another.
@@ -119,25 +123,15 @@ impl PlotKind {
         }
     }
 
-    /// Name of this kind of plot in configs.
-    pub fn name(self) -> &'static str {
-        self.keys().0
-    }
-
-    /// Name of this kind of plot in configs, and the list of keys besides `kind` that it may have.
-    fn keys(self) -> (&'static str, &'static str) {
+    /// List of the keys besides `kind` that this kind of plot may have.
+    fn keys(self) -> &'static str {
         match self {
-            Self::Lines => (
-                "lines",
-                "name, title, x, y, quantity, series, panels, where, scale, compare, marks, points",
-            ),
-            Self::ClassMap => ("class-map", "name, title, where, scale"),
-            Self::ClassSurface => ("class-surface", "name, title, where, scale"),
-            Self::Contacts => ("contacts", "name, title, scale"),
-            Self::Profile => (
-                "profile",
-                "name, title, component, panels, where, scale, marks, points",
-            ),
+            Self::Lines => {
+                "name, title, x, y, quantity, series, panels, where, scale, compare, marks, points"
+            }
+            Self::ClassMap | Self::ClassSurface => "name, title, where, scale",
+            Self::Contacts => "name, title, scale",
+            Self::Profile => "name, title, component, panels, where, scale, marks, points",
         }
     }
 }

@@ -2,9 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use strum::IntoStaticStr;
 
 /// The estimator of the curvature. Each kind fits a model of the press to the readings by least squares.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressEstimatorConfig {
     /// A fit of an elastic half-space. Its displacements are computed at the markers' depth.
@@ -228,14 +230,8 @@ impl PressEstimatorConfig {
     }
 
     /// Name of the estimator's kind, as configs state it.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::HalfSpace { .. } => "half-space",
-            Self::BondedLayer { .. } => "bonded-layer",
-            Self::Elliptic { .. } => "elliptic",
-            Self::Gaussian { .. } => "gaussian",
-            Self::Image { .. } => "image",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }
 

@@ -12,6 +12,7 @@ use crate::readings::ColumnNames;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use strum::IntoStaticStr;
 
 /// A study: one scene, the axes along which fields of the scene are varied, and the plots of the study's tables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -107,7 +108,8 @@ fn cells_only() -> Vec<Output> {
 }
 
 /// A scene. Its kind states how the sensor touches the object.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, IntoStaticStr)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "a study has one scene")]
 pub enum SceneConfig {
@@ -125,13 +127,8 @@ pub enum SceneConfig {
 
 impl SceneConfig {
     /// Name of the scene's kind, as configs state it.
-    pub const fn kind(&self) -> &'static str {
-        match self {
-            Self::Roll(_) => "roll",
-            Self::Glide(_) => "glide",
-            Self::Press(_) => "press",
-            Self::Fingertip(_) => "fingertip",
-        }
+    pub fn kind(&self) -> &'static str {
+        self.into()
     }
 
     /// Checks the rules of the scene that involve several fields. The error consists of the path of the field and a
@@ -201,7 +198,10 @@ pub enum Output {
 }
 
 /// The unit of every length in a study. Curvatures have the inverse unit.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, IntoStaticStr,
+)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 pub enum LengthUnit {
     /// Metre.
@@ -222,13 +222,7 @@ impl LengthUnit {
 
     /// Name of the unit, as configs and column names state it.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Self::M => "m",
-            Self::Cm => "cm",
-            Self::Mm => "mm",
-            Self::Um => "um",
-            Self::Unit => "unit",
-        }
+        self.into()
     }
 
     /// Factor from this unit to `other`, for example 1000 from metres to millimetres. `None` if one of the units is

@@ -61,7 +61,7 @@ fn check_keys(keys: &[&str], plot: &PlotConfig) -> Result<(), Fault> {
     if let Some(key) = missing.filter(|_| is_lines) {
         return Err(Fault::new("missing key").under(key));
     }
-    let (name, known) = plot.kind.keys();
+    let (name, known) = (<&str>::from(plot.kind), plot.kind.keys());
     let is_stray = |key: &&&str| **key != "kind" && !known.split(", ").any(|known| known == **key);
     if let Some(key) = keys.iter().find(is_stray) {
         let message = format!("unknown key for kind `{name}`; known: {known}, kind");
