@@ -26,7 +26,7 @@ use std::sync::LazyLock;
 
 use gauss_quad::GaussLegendre;
 
-use crate::PressError;
+use crate::{MarkerDisplacement, PressError};
 
 /// Largest ratio of the relative principal curvatures. If the ratio is larger, the contact is practically a line, and
 /// the indentation depends on the unknown length of the line.
@@ -71,15 +71,6 @@ pub struct EllipticContact {
     /// Pressure in the middle of the contact, divided by the effective modulus E/(1 − ν²).
     pub peak_pressure: f64,
     poisson: f64,
-}
-
-/// Displacement (length) of a point of the half-space under an elliptic contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EllipticDisplacement {
-    /// Displacement (length) of the point into the soft body.
-    pub normal: f64,
-    /// Displacements (length) along the longer and the shorter axis of the contact.
-    pub along: [f64; 2],
 }
 
 impl EllipticContact {
@@ -141,15 +132,15 @@ impl EllipticContact {
         young * self.peak_pressure / (1.0 - self.poisson * self.poisson)
     }
 
-    /// The displacement of the point (x, y) at the depth `z` ≥ 0. The x axis is the longer axis of the ellipse. All
-    /// lengths must be below 1e50.
-    pub fn displacement(&self, x: f64, y: f64, z: f64) -> EllipticDisplacement {
+    /// The displacement of the point (x, y) at the depth `z` ≥ 0. The x axis is the longer axis of the ellipse, and the
+    /// tangential displacement is along x and y. All lengths must be below 1e50.
+    pub fn displacement(&self, x: f64, y: f64, z: f64) -> MarkerDisplacement {
         let [a, b] = self.semi_axes;
         // From here on, lengths are in units of the longer semi-axis.
         let [x, y, z, b] = [x / a, y / a, z / a, b / a];
         let distance = x.abs() + y.abs() + z;
         if distance.is_nan() || distance > MAX_DISTANCE {
-            return EllipticDisplacement::default();
+            return MarkerDisplacement::default();
         }
         let (square_x, square_y, square_z) = (x * x, y * y, z * z);
         let lambda = confocal(b * b, square_x, square_y, square_z);
@@ -179,9 +170,9 @@ impl EllipticContact {
             along_y -= radial * (second - z * by_y);
         }
         let scale = self.peak_pressure * a * b / (2.0 * (1.0 - self.poisson));
-        EllipticDisplacement {
+        MarkerDisplacement {
             normal: scale * (normal * potential + square_z * by_z),
-            along: [scale * x * along_x, scale * y * along_y],
+            tangential: [scale * x * along_x, scale * y * along_y],
         }
     }
 }

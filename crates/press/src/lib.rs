@@ -26,7 +26,7 @@ mod skin;
 mod unknowns;
 
 pub use body::{Body, Contact, Displacement};
-pub use elliptic_contact::{EllipticContact, EllipticDisplacement};
+pub use elliptic_contact::EllipticContact;
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, PrincipalCurvatures, Verdict};
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};

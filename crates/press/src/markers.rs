@@ -178,7 +178,7 @@ impl Markers {
             let sight = self.sight(middle, place);
             let at = sight.bearing * sight.distance;
             let moved = contact.displacement(at.dot(&long), at.dot(&short), depth);
-            let along = long * moved.along[0] + short * moved.along[1];
+            let along = long * moved.tangential[0] + short * moved.tangential[1];
             let turned = |vector: &Vector2<f64>| Vector2::new(-vector.y, vector.x);
             // Transport the displacement along the skin. Its component away from the contact and its component around
             // the contact keep their magnitudes.

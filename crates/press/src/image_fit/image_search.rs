@@ -62,33 +62,6 @@ impl ImageFit {
         problem.determined()?;
         search(problem)
     }
-
-    /// Cramér–Rao bound: smallest possible standard error (1/length) of the relative curvature. It follows from the
-    /// stated errors of the markers and of the sensor. The last argument describes the press: relative curvature,
-    /// position of the contact in the coordinates of the skin, and indentation.
-    ///
-    /// # Errors
-    /// [`PressError::Undetermined`] if the readings do not determine the press, and errors of
-    /// [`Body::press`](crate::Body::press).
-    pub fn std_bound(
-        &self,
-        rest: &Rest,
-        seen: &[Option<Seen>],
-        indentation: Option<Measured>,
-        (curvature, at, depth): (f64, [f64; 2], f64),
-    ) -> Result<f64, PressError> {
-        self.check(rest, seen, indentation)?;
-        let good = curvature > 0.0 && curvature <= 1e50;
-        PressError::unless_good("curvature", curvature, good, "> 0 and at most 1e50")?;
-        if !(at.iter().all(|along| along.abs() <= 1e50) && depth > 0.0 && depth <= 1e50) {
-            return Err(PressError::OutOfRange);
-        }
-        let mut problem = Problem::new(self, rest, seen, indentation)?;
-        let state = State::new(curvature, self.markers.skin().place(at), depth, [0.0; 2]);
-        let sums = problem.weigh(&state)?.sums;
-        let covariance = problem.covariance(&sums)?;
-        Ok(curvature * covariance[(CURVATURE, CURVATURE)].sqrt())
-    }
 }
 
 fn search(mut problem: Problem<'_>) -> Result<PressEstimate, PressError> {

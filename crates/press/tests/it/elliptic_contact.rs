@@ -25,8 +25,8 @@ fn golden_contacts() {
             short,
             contact.peak_pressure,
             moved.normal,
-            moved.along[0],
-            moved.along[1],
+            moved.tangential[0],
+            moved.tangential[1],
         ];
         let golden = [row[4], row[5], row[6], row[10], row[11], row[12]];
         for (found, golden) in found.into_iter().zip(golden) {
@@ -62,7 +62,7 @@ fn the_round_limit_is_the_closed_form() {
                     .displacement(r * a);
                 let (sine, cosine) = libm::sincos(0.7);
                 let moved = contact.displacement(r * a * cosine, r * a * sine, z * a);
-                let radial = moved.along[0] * cosine + moved.along[1] * sine;
+                let radial = moved.tangential[0] * cosine + moved.tangential[1] * sine;
                 let error = (moved.normal - round.normal)
                     .abs()
                     .max((radial - round.radial).abs());

@@ -203,7 +203,7 @@ impl TrueContact<'_> {
                 let moved = contact.displacement(distance, 0.0, *depth);
                 Displacement {
                     normal: moved.normal,
-                    radial: moved.along[0],
+                    radial: moved.tangential[0],
                 }
             }
         }

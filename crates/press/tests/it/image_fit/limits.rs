@@ -94,19 +94,6 @@ impl Press {
     fn relative_curvature(&self) -> f64 {
         (1.0 + self.object) / (RADIUS * self.unit)
     }
-
-    fn bound(&self) -> f64 {
-        let at = [self.x * self.unit, 0.0];
-        let press = (
-            self.relative_curvature(),
-            at,
-            self.depth * RADIUS * self.unit,
-        );
-        let bound = self
-            .fit()
-            .std_bound(&self.rest(), &self.pressed(), None, press);
-        bound.unwrap() * RADIUS * self.unit
-    }
 }
 
 fn few(count: usize) -> Vec<Option<Seen>> {
@@ -257,27 +244,9 @@ fn camera_errors_are_estimated_on_sensors_of_any_size() {
 }
 
 #[test]
-fn bounds_are_in_proportion_to_units_and_errors() {
-    let usual = PRESS.bound();
-    for (unit, stated) in [(1e-30, 1.0), (1e30, 1.0), (1.0, 1e-9), (1.0, 1e9)] {
-        let bound = Press {
-            unit,
-            stated,
-            ..PRESS
-        }
-        .bound();
-        assert!((bound / stated / usual - 1.0).abs() < 1e-9);
-    }
-}
-
-#[test]
 fn impossible_estimates_have_named_errors() {
     let (rest, seen) = (PRESS.rest(), PRESS.pressed());
     let good = PRESS.estimate(&seen, None).unwrap();
-    let bound = |curvature, x, depth| {
-        let at = (curvature, [x; 2], depth);
-        name(PRESS.fit().std_bound(&rest, &seen, None, at))
-    };
     let curvature = good.most_likely_curvature;
     let depth = good.indentation.value;
     for (curvature, depth, expected) in [
@@ -303,13 +272,6 @@ fn impossible_estimates_have_named_errors() {
         let mut found = found.into_iter().flatten();
         assert!(found.all(|one| (0.0..=1.0).contains(&one.p_value())));
     }
-    assert_eq!(bound(f64::NAN, 0.0, 1.0), "bad-setting");
-    assert_eq!(bound(0.06, f64::NAN, 1.0), "out-of-range");
-    assert_eq!(bound(0.06, 0.0, 0.0), "out-of-range");
-    assert_eq!(bound(1e-9, 0.0, 1.0), "too-wide");
-    let at = (0.06, [0.0; 2], 1.0);
-    let found = PRESS.fit().std_bound(&rest, &few(0), None, at);
-    assert_eq!(name(found), "undetermined");
     let beyond = PRESS.fit().beyond(&rest, &seen, &good).unwrap();
     assert!(beyond.iter().flatten().all(|more| more.normal.abs() < 1e-3));
     let misfits = PRESS.fit().misfits(&rest, &seen, None, &good);
