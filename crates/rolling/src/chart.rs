@@ -14,8 +14,7 @@
 //! of the chart and first moves along its equator.
 
 use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
-use palpate_geometry::Sphere;
-use palpate_geometry::{ChartGeometry, Parameters, Surface, TangentForm};
+use palpate_geometry::{ChartGeometry, Parameters, Sphere, Surface, TangentForm};
 
 use crate::contact_equations::{ContactEquations, contact_velocity};
 use crate::error::RollFault;

@@ -186,18 +186,17 @@ fn reach(radius: f64, margin: f64) -> f64 {
 }
 
 impl Roller {
-    /// Whether [`Roller::clearance`] must check a roll, because parts of the object may extend into the probe.
-    pub fn may_touch_twice(&self) -> bool {
-        self.object().may_touch_twice(self.probe().radius())
-    }
-
     /// Heights of the object below and beside a roll by `motions`. The sampled area is wide enough for all rolls whose
-    /// distance from this roll is at most `margin` (length).
+    /// distance from this roll is at most `margin` (length). `None` if no part of the object can extend into the probe,
+    /// so that [`Roller::clearance`] need not check the roll.
     ///
     /// # Errors
     /// [`RollError`] if the roll ends early.
-    pub fn terrain(&self, motions: &[Motion], margin: f64) -> Result<Terrain, RollError> {
+    pub fn terrain(&self, motions: &[Motion], margin: f64) -> Result<Option<Terrain>, RollError> {
         let radius = self.probe().radius();
+        if !self.object().may_touch_twice(radius) {
+            return Ok(None);
+        }
         let mut terrain = Terrain {
             tiles: HashMap::new(),
             spacing: radius / PER_RADIUS,
@@ -212,7 +211,7 @@ impl Roller {
             let reach = reach(radius, margin) + margin + LONGEST * radius;
             terrain.add(self.object(), &centre.xy().coords, reach);
         }
-        Ok(terrain)
+        Ok(Some(terrain))
     }
 
     /// Smallest distance (length) during a roll by `motions` between the probe and the parts of the object beside the

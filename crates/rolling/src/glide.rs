@@ -15,8 +15,7 @@ mod touch;
 mod touch_model;
 
 use nalgebra::Vector2;
-use palpate_geometry::Sphere;
-use palpate_geometry::{Shape, Surface, SurfaceError};
+use palpate_geometry::{Shape, Sphere, Surface, SurfaceError};
 use palpate_statistics::BadSetting;
 
 use crate::Choice;

@@ -1,14 +1,11 @@
 //! Converts the parts of a config that rolls and glides have in common (objects, pads) to models. Errors in their
 //! settings are converted to errors with a path in the config.
 
-use palpate_statistics::BadSetting;
+use palpate_statistics::{BadSetting, Number};
 use std::fmt::Display;
 
-use palpate_geometry::Formula;
-use palpate_geometry::Shape;
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Formula, Graph, Plane, Shape, Sphere, Torus};
 use palpate_sensing::PadLayout;
-use palpate_statistics::Number;
 
 use palpate_study::FieldError;
 use palpate_study::config::{self, ObjectConfig};

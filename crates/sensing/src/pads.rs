@@ -2,9 +2,7 @@
 //! Gupta and Payandeh 1996, section 4.1.3).
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
-use palpate_statistics::BadSetting;
-
-use palpate_statistics::Number;
+use palpate_statistics::{BadSetting, Number};
 
 use crate::{BeyondPads, Stream, UniformLattice, direction_at, displacement_between};
 
@@ -237,29 +235,40 @@ impl Pads {
         }
     }
 
-    /// Place of the first contact on square or hexagonal pads. The place is the displacement (length) from the pads'
-    /// origin, which is the centre of the pad at the first contact. The result is `None` for a uniform lattice.
-    pub fn first_place(&self, placement: &PadPlacement) -> Option<Vector2<f64>> {
-        match &placement.0 {
-            Placement::Square(offset) => Some(offset * self.pitch),
-            Placement::Hexagonal(first) => Some((first - nearest_hexagon(first)) * self.pitch),
-            Placement::Uniform { .. } => None,
-        }
-    }
-
-    /// Centre of the active pad if the contact is at `place`. Centre and contact are stated as great-circle
-    /// displacements (length) from the pads' origin, the centre of the pad at the first contact. In these coordinates,
-    /// the edges of the pads are straight.
+    /// Centres of the active pads at all samples of one roll, and the position of the first contact. `contacts` are the
+    /// displacements of the contact from the first contact. The results are great-circle displacements (length) from
+    /// the pads' origin, the centre of the pad at the first contact; in these coordinates, the edges of square and
+    /// hexagonal pads are straight. For a uniform lattice, whose pads are neither, the centres are those of square pads.
     ///
     /// # Errors
-    /// [`BeyondPads`] if the contact is outside of the cap.
-    pub fn active(&self, place: &Vector2<f64>) -> Result<Vector2<f64>, BeyondPads> {
-        self.unless_beyond_cap(place)?;
-        let in_pitches = place / self.pitch;
-        Ok(match self.tiling {
-            Tiling::Hexagonal => nearest_hexagon(&in_pitches),
-            Tiling::Square | Tiling::Uniform(_) => in_pitches.map(f64::round),
-        } * self.pitch)
+    /// [`BeyondPads`] if a contact is outside of the cap.
+    pub fn read_samples(
+        &self,
+        placement: &PadPlacement,
+        contacts: &[Vector2<f64>],
+    ) -> Result<(Vec<Vector2<f64>>, Vector2<f64>), BeyondPads> {
+        let first = match &placement.0 {
+            Placement::Square(offset) => offset * self.pitch,
+            Placement::Hexagonal(first) => (first - nearest_hexagon(first)) * self.pitch,
+            Placement::Uniform { .. } => Vector2::zeros(),
+        };
+        // Parallel-transport the axes of the pad array from the array's origin to the first contact, along a great
+        // circle.
+        let first_direction = direction_at(&(first / self.radius));
+        let origin_from_first = UnitQuaternion::rotation_between(&Vector3::z(), &first_direction);
+        let origin_from_first = origin_from_first.unwrap_or_default();
+        let active = |contact: &Vector2<f64>| {
+            let direction = origin_from_first * direction_at(&(contact / self.radius));
+            let place = displacement_between(&Vector3::z(), &direction) * self.radius;
+            self.unless_beyond_cap(&place)?;
+            let in_pitches = place / self.pitch;
+            Ok(match self.tiling {
+                Tiling::Hexagonal => nearest_hexagon(&in_pitches),
+                Tiling::Square | Tiling::Uniform(_) => in_pitches.map(f64::round),
+            } * self.pitch)
+        };
+        let centres = contacts.iter().map(active).collect::<Result<_, _>>()?;
+        Ok((centres, first))
     }
 
     /// Whether the pads are hexagons; `None` for a uniform lattice.

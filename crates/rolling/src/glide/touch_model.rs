@@ -2,8 +2,7 @@
 
 use nalgebra::Vector2;
 use palpate_geometry::{Shape, Surface};
-use palpate_statistics::BadSetting;
-use palpate_statistics::Number;
+use palpate_statistics::{BadSetting, Number};
 use thiserror::Error;
 
 use super::search::ACCEPTED_MISS;

@@ -3,9 +3,9 @@
 //! reversed roll end at the first contact.
 
 use nalgebra::{Vector2, Vector3};
-use palpate_geometry::Formula;
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{Shape, Surface};
+use palpate_geometry::{
+    Cylinder, Dish, Ellipsoid, Formula, Graph, Plane, Shape, Sphere, Surface, Torus,
+};
 use palpate_rolling::{
     Chart, Contact, Fingertip, Glider, HeldAxis, InvalidRoll, Model, Motion, Roller, Rolls, Touch,
 };

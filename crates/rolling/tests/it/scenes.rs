@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_geometry::Formula;
-use palpate_geometry::Shape;
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Formula, Graph, Plane, Shape, Sphere, Torus};
 use palpate_rolling::{Chart, Contact, Model, Motion, Roller, Rolls};
 
 pub(crate) fn sphere(radius: f64) -> Shape {

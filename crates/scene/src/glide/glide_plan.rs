@@ -8,8 +8,7 @@ use palpate_sensing::{
     BeyondPads, Channel, Distribution, NormalError, PadOffset, Pads, PositionAxes, PositionError,
     Stream,
 };
-use palpate_statistics::BadSetting;
-use palpate_statistics::Number;
+use palpate_statistics::{BadSetting, Number};
 
 use super::fingertip_sensor::{GlideSensor, SensorKind};
 use super::glide_trial::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePlace};

@@ -345,11 +345,10 @@ fn noiseless(
 /// Noise moves the probe by at most `stray` (length). The result is `None` if, in the commanded roll, the object beside
 /// the contact is always at least this far from the probe.
 fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
-    if !roller.may_touch_twice() {
-        return Ok(None);
-    }
     let motions = [*command];
-    let terrain = roller.terrain(&motions, stray)?;
+    let Some(terrain) = roller.terrain(&motions, stray)? else {
+        return Ok(None);
+    };
     let clearance = roller.clearance(&motions, &terrain, stray)?;
     Ok((clearance < stray).then_some(terrain))
 }

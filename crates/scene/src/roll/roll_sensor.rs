@@ -1,10 +1,9 @@
 //! Sensors of a roll: one for the position of the contact on the probe, and one for the rotation of the probe.
 
-use nalgebra::{UnitQuaternion, Vector2, Vector3};
+use nalgebra::Vector2;
 use palpate_ep1::{PadCell, PadStart, Places, ReadingNoise, SeriesNoise};
 use palpate_sensing::{
     BeyondPads, Channel, Encoder, GaussianError, PadOffset, PadPlacement, Pads, Stream, Wrist,
-    direction_at, displacement_between,
 };
 use palpate_statistics::Number;
 use palpate_study::config::{self, RollNoiseConfig, RollSensorConfig, RotationNoise};
@@ -162,7 +161,6 @@ impl SensorTrial<'_> {
     /// Without pads, they are displacements from the first contact, like the true contacts `contacts`.
     pub(super) fn read_samples(
         &mut self,
-        radius: f64,
         contacts: &[Vector2<f64>],
     ) -> Result<(Vec<Vector2<f64>>, Vector2<f64>), BeyondPads> {
         let random;
@@ -178,18 +176,7 @@ impl SensorTrial<'_> {
             }
             Self::Pads(pads, placement) => (pads, &*placement),
         };
-        let first = pads.first_place(placement).unwrap_or_default();
-        // Parallel-transport the axes of the pad array from the array's origin to the first contact, along a great
-        // circle.
-        let origin_from_first =
-            UnitQuaternion::rotation_between(&Vector3::z(), &direction_at(&(first / radius)))
-                .unwrap_or_default();
-        let place = |contact: &Vector2<f64>| {
-            let direction = origin_from_first * direction_at(&(contact / radius));
-            pads.active(&(displacement_between(&Vector3::z(), &direction) * radius))
-        };
-        let places = contacts.iter().map(place).collect::<Result<_, _>>()?;
-        Ok((places, first))
+        pads.read_samples(placement, contacts)
     }
 }
 

@@ -179,7 +179,6 @@ impl RollScene {
         let mut sensor = sensor.begin(self.seed, number);
         let mut noise = NoiseTrial::new(self.noise.filter(|_| trial.is_some()), self.seed, number);
         let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
-        let radius = self.roller.probe().radius();
         let is_disturbed = self.noise.is_some_and(|noise| noise.side == Side::Motion);
         let mut all = Vec::with_capacity(self.rolls.len());
         for (place, (roll, samples)) in self.rolls.iter().zip(&sampled.rolls).enumerate() {
@@ -199,7 +198,7 @@ impl RollScene {
             let points = moved.as_ref().unwrap_or(&samples.points);
             let contacts: Vec<_> = points.iter().map(|point| point.displacement).collect();
             let (places, start) = sensor
-                .read_samples(radius, &contacts)
+                .read_samples(&contacts)
                 .map_err(|error| (place, NoSeries::Sensor(error)))?;
             let errors = noise.measured(&roll.command, &samples.fractions);
             let commanded = samples.points.iter().map(|point| point.rotation.xy());
