@@ -2,8 +2,7 @@
 
 use anyhow::{Context, Result};
 use nalgebra::Point3;
-use palpate_geometry::Shape;
-use palpate_geometry::{Ellipsoid, Graph, Sphere};
+use palpate_geometry::{Ellipsoid, Graph, Shape, Sphere};
 use palpate_rolling::{Fingertip, Glider, TouchModel};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};

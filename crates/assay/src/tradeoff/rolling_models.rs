@@ -5,8 +5,7 @@ use std::f64::consts::FRAC_PI_6;
 use std::rc::Rc;
 
 use anyhow::{Result, ensure};
-use palpate_geometry::Shape;
-use palpate_geometry::{Ellipsoid, Graph, Sphere};
+use palpate_geometry::{Ellipsoid, Graph, Shape, Sphere};
 use palpate_rolling::{Chart, Contact, HeldAxis, Model, Motion, Roller, Rolls};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};

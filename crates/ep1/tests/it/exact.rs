@@ -3,8 +3,7 @@
 use approx::assert_relative_eq;
 use nalgebra::Vector2;
 use palpate_ep1::{LeastSquares, ProbeReading};
-use palpate_geometry::Graph;
-use palpate_geometry::{CurvatureForm, Shape, Sphere};
+use palpate_geometry::{CurvatureForm, Graph, Shape, Sphere};
 use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
 use proptest::prelude::*;
 

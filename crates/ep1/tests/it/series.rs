@@ -7,8 +7,7 @@ use palpate_ep1::{
     Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
     SeriesNoise, estimate_series,
 };
-use palpate_geometry::{Cylinder, Ellipsoid, Graph, Sphere};
-use palpate_geometry::{Shape, ShapeThresholds, Surface};
+use palpate_geometry::{Cylinder, Ellipsoid, Graph, Shape, ShapeThresholds, Sphere, Surface};
 use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
 
 use crate::ball_rolls::{EXACT, RADIUS, chart, pad, rolls, without_starts};

@@ -2,11 +2,10 @@
 //! pattern, they return finite numbers or an error, and returned points lie on the surface.
 
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::Formula;
 use palpate_geometry::{
-    CurvatureForm, InvalidThresholds, Meridian, Parameters, Shape, ShapeThresholds, Surface,
+    CurvatureForm, Cylinder, Dish, Ellipsoid, Formula, Graph, InvalidThresholds, Meridian,
+    Parameters, Plane, Shape, ShapeThresholds, Sphere, Surface, Torus,
 };
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use proptest::prelude::*;
 
 /// Numbers at the limits of doubles, and numbers whose squares overflow or underflow.

@@ -5,9 +5,10 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Matrix2, Point3, RowVector2, Vector3};
-use palpate_geometry::Formula;
-use palpate_geometry::{ChartGeometry, CurvatureForm, Parameters, Shape, Surface};
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{
+    ChartGeometry, CurvatureForm, Cylinder, Dish, Ellipsoid, Formula, Graph, Parameters, Plane,
+    Shape, Sphere, Surface, Torus,
+};
 
 /// Calls `check` at several points of a chart whose two parameters are angles. `check` receives the first angle and the
 /// geometry at the point.

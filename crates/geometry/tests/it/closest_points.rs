@@ -2,8 +2,7 @@
 //! are equally close.
 
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
-use palpate_geometry::{Surface, SurfaceError};
+use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Surface, SurfaceError, Torus};
 use proptest::prelude::*;
 
 fn assert_none(surface: &impl Surface, x: f64, y: f64, z: f64) {

@@ -6,9 +6,10 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::Vector3;
-use palpate_geometry::Formula;
-use palpate_geometry::{CurvatureForm, Meridian, Parameters, Shape, Surface, SurfaceError};
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{
+    CurvatureForm, Cylinder, Dish, Ellipsoid, Formula, Graph, Meridian, Parameters, Plane, Shape,
+    Sphere, Surface, SurfaceError, Torus,
+};
 use proptest::prelude::*;
 
 #[test]

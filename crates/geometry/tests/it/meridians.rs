@@ -5,9 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::Formula;
-use palpate_geometry::{Ellipsoid, Graph, Sphere, Torus};
-use palpate_geometry::{Meridian, Shape, Surface};
+use palpate_geometry::{Ellipsoid, Formula, Graph, Meridian, Shape, Sphere, Surface, Torus};
 
 const PARABOLOIDS: [f64; 4] = [5.0, 0.5, 0.01, -0.3];
 const SPHEROIDS: [[f64; 2]; 4] = [[1.0, 2.0], [2.0, 0.5], [1.0, 1.0], [0.3, 30.0]];

@@ -4,9 +4,10 @@ use palpate_statistics::BadSetting;
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::Formula;
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
-use palpate_geometry::{Parameters, Shape, Surface, SurfaceError};
+use palpate_geometry::{
+    Cylinder, Dish, Ellipsoid, Formula, Graph, Parameters, Shape, Sphere, Surface, SurfaceError,
+    Torus,
+};
 
 #[test]
 fn constructors_refuse_what_makes_no_surface() {

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
-use palpate_geometry::Formula;
-use palpate_geometry::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{Parameters, Shape, Surface};
+use palpate_geometry::{
+    Cylinder, Dish, Ellipsoid, Formula, Graph, Parameters, Plane, Shape, Sphere, Surface, Torus,
+};
 
 pub(crate) type Solid = Box<dyn Fn(&Point3<f64>) -> bool>;
 

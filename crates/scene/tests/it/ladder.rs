@@ -1,7 +1,6 @@
 //! The ladder of a scene (the models that can compute it), and the model that `auto` chooses.
 
-use palpate_scene::Scenes;
-use palpate_scene::{Ladder, Rung, Scene};
+use palpate_scene::{Ladder, Rung, Scene, Scenes};
 use palpate_study::config;
 use palpate_study::config::{GlideModelConfig, ModelConfig, to_toml};
 
