@@ -90,10 +90,10 @@ pub fn formula(bytes: &[u8]) -> Outcome {
     let parameters = BTreeMap::from([("A".to_owned(), 0.15), ("k".to_owned(), 0.7)]);
     let parsed = |parameters| {
         let formula = Formula::parse(text, parameters).map_err(|error| {
-            if let Some(span) = error.span {
+            if let Some(span) = &error.span {
                 assert!(text.get(span.clone()).is_some(), "{span:?} of {text:?}");
             }
-            error.kind
+            error.message
         });
         let formula = with_message(formula)?;
         for [x, y] in [[0.0, 0.0], [0.3, -0.7], [-1e9, 1e-9]] {

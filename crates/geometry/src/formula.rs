@@ -20,7 +20,9 @@ mod program;
 
 use std::collections::BTreeMap;
 
-pub use error::{FormulaError, FormulaErrorKind};
+pub use error::FormulaError;
+#[cfg(test)]
+use error::FormulaErrorKind;
 pub use jet::Jet;
 use program::Program;
 

@@ -24,14 +24,14 @@ pub use curvature::{
     UNKNOWN_DIRECTION_STD,
 };
 pub use error::SurfaceError;
-pub use formula::{Formula, FormulaError, FormulaErrorKind, Jet};
+pub use formula::{Formula, FormulaError, Jet};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use surface::Surface;
 pub use surfaces::{
-    Cylinder, Dish, Ellipsoid, Graph, Height, HeightField, HeightJet, Paraboloid, Plane, Saddle,
-    Shape, Sphere, Torus, Visitor,
+    Ball, Cylinder, Dish, Ellipsoid, Graph, Height, HeightField, HeightJet, Paraboloid, Plane,
+    Saddle, Shape, Sphere, Torus, Visitor,
 };
 
 #[cfg(doctest)]

@@ -11,7 +11,7 @@ pub use cylinder::Cylinder;
 pub use ellipsoid::Ellipsoid;
 pub use graph::{Graph, Height, HeightField, HeightJet, Paraboloid, Saddle};
 pub use plane::Plane;
-pub use sphere::{Dish, Sphere};
+pub use sphere::{Ball, Dish, Sphere};
 pub use torus::Torus;
 
 use strum::IntoStaticStr;

@@ -50,7 +50,7 @@ pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
         } => {
             let formula = Formula::parse(formula, parameters).map_err(|error| FieldError {
                 path: "scene.object.formula".to_owned(),
-                message: error.kind.to_string(),
+                message: error.message,
                 part: error.span,
             })?;
             Ok(Shape::HeightField(Graph::of_formula(formula)))

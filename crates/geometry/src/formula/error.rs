@@ -17,8 +17,8 @@ use super::Formula;
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct FormulaError {
-    /// Kind of error, with the names and numbers that it reports.
-    pub kind: FormulaErrorKind,
+    /// Reason of the error, without the place in the formula.
+    pub message: String,
     /// Byte range of the wrong part in the text. If something is missing at the end of the text, the range is empty and
     /// lies at this end. `None` if the error has no single place.
     pub span: Option<Range<usize>>,
@@ -27,7 +27,7 @@ pub struct FormulaError {
 
 /// Kinds of errors in a formula or its parameters.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FormulaErrorKind {
+pub(crate) enum FormulaErrorKind {
     /// The text is empty or has only white space.
     #[error("the formula is empty")]
     Empty,
@@ -120,7 +120,7 @@ pub enum FormulaErrorKind {
 impl FormulaError {
     pub(super) fn new(kind: FormulaErrorKind, text: &str, span: Option<Range<usize>>) -> Self {
         Self {
-            kind,
+            message: kind.to_string(),
             span,
             text: text.into(),
         }
@@ -140,7 +140,7 @@ impl fmt::Display for FormulaError {
         /// Largest number of characters before the marked part, if a message shows only a part of a long formula.
         const BEFORE: usize = 36;
 
-        write!(f, "{}", self.kind)?;
+        f.write_str(&self.message)?;
         let Some(span) = &self.span else {
             return Ok(());
         };

@@ -166,7 +166,11 @@ fn of_no_one_place() {
 fn nesting() {
     for deep in ["(", "-", "sin(", "2^", "1+(", "x*-("] {
         let text = deep.repeat(10_000 / deep.len());
-        assert_eq!(error(&text).kind, FormulaErrorKind::TooDeep, "{deep}");
+        assert_eq!(
+            error(&text).message,
+            FormulaErrorKind::TooDeep.to_string(),
+            "{deep}"
+        );
     }
 }
 

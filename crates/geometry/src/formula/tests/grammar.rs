@@ -87,7 +87,7 @@ proptest! {
     #[test]
     fn parentheses_may_be_left_out(tree in tree(&['+', '-', '*', '/', '^'])) {
         let parse = |text: &str| Formula::parse(text, &BTreeMap::new()).map_err(|error| {
-            assert!(matches!(error.kind, FormulaErrorKind::NotFinite(_)), "{error}");
+            assert!(error.message.ends_with("not finite"), "{error}");
         });
         prop_assert_eq!(parse(&tree.sparse()), parse(&tree.explicit()));
     }
