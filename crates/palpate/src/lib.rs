@@ -71,7 +71,7 @@ pub use palpate_recorded as recorded;
 pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
 pub use palpate_scene::{
-    Accuracy, Arch, CameraTrace, Ladder, Need, Rung, Scene, SceneTrial, Scenes, Trace,
+    Accuracy, Arch, CameraTrace, Ladder, Need, Rung, Scene, SceneTrial, Scenes, Trace, TraceError,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_study::{
@@ -87,7 +87,7 @@ pub use readings::{frame, readings};
 pub use run_files::{resolved, result_columns};
 pub use shard::Shard;
 pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, run};
-pub use trace_pass::{TraceError, trace};
+pub use trace_pass::trace;
 pub use warnings::{Warnings, warning_files};
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ use crate::simulation::CellTruth;
 /// quantity = "radius"
 /// "#;
 /// let error = palpate::check_outputs(&palpate::parse("a-ball.toml", text)?).expect_err("no such quantity");
-/// assert_eq!(error.path(), "plot.0.quantity");
+/// assert_eq!(error.path, "plot.0.quantity");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

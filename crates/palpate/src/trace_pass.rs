@@ -1,19 +1,7 @@
 //! Traces one trial of a study.
 
-use palpate_scene::{Scenes, Trace, TraceError as PassError};
-use palpate_study::config::{ConfigError, FieldError, Study};
-use thiserror::Error;
-
-/// Reason why a trial cannot be traced.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum TraceError {
-    /// The config has an invalid field, the scene has no contact, or the study has no cell with this number.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// The traced trial ends early, or the sensor cannot read the contact.
-    #[error(transparent)]
-    Pass(PassError),
-}
+use palpate_scene::{Scenes, Trace, TraceError};
+use palpate_study::config::{FieldError, Study};
 
 /// Traces one trial of a cell. If `trial` is a number, traces the trial with this number and its noise. If `trial` is
 /// `None`, traces a trial without noise.
@@ -41,9 +29,9 @@ pub fn trace(study: &Study, cell: usize, trial: Option<u64>) -> Result<Trace, Tr
     let unit = study.config.length_unit;
     let trace = study.scene(cell)?.trace(trial, unit);
     trace.map_err(|error| match error {
-        PassError::Untouched => study
+        TraceError::Untouched => study
             .error_at(0, FieldError::at("scene.kind", error))
             .into(),
-        error => TraceError::Pass(error),
+        error => error,
     })
 }

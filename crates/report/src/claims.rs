@@ -77,7 +77,7 @@ fn all() -> Vec<Claim> {
 /// Tests the claims that each study lists. The scores are sorted by claim number and then by study.
 ///
 /// ```
-/// use palpate_report::{Study, Verdict, score};
+/// use palpate_report::{Files, Study, Verdict, score};
 ///
 /// # let root = tempfile::tempdir()?;
 /// # let dir = root.path().join("ball");
@@ -90,7 +90,7 @@ fn all() -> Vec<Claim> {
 /// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(14));
 /// # std::fs::write(dir.join("cells.csv"), format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
 /// // No claim has the number that this study names.
-/// let study = Study::load(&dir)?;
+/// let study = Study::read(Files::in_folder(&dir))?;
 /// let scores = score(&[study]);
 /// assert_eq!((scores[0].claim, scores[0].verdict), (99, Verdict::NotTestable));
 /// assert!(scores[0].measured.is_empty() && !scores[0].why.is_empty());

@@ -14,7 +14,7 @@ const MOST_MIB: u64 = 4096;
 /// use palpate_report::Files;
 ///
 /// let files = Files::in_memory([("trace.csv", "x,y\n1,2\n")]);
-/// assert!(files.contain("trace.csv") && !files.contain("map.csv"));
+/// assert!(palpate_report::press_figures(&files).is_err());
 /// ```
 #[derive(Debug, Clone)]
 pub struct Files {

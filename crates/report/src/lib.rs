@@ -6,7 +6,7 @@
 //!
 //! | input | output | function |
 //! |---|---|---|
-//! | [`Files`] | [`Study`] | [`Study::load`], [`Study::read`] |
+//! | [`Files`] | [`Study`] | [`Study::read`] |
 //! | a study's `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
 //! | one plot and tables in memory | a [`Figure`] | [`figure`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// section shows the measurements in these files. The page contains no scripts and loads no other files.
 ///
 /// ```
-/// use palpate_report::{Study, page};
+/// use palpate_report::{Files, Study, page};
 ///
 /// # let root = tempfile::tempdir()?;
 /// # let dir = root.path().join("ball");
@@ -25,7 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// #     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
 /// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(14));
 /// # std::fs::write(dir.join("cells.csv"), format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
-/// let study = Study::load(&dir)?;
+/// let study = Study::read(Files::in_folder(&dir))?;
 /// let html = page(&[study])?;
 /// assert!(html.contains("How round is the ball?"));
 /// assert!(!html.contains("<script"));

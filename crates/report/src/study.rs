@@ -28,10 +28,10 @@ pub struct Study {
 }
 
 impl Study {
-    /// Reads a study from `cells.csv`, `failures.csv` and `run.toml` in the directory `dir`.
+    /// Reads a study from `cells.csv`, `failures.csv` and `run.toml` among `files`.
     ///
     /// ```
-    /// use palpate_report::Study;
+    /// use palpate_report::{Files, Study};
     ///
     /// let dir = tempfile::tempdir()?;
     /// let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text);
@@ -42,18 +42,10 @@ impl Study {
     /// let row = format!("0,curvature,1/mm,0.2,9,3,0.25{}", ",".repeat(14));
     /// write("cells.csv", &format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
     ///
-    /// let study = Study::load(dir.path())?;
+    /// let study = Study::read(Files::in_folder(dir.path()))?;
     /// assert_eq!((study.name(), study.dir()), ("ball", dir.path()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    ///
-    /// # Errors
-    /// [`ReportError`] if a file is missing or malformed.
-    pub fn load(dir: impl AsRef<Path>) -> Result<Self, ReportError> {
-        Self::read(Files::in_folder(dir))
-    }
-
-    /// Reads a study from `cells.csv`, `failures.csv` and `run.toml` among `files`.
     ///
     /// # Errors
     /// [`ReportError`] if a file is missing or malformed.

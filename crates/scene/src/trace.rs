@@ -4,6 +4,7 @@ use image::RgbImage;
 use palpate_rolling::RollError;
 use palpate_sensing::BeyondPads;
 use palpate_study::Table;
+use palpate_study::config::ConfigError;
 use thiserror::Error;
 
 use crate::press::PressFailure;
@@ -37,6 +38,9 @@ pub struct CameraTrace {
 /// Reason why a simulation of a scene was not completed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
+    /// The config has an invalid field, or the study has no cell with this number.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
     /// The simulation of a roll ended early.
     #[error("probe {probe}: {error}")]
     Roll {

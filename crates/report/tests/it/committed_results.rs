@@ -38,7 +38,10 @@ fn drawn(folder: &Path, figures: Vec<Figure>) -> usize {
 fn figures_are_the_committed_ones() {
     let mut count = 0;
     for folder in studies() {
-        count += drawn(&folder, figures(&Study::load(&folder).unwrap()).unwrap());
+        count += drawn(
+            &folder,
+            figures(&Study::read(Files::in_folder(&folder)).unwrap()).unwrap(),
+        );
         if folder.join("quiver.svg").exists() {
             count += drawn(&folder, press_figures(&Files::in_folder(&folder)).unwrap());
         }
@@ -53,7 +56,8 @@ fn scores_are_the_committed_ones() {
     let studies = studies();
     assert!(studies.len() > 28);
     for folder in studies {
-        let scores = claims_table(&score(&[Study::load(&folder).unwrap()])).to_csv();
+        let scores =
+            claims_table(&score(&[Study::read(Files::in_folder(&folder)).unwrap()])).to_csv();
         let committed = read_to_string(folder.join("claims.csv")).unwrap_or_default();
         assert!(
             scores == committed,
@@ -67,7 +71,7 @@ fn scores_are_the_committed_ones() {
 fn the_page_is_the_committed_one() {
     let studies: Vec<Study> = studies()
         .iter()
-        .map(|folder| Study::load(folder).unwrap())
+        .map(|folder| Study::read(Files::in_folder(folder)).unwrap())
         .collect();
     let committed = read_to_string(results().join("index.html")).unwrap();
     assert!(page(&studies).unwrap() == committed);

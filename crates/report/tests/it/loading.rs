@@ -59,10 +59,15 @@ fn missing_files_are_named() {
     for (name, text) in &files {
         fs::write(path(name), text).unwrap();
     }
-    assert_eq!(Study::load(folder.path()).unwrap().dir(), folder.path());
+    assert_eq!(
+        Study::read(Files::in_folder(folder.path())).unwrap().dir(),
+        folder.path()
+    );
     for (name, text) in &files {
         fs::remove_file(path(name)).unwrap();
-        let error = Study::load(folder.path()).unwrap_err().to_string();
+        let error = Study::read(Files::in_folder(folder.path()))
+            .unwrap_err()
+            .to_string();
         says(&error, &[&path(name).display().to_string(), "No such file"]);
         fs::write(path(name), text).unwrap();
         let others = files.clone().into_iter().filter(|(other, _)| other != name);

@@ -107,5 +107,5 @@ fn study_in(results: &Path) -> Study {
     ] {
         fs::write(folder.join(name), text).unwrap();
     }
-    Study::load(&folder).unwrap()
+    Study::read(Files::in_folder(&folder)).unwrap()
 }

@@ -269,7 +269,7 @@ fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
 /// let found = plots("run.toml", "[[plot]]\nkind = \"contacts\"\n")?;
 /// assert_eq!(found[0].kind, PlotKind::Contacts);
 /// let error = plots("run.toml", "[[plot]]\nx = \"truth\"\n").expect_err("lines need y");
-/// assert_eq!(error.path(), "plot.0.y");
+/// assert_eq!(error.path, "plot.0.y");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

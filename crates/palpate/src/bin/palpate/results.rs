@@ -51,7 +51,7 @@ fn load_results(dir: &Path) -> Result<Study, Failure> {
             dir.join(CONFIG).display()
         )));
     }
-    Study::load(dir).map_err(Failure::work)
+    Study::read(Files::in_folder(dir)).map_err(Failure::work)
 }
 
 fn id_of(study: &Study) -> Result<StudyId, Failure> {
