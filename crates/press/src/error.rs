@@ -176,9 +176,4 @@ impl PressError {
     ) -> Result<f64, Self> {
         Ok(BadSetting::unless(is_good, setting, value, expected)?)
     }
-
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
 }

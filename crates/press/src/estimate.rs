@@ -102,11 +102,6 @@ impl Verdict {
             _ => Self::NotResolved,
         }
     }
-
-    /// The stable name of the verdict.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
 }
 
 /// Principal curvatures of an object, estimated from one press.

@@ -225,6 +225,6 @@ mod tests {
         assert_eq!(code(0.04, 0.006), Ok(""));
         assert_eq!(code(0.04, 0.004), Ok("stated-indentation"));
         let error = code(f64::INFINITY, 0.004).unwrap_err();
-        assert_eq!(error.name(), "undetermined");
+        assert_eq!(<&str>::from(error), "undetermined");
     }
 }

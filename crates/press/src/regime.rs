@@ -53,11 +53,6 @@ impl ContactRegime {
             Self::Flat
         }
     }
-
-    /// The stable name of the regime.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
 }
 
 /// Limit of small-strain theory: ratio of the contact's radius to the radius of the sensor or of the object. Above this

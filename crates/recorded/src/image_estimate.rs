@@ -176,7 +176,7 @@ impl Scene<'_> {
             }
             _ => error.to_string(),
         };
-        RecordedError::readings(&pressed.file, explained(message, error.name()))
+        RecordedError::readings(&pressed.file, explained(message, error.into()))
     }
 
     /// Displacement of each marker, midway between its two discs. It is the displacement in the fitted press, plus a

@@ -248,7 +248,7 @@ fn refused(
             message += &format!("; {cause}");
         }
     }
-    let message = explained(message, error.name());
+    let message = explained(message, error.into());
     match error {
         PressError::NotFinite { marker } | PressError::OffSkin { marker, .. } => {
             recorded.source.fail_at(*marker, message)

@@ -78,9 +78,4 @@ impl RollError {
     }
 }
 
-impl RollFault {
-    /// Name of this kind of fault. It stays the same in all versions.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
-}
+impl RollFault {}

@@ -40,13 +40,6 @@ pub enum PressFailure {
     Camera(#[from] TrackingError),
 }
 
-impl PressFailure {
-    /// Name of the failure for tables. It stays the same in all versions.
-    pub(crate) fn name(&self) -> &'static str {
-        self.into()
-    }
-}
-
 /// Additional errors in the readings of a press. These errors are not part of the noise of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PressFlaw {
@@ -70,16 +63,12 @@ impl PressScene {
         flaw: PressFlaw,
         observe: Observer<'_>,
     ) -> Result<Vec<&'static str>, &'static str> {
-        let mut reading = self
-            .reading(Some(trial))
-            .map_err(|failure| failure.name())?;
+        let mut reading = self.reading(Some(trial))?;
         reading.add_outlier(flaw.outlier, trial);
         if flaw.indentation != 0.0 {
-            let std = self.indentation_difference_std();
-            reading.indentation += flaw.indentation * std.map_err(|failure| failure.name())?;
+            reading.indentation += flaw.indentation * self.indentation_difference_std()?;
         }
-        self.warnings(&reading, observe)
-            .map_err(|failure| failure.name())
+        Ok(self.warnings(&reading, observe)?)
     }
 
     /// Standard deviation of the difference between the stated indentation and the indentation that is estimated from

@@ -289,7 +289,7 @@ proptest! {
 
 #[test]
 fn settings_and_widths_out_of_range_have_names() {
-    let name = |error: PressError| error.name();
+    let name = |error: PressError| <&str>::from(error);
     let nan = f64::NAN;
     for (thickness, depth) in [
         (0.0, 0.0),

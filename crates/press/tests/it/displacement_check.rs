@@ -30,7 +30,7 @@ fn codes(
         let reading = readings.reading(&markers, Some(stated));
         let estimate = match fit.estimate(&reading) {
             Ok(estimate) => estimate,
-            Err(error) => return vec![error.name()],
+            Err(error) => return vec![error.into()],
         };
         let indentation = fit.check_indentation(&reading, Some(&estimate));
         let misfits = fit.misfits(&reading, &estimate).unwrap();

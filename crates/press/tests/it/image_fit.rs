@@ -303,9 +303,12 @@ fn a_non_finite_reading_is_refused_with_its_marker() {
     let refused = fit.estimate(&rest, &bad, None);
     assert_eq!(refused, Err(PressError::NotFinite { marker: 12 }));
     let none = vec![None; 81];
-    assert_eq!(fit.at_rest(&none).unwrap_err().name(), "too-few-markers");
+    assert_eq!(
+        <&str>::from(fit.at_rest(&none).unwrap_err()),
+        "too-few-markers"
+    );
     let few = fit.estimate(&rest, &good[..80], None);
-    assert_eq!(few.unwrap_err().name(), "bad-setting");
+    assert_eq!(<&str>::from(few.unwrap_err()), "bad-setting");
 }
 
 /// A camera model in which the marker `hidden` is not visible, or that returns the images of only `count` markers.

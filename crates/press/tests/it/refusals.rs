@@ -10,7 +10,7 @@ use crate::sensor::{
 };
 
 fn refusal<T>(result: Result<T, PressError>) -> &'static str {
-    result.err().map_or("none", |error| error.name())
+    result.err().map_or("none", Into::into)
 }
 
 fn read(normal: Vec<f64>, known: Option<Measured>) -> Result<PressEstimate, PressError> {

@@ -175,7 +175,7 @@ fn along_x(formula: &str, radius: f64, angle_rad: f64, spin: f64) -> Result<f64,
 #[track_caller]
 fn assert_overlapping(found: Result<f64, RollError>) -> RollError {
     let error = found.unwrap_err();
-    assert_eq!(error.fault.name(), "overlapping", "{error}");
+    assert_eq!(<&str>::from(error.fault), "overlapping", "{error}");
     error
 }
 

@@ -24,7 +24,7 @@ impl PressScene {
         match &self.case {
             PressCase::Press { truth, .. } => needs.extend(self.contact_needs(truth)),
             PressCase::NoPress(error) => {
-                let name = error.name();
+                let name: &str = error.into();
                 let text = format!("no press; every trial fails as `{name}`: {error}");
                 needs.push(Warning::new("no-press", text, []).into());
             }
@@ -67,7 +67,7 @@ impl PressScene {
             Some(_) => "; it is an ellipse, because the object has two different curvatures",
             None => "",
         };
-        let text = format!("{} contact{shape}{ellipse}", regime.name());
+        let text = format!("{} contact{shape}{ellipse}", <&str>::from(regime));
         let mut needs = vec![Need::from(text)];
         let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
         // The longer semi-axis of the contact is in the direction in which the curvature is smaller.
@@ -170,7 +170,7 @@ impl PressScene {
         let fit = format!("least-squares fit of {body}, {indentation}{baseline}, {noise}");
         let mut needs = vec![Need::from(fit)];
         if let PressEstimator::NoFit(error) = &self.estimator {
-            let name = error.name();
+            let name: &str = error.into();
             let text = format!("no estimator; every trial fails as `{name}`: {error}");
             needs.push(Warning::new("no-estimator", text, []).into());
         }
@@ -192,7 +192,7 @@ impl PressScene {
         match self.exact() {
             Ok(estimate) => bias_warning(estimate, self.geometry.object.curvature),
             Err(error) => {
-                let name = error.name();
+                let name: &str = error.into();
                 let text = format!("even without noise the estimate fails as `{name}`: {error}");
                 Some(Warning::new("no-estimate", text, []))
             }

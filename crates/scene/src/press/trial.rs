@@ -411,8 +411,8 @@ impl Trials for PressScene {
     }
 
     fn trial(&self, trial: u64, observe: Observer<'_>) -> Result<(), &'static str> {
-        let reading = self.reading(Some(trial)).map_err(|error| error.name())?;
-        let estimate = self.estimate(&reading).map_err(|error| error.name())?;
+        let reading = self.reading(Some(trial))?;
+        let estimate = self.estimate(&reading)?;
         self.compare(&reading, &estimate, observe);
         Ok(())
     }
@@ -468,8 +468,7 @@ impl Trials for PressScene {
     }
 
     fn map(&self, cell: usize, trial: u64, table: &mut Table) -> Result<(), &'static str> {
-        self.push_profile(cell, trial, table)
-            .map_err(|error| error.name())
+        Ok(self.push_profile(cell, trial, table)?)
     }
 }
 

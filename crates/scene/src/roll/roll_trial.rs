@@ -167,7 +167,7 @@ impl RollScene {
             && let Some(moments) = linear.short(self.seed, trial)
         {
             let fit = self.fit.get()?;
-            let estimate = fit.estimate(&moments).map_err(|error| error.name())?;
+            let estimate = fit.estimate(&moments)?;
             return Ok(self.compare(&estimate));
         }
         match self.series_method() {
@@ -284,7 +284,7 @@ impl RollScene {
         let moments = linear
             .read(self.seed, trial, |displacement| sensor.read(&displacement))
             .map_err(|error| error.name())?;
-        fit.estimate(&moments).map_err(|error| error.name())
+        Ok(fit.estimate(&moments)?)
     }
 
     /// Runs a trial whose rolls may be of any kind, if the reported rotations have no errors. All such trials share one
@@ -295,7 +295,7 @@ impl RollScene {
         self.readings(trial, |reading| {
             moments.add(self.roller.probe().radius(), &reading)
         })?;
-        fit.estimate(&moments).map_err(|error| error.name())
+        Ok(fit.estimate(&moments)?)
     }
 
     /// Runs a trial in which the reported rotations have errors. The fit depends on the reported rotations, so each
@@ -303,8 +303,8 @@ impl RollScene {
     fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
-        LeastSquares::of(self.roller.probe().radius(), self.reading_noise, &readings)
-            .map_err(|error| error.name())
+        let radius = self.roller.probe().radius();
+        Ok(LeastSquares::of(radius, self.reading_noise, &readings)?)
     }
 
     /// Calls `report` with the reading of each probe in a trial, in the order of the probes.
@@ -319,7 +319,7 @@ impl RollScene {
         for roll in &self.rolls {
             let (displacement, rotation) = noise
                 .roll(&self.roller, roll)
-                .map_err(|error| error.fault.name())?;
+                .map_err(|error| <&str>::from(error.fault))?;
             let rotation = rotations.read(rotation, roll.command.duration_s);
             let shift = sensor.read(&displacement).map_err(|error| error.name())?;
             report(ProbeReading { rotation, shift });
@@ -412,8 +412,7 @@ impl Trials for RollScene {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
         let radius = self.roller.probe().radius();
-        let (fit, estimate) = LeastSquares::fitted(radius, self.reading_noise, &readings)
-            .map_err(|error| error.name())?;
+        let (fit, estimate) = LeastSquares::fitted(radius, self.reading_noise, &readings)?;
         for (quantity, outcome) in self.compare(&estimate).into_iter().enumerate() {
             observe(quantity, outcome);
         }

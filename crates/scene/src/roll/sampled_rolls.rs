@@ -152,13 +152,12 @@ impl RollScene {
     ) -> Result<([Observation; ROLL_QUANTITIES.len()], SeriesEstimate), &'static str> {
         let rolls = self.series(sampled, Some(trial));
         let rolls = rolls.map_err(|(_, fault)| match fault {
-            NoSeries::Roll(error) => error.fault.name(),
+            NoSeries::Roll(error) => error.fault.into(),
             NoSeries::Sensor(error) => error.name(),
         })?;
         let places = sampled.places.unwrap_or(Places::Contacts { std: 0.0 });
         let radius = self.roller.probe().radius();
-        let estimate = estimate_series(method, radius, &places, &sampled.noise, &rolls)
-            .map_err(|error| error.name())?;
+        let estimate = estimate_series(method, radius, &places, &sampled.noise, &rolls)?;
         let mut outcomes = self.compare(&estimate.estimate());
         for (outcome, quantity) in outcomes.iter_mut().zip(QUANTITIES) {
             outcome.interval_holds = Some(holds(outcome, &estimate, quantity));

@@ -41,7 +41,8 @@ fn every_name_is_explained() {
         Verdict::NotResolved,
     ];
     // Names of the contact regimes of a sensor with the curvature 1.
-    let regimes = [1.0, 0.0, -0.5, -1.0, -2.0].map(|object| ContactRegime::of(1.0, object).name());
+    let regimes =
+        [1.0, 0.0, -0.5, -1.0, -2.0].map(|object| <&str>::from(ContactRegime::of(1.0, object)));
     let names = ERRORS
         .into_iter()
         .chain([SeriesError::VARIANTS])
@@ -49,7 +50,7 @@ fn every_name_is_explained() {
         .copied()
         .filter(|name| *name != "surface")
         .chain(ShapeClass::ALL.map(ShapeClass::name))
-        .chain(verdicts.map(Verdict::name))
+        .chain(verdicts.map(<&str>::from))
         .chain(regimes)
         .chain(PRINTED.split_whitespace());
     let unknown: Vec<&str> = names.filter(|name| meaning(name).is_none()).collect();
@@ -114,6 +115,6 @@ fn names_in_tables_do_not_change() {
         empty-image too-small too-large mask-outside no-markers too-many";
     assert_eq!(ERRORS.map(|names| names.join(" ")).join("\n"), expected);
     let off = SurfaceError::OffDomain { x: 0.0, y: 0.0 };
-    assert_eq!(RollFault::Surface(off).name(), "off-domain");
+    assert_eq!(<&str>::from(RollFault::Surface(off)), "off-domain");
     assert_eq!(<&str>::from(GlideError::Surface(off)), "off-domain");
 }

@@ -107,7 +107,7 @@ fn another_body_is_found() {
 fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
         let press = Press::of(1, fit(None, ROUGHLY), change);
-        [None, Some(STATED)].map(|given| press.estimate(given).unwrap_err().name())
+        [None, Some(STATED)].map(|given| <&str>::from(press.estimate(given).unwrap_err()))
     };
     let outward = refused(|moved| {
         for disc in moved.iter_mut().flatten() {

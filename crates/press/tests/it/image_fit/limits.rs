@@ -103,7 +103,7 @@ fn few(count: usize) -> Vec<Option<Seen>> {
 }
 
 fn name<T>(result: Result<T, PressError>) -> &'static str {
-    result.err().map_or("none", |error| error.name())
+    result.err().map_or("none", Into::into)
 }
 
 #[test]
