@@ -145,17 +145,14 @@ mod tests {
 
     #[test]
     fn swept_fields_have_the_unit_of_their_numbers() {
-        for (header, unit) in [
-            ("scene.object.radius_mm", "mm"),
-            ("scene.motion.contact_deg.0", "deg"),
-            ("scene.noise.angular_velocity.fraction", "1"),
-            ("scene.noise.pixel.std", "levels of 255"),
-            ("scene.noise.hue.std", "turn"),
-            ("scene.noise.centroid.std", "px"),
-            ("scene.sensor.size_px", "px"),
-            ("seed", "1"),
-        ] {
-            assert_eq!(unit_of_field(header, LengthUnit::Mm), unit, "{header}");
-        }
+        let unit = |header| unit_of_field(header, LengthUnit::Mm);
+        assert_eq!(unit("scene.object.radius_mm"), "mm");
+        assert_eq!(unit("scene.motion.contact_deg.0"), "deg");
+        assert_eq!(unit("scene.noise.angular_velocity.fraction"), "1");
+        assert_eq!(unit("scene.noise.pixel.std"), "levels of 255");
+        assert_eq!(unit("scene.noise.hue.std"), "turn");
+        assert_eq!(unit("scene.noise.centroid.std"), "px");
+        assert_eq!(unit("scene.sensor.size_px"), "px");
+        assert_eq!(unit("seed"), "1");
     }
 }

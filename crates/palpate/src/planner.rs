@@ -12,8 +12,7 @@ use thiserror::Error;
 
 pub(crate) use pace::{Pace, spread};
 use pilot::{CellPilot, Pilot};
-use tolerance::{Allowance, tolerance_for};
-pub(crate) use tolerance::{Pass, PassQuantity, PassValue};
+pub(crate) use tolerance::{Allowance, Pass, PassQuantity, PassValue, tolerance_for};
 
 /// Largest allowed shift of an estimate by the model's error, as a share of (target error × rms error).
 pub const MODEL_ERROR_SHARE: f64 = 0.1;
@@ -132,8 +131,7 @@ pub enum PlanError<E> {
     AllFail(FailingCell),
     /// The target error requires more trials than the allowed maximum.
     #[error(
-        "the rms error of {quantity} needs about {needed:.1e} trials; the maximum of {MAX_FOR_TARGET:.0e} \
-         reaches {reached:.1e}{}", if *has_heavy_tails { "; its errors have heavy tails" } else { "" }
+        "the rms error of {quantity} needs about {needed:.1e} trials; the maximum of {MAX_FOR_TARGET:.0e} reaches {reached:.1e}{}", if *has_heavy_tails { "; its errors have heavy tails" } else { "" }
     )]
     TooManyTrials {
         /// Index of the cell that needs the most trials.

@@ -301,18 +301,15 @@ mod tests {
 
     #[test]
     fn quantiles_have_the_digits_that_their_histogram_resolves() {
-        for (quantile, truth, shown) in [
-            // The histogram resolves 1/256 of the distance from the true value. Here, the distance is 0.0023456, and
-            // 1/256 of it is 9e-6, so six decimals remain.
-            (0.0356789, 0.0333333, 0.035679),
-            (-755.306_709, -80.0, -755.0),
-            (1234.5678, 1234.5, 1234.5678),
-            (0.001, 80.0, 0.0),
-            (80.0, 80.0, 80.0),
-            (0.0, 80.0, 0.0),
-        ] {
-            assert_eq!(with_digits(Some(quantile), Some(truth)), Some(shown));
-        }
+        let shown = |quantile, truth| with_digits(Some(quantile), Some(truth));
+        // The histogram resolves 1/256 of the distance from the true value. Here, the distance is 0.0023456, and
+        // 1/256 of it is 9e-6, so six decimals remain.
+        assert_eq!(shown(0.0356789, 0.0333333), Some(0.035679));
+        assert_eq!(shown(-755.306_709, -80.0), Some(-755.0));
+        assert_eq!(shown(1234.5678, 1234.5), Some(1234.5678));
+        assert_eq!(shown(0.001, 80.0), Some(0.0));
+        assert_eq!(shown(80.0, 80.0), Some(80.0));
+        assert_eq!(shown(0.0, 80.0), Some(0.0));
         assert_eq!(with_digits(None, Some(1.0)), None);
         assert_eq!(with_digits(Some(1.0), None), None);
     }

@@ -32,19 +32,19 @@ pub(crate) struct PassValue {
 }
 
 /// Largest allowed shift of a cell's estimates by the error of the contact model.
-pub(super) struct Allowance {
+pub(crate) struct Allowance {
     /// Largest allowed shift, relative to the rms error of a quantity. If no rms error was estimated, it is relative
     /// to [`PassQuantity::scale`].
-    pub(super) share: f64,
+    pub(crate) share: f64,
     /// Rms error of each quantity of the cell's experiment; `None` if it was not estimated. The list may be shorter
     /// than the list of quantities.
-    pub(super) rms_errors: Vec<Option<f64>>,
+    pub(crate) rms_errors: Vec<Option<f64>>,
 }
 
 /// The largest of the `tolerances` at which the model shifts no estimate by more than the allowed shift. `tolerances`
 /// must be sorted, largest first. Shifts are differences from the estimates at the smallest tolerance. Cells that
 /// cannot be computed without noise are ignored. Returns `None` if all cells are ignored.
-pub(super) fn tolerance_for(
+pub(crate) fn tolerance_for(
     allowances: &[Allowance],
     tolerances: &[f64],
     pass: impl Fn(usize, f64) -> Option<Pass>,
@@ -81,59 +81,5 @@ impl Allowance {
                 let shift = of_estimate.max((one.truth - other.truth).abs());
                 shift <= allowed(one.quantity)
             })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Results of a test model. The error of the model equals its tolerance; below a tolerance of 1e-5, the
-    /// computation fails.
-    fn pass(_: usize, tolerance: f64) -> Option<Pass> {
-        let estimate = 2.0 + tolerance;
-        let scale = 2.0;
-        let in_cell = Some(0);
-        (tolerance >= 1e-5).then(|| Pass {
-            quantities: vec![PassQuantity { scale, in_cell }],
-            values: vec![PassValue {
-                quantity: 0,
-                estimate,
-                truth: 2.0,
-            }],
-        })
-    }
-
-    #[test]
-    fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
-        let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
-        for (share, rms_error, expected) in [
-            // If there is no rms error, or if it is 0, the contact model may shift an estimate by at most `share` ×
-            // `scale`. Here the scale is 2.
-            (0.1, None, 1e-1),
-            (0.01, None, 1e-2),
-            (0.01, Some(0.0), 1e-2),
-            // If there is an rms error, the contact model may shift an estimate by at most `share` × rms error.
-            (0.01, Some(0.2), 1e-3),
-            (1e-9, Some(0.2), 1e-5),
-        ] {
-            let rms_errors = vec![rms_error];
-            let allowances = [Allowance { share, rms_errors }];
-            let found = tolerance_for(&allowances, &tolerances, pass);
-            assert_eq!(found, Some(expected), "{share}, {rms_error:?}");
-        }
-    }
-
-    #[test]
-    fn cells_without_a_pass_are_left_out() {
-        let allowance = || Allowance {
-            share: 0.01,
-            rms_errors: Vec::new(),
-        };
-        let first = |cell: usize, tolerance| pass(cell, tolerance).filter(|_| cell == 0);
-        let found = tolerance_for(&[allowance(), allowance()], &[1e-1, 1e-3], first);
-        assert_eq!(found, Some(1e-3));
-        assert_eq!(tolerance_for(&[allowance()], &[1e-1], |_, _| None), None);
-        assert_eq!(tolerance_for(&[allowance()], &[], pass), None);
     }
 }

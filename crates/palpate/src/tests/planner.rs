@@ -9,7 +9,8 @@ use palpate_sensing::{Channel, Stream};
 use palpate_sweep::{Observation, Record, RunOptions, Runner, Trial};
 
 use crate::planner::{
-    FailingCell, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, plan,
+    Allowance, FailingCell, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, plan,
+    tolerance_for,
 };
 
 /// Number of trials that ran in all cells. The test's clock counts one microsecond per trial.
@@ -190,4 +191,53 @@ fn what_cannot_be_reached_is_refused() {
     };
     let error = planned(&[10; 3], goal).unwrap_err();
     assert!(matches!(error, PlanError::DoesNotFit { .. }), "{error}");
+}
+
+/// Results of a test model. The error of the model equals its tolerance; below a tolerance of 1e-5, the
+/// computation fails.
+fn pass_of_model(_: usize, tolerance: f64) -> Option<Pass> {
+    let estimate = 2.0 + tolerance;
+    let scale = 2.0;
+    let in_cell = Some(0);
+    (tolerance >= 1e-5).then(|| Pass {
+        quantities: vec![PassQuantity { scale, in_cell }],
+        values: vec![PassValue {
+            quantity: 0,
+            estimate,
+            truth: 2.0,
+        }],
+    })
+}
+
+#[test]
+fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
+    let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+    for (share, rms_error, expected) in [
+        // If there is no rms error, or if it is 0, the contact model may shift an estimate by at most `share` ×
+        // `scale`. Here the scale is 2.
+        (0.1, None, 1e-1),
+        (0.01, None, 1e-2),
+        (0.01, Some(0.0), 1e-2),
+        // If there is an rms error, the contact model may shift an estimate by at most `share` × rms error.
+        (0.01, Some(0.2), 1e-3),
+        (1e-9, Some(0.2), 1e-5),
+    ] {
+        let rms_errors = vec![rms_error];
+        let allowances = [Allowance { share, rms_errors }];
+        let found = tolerance_for(&allowances, &tolerances, pass_of_model);
+        assert_eq!(found, Some(expected), "{share}, {rms_error:?}");
+    }
+}
+
+#[test]
+fn cells_without_a_pass_are_left_out() {
+    let allowance = || Allowance {
+        share: 0.01,
+        rms_errors: Vec::new(),
+    };
+    let first = |cell: usize, tolerance| pass_of_model(cell, tolerance).filter(|_| cell == 0);
+    let found = tolerance_for(&[allowance(), allowance()], &[1e-1, 1e-3], first);
+    assert_eq!(found, Some(1e-3));
+    assert_eq!(tolerance_for(&[allowance()], &[1e-1], |_, _| None), None);
+    assert_eq!(tolerance_for(&[allowance()], &[], pass_of_model), None);
 }

@@ -80,8 +80,7 @@ fn refused(
             least_s,
             threads,
         } => Failure::usage(anyhow!(
-            "--budget: one trial of each cell does not fit into {} s; it needs about {} on {threads} threads, \
-             planning included",
+            "--budget: one trial of each cell does not fit into {} s; it needs about {} on {threads} threads, planning included",
             exact(budget.as_secs_f64()),
             roughly(least_s),
         )),
@@ -111,16 +110,14 @@ fn warnings(plan: &Plan, numbers: &[usize]) -> Warnings {
     for failing in &plan.failing {
         let (trials, kind) = (failing.trials, failing.kind);
         let text = format!(
-            "all {trials} pilot trials of a cell fail ({kind}); such cells do not influence the \
-             number of trials"
+            "all {trials} pilot trials of a cell fail ({kind}); such cells do not influence the number of trials"
         );
         let warning = Warning::new("failed-pilot", text, [("trials", trials as f64)]);
         warnings.add(numbers[failing.cell], &[warning]);
     }
     if let Some((cell, quantity)) = plan.heavy_tails {
         let text = format!(
-            "the errors of {quantity} have heavy tails: a few trials determine their root mean \
-             square, so its stated uncertainty is rough"
+            "the errors of {quantity} have heavy tails: a few trials determine their root mean square, so its stated uncertainty is rough"
         );
         warnings.add(numbers[cell], &[Warning::new("heavy-tails", text, [])]);
     }
@@ -131,10 +128,10 @@ fn warnings(plan: &Plan, numbers: &[usize]) -> Warnings {
 /// results.
 fn reason(plan: &Plan, target: Option<f64>) -> String {
     let expected = match plan.expected_error {
-        Some(error) => format!(
-            "expected standard error of the rms errors: {}",
-            percent(error)
-        ),
+        Some(error) => {
+            let error = percent(error);
+            format!("expected standard error of the rms errors: {error}")
+        }
         None => "the standard error of the rms errors cannot be predicted".to_owned(),
     };
     let rule = match (plan.by_target, plan.by_budget) {

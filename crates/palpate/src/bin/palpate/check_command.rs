@@ -54,9 +54,7 @@ fn text(name: &str, check: &Check) -> String {
     if check.checked < check.cells {
         let _ = writeln!(
             text,
-            "sample  each swept value is checked against the limits of its field; all fields together are checked in {} cells:\n        \
-             cells with each value of an axis, cells with both ends of every two axes, and cells spread evenly;\n        \
-             {} of these cells were set up, as many as one second allows. `run` checks every other cell before its trials",
+            "sample  each swept value is checked against the limits of its field; all fields together are checked in {} cells:\n        cells with each value of an axis, cells with both ends of every two axes, and cells spread evenly;\n        {} of these cells were set up, as many as one second allows. `run` checks every other cell before its trials",
             check.checked, check.set_up
         );
     }
@@ -91,11 +89,8 @@ fn text(name: &str, check: &Check) -> String {
             _ => "the worst",
         };
         if others > 0 {
-            let _ = writeln!(
-                text,
-                "    this is {which} of {} similar results",
-                others + 1
-            );
+            let all = others + 1;
+            let _ = writeln!(text, "    this is {which} of {all} similar results");
         }
     }
     let _ = write!(
@@ -143,8 +138,7 @@ fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
         let is_short = family.coverage95 < Family::HOLDS[0];
         let only = if is_short { "only " } else { "" };
         format!(
-            "in {} random scenes they contained the true value in {only}{share:.1} % of trials, \
-             in the worst scene in {lowest:.0} % ({})",
+            "in {} random scenes they contained the true value in {only}{share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
             family.scenes, family.name
         )
     };

@@ -38,20 +38,18 @@ pub(crate) fn explain(word: &str) -> Result<(), Failure> {
             let names = names.join(", ");
             format!("{}\n{}", subject.title, wrapped(&names, "  "))
         });
-        let others = "`palpate explain WORD` explains one. It also explains the quantities and statistics that \
-                      `palpate schema --quantities` lists, and every key of configs. `palpate explain scenes` lists the \
-                      objects, sensors and noises of each kind of scene.";
+        let others = "`palpate explain WORD` explains one. It also explains the quantities and statistics that `palpate schema --quantities` lists, and every key of configs. `palpate explain scenes` lists the objects, sensors and noises of each kind of scene.";
         let all: Vec<String> = subjects.chain([wrapped(others, "")]).collect();
         return output::print(&all.join("\n\n"));
     }
-    let term = meaning(word).map(|term| (term.name.to_owned(), term.meaning.to_owned()));
     let keys = config_keys()
         .into_iter()
         .filter(|(path, _)| spelt(path.rsplit('.').next().unwrap_or_default()) == spelt(word));
     let keys: Vec<(String, String)> = keys.collect();
     let of_part = || related(word).filter(|_| keys.is_empty());
-    let of_part = || of_part().map(|term| (term.name.to_owned(), term.meaning.to_owned()));
-    let entries: Vec<String> = (term.or_else(of_part).into_iter())
+    let term = meaning(word).or_else(of_part).into_iter();
+    let entries: Vec<String> = term
+        .map(|term| (term.name.to_owned(), term.meaning.to_owned()))
         .chain(keys.iter().cloned())
         .map(|(name, meaning)| format!("{name}\n{}", wrapped(&meaning, "  ")))
         .collect();
@@ -69,8 +67,7 @@ pub(crate) fn explain(word: &str) -> Result<(), Failure> {
 }
 
 pub(crate) fn glossary() -> Result<(), Failure> {
-    let mut text = "# Glossary\n\n`palpate explain WORD` prints one entry. `cargo xtask book` writes this page from \
-                    `palpate explain --markdown`.\n"
+    let mut text = "# Glossary\n\n`palpate explain WORD` prints one entry. `cargo xtask book` writes this page from `palpate explain --markdown`.\n"
         .to_owned();
     for subject in SUBJECTS {
         let rows = subject
@@ -213,8 +210,7 @@ pub(crate) fn quantities() -> Result<(), Failure> {
         };
         text += &entry(statistic.name(), unit, statistic.meaning());
     }
-    text += "\nIn addition, `x`, `y`, `series`, `panel` and `where` may name any swept field by its \
-         path.";
+    text += "\nIn addition, `x`, `y`, `series`, `panel` and `where` may name any swept field by its path.";
     output::print(&text)
 }
 

@@ -375,8 +375,7 @@ impl Reader {
         match reader.record() {
             Some(Record::Header(header)) => Ok(Some((reader, *header))),
             _ => Err(Failure::work(anyhow!(
-                "{} is damaged at its beginning, so its run cannot be identified: --restart \
-                 begins the run again",
+                "{} is damaged at its beginning, so its run cannot be identified: --restart begins the run again",
                 path.display()
             ))),
         }

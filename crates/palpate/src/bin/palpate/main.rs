@@ -31,8 +31,7 @@ use cli::{Cli, Command, ErrorFormat, Estimator, Scheduler};
 use failure::Failure;
 
 /// Text that `palpate` prints if it is started without a command.
-const FIRST_STEPS: &str = "\
-palpate estimates the curvature of a surface from touch. Four first steps, in a clone of the repository:
+const FIRST_STEPS: &str = "palpate estimates the curvature of a surface from touch. Four first steps, in a clone of the repository:
 
   palpate check examples/press-a-ball.toml
       Prints the models of a study, and how long a run takes.

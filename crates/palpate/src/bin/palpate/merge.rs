@@ -30,8 +30,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
             .map(|dir| dir.display().to_string())
             .collect();
         return Err(Failure::work(anyhow!(
-            "no shards in {}: run each shard with `palpate run CONFIG --shard K/N` into its own \
-             directory",
+            "no shards in {}: run each shard with `palpate run CONFIG --shard K/N` into its own directory",
             dirs.join(", ")
         )));
     };

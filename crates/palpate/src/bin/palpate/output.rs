@@ -67,15 +67,11 @@ mod tests {
 
     #[test]
     fn zero_has_no_sign() {
-        let estimate = BTreeMap::from([("a", vec![-0.0, 1.0, -0.0]), ("b", vec![-0.5])]);
-        assert_eq!(
-            json(&estimate).unwrap(),
-            "{\n  \"a\": [\n    0.0,\n    1.0,\n    0.0\n  ],\n  \"b\": [\n    -0.5\n  ]\n}"
-        );
-        assert_eq!(
-            json(&BTreeMap::from([("a", -0.0)])).unwrap(),
-            "{\n  \"a\": 0.0\n}"
-        );
+        let text = json(&BTreeMap::from([("a", vec![-0.0, 1.0]), ("b", vec![-0.5])])).unwrap();
+        let text: String = text.split_whitespace().collect();
+        assert_eq!(text, r#"{"a":[0.0,1.0],"b":[-0.5]}"#);
+        let text = json(&BTreeMap::from([("a", -0.0)])).unwrap();
+        assert_eq!(text, "{\n  \"a\": 0.0\n}");
         let words = "{\n  \"a\": \"of -0.0\"\n}";
         assert_eq!(json(&BTreeMap::from([("a", "of -0.0")])).unwrap(), words);
     }

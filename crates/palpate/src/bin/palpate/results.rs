@@ -45,8 +45,7 @@ fn load_results(dir: &Path) -> Result<Study, Failure> {
     refuse_no_directory(dir)?;
     if Format::found_in(dir) == Some(Format::Parquet) {
         return Err(Failure::work(anyhow!(
-            "{} has its tables as Parquet, but figures and scores need CSV: `palpate run {}` in \
-             another directory writes the same tables as CSV",
+            "{} has its tables as Parquet, but figures and scores need CSV: `palpate run {}` in another directory writes the same tables as CSV",
             dir.display(),
             dir.join(CONFIG).display()
         )));
@@ -131,12 +130,8 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
             .map(|(name, bytes)| (name.as_str(), bytes.clone())),
     );
     folder.write(&files, Some(&of_study))?;
-    output::print(&format!(
-        "{}: {} -> {}",
-        study.config.name,
-        trace.what,
-        args.out.display()
-    ))
+    let (name, out) = (&study.config.name, args.out.display());
+    output::print(&format!("{name}: {} -> {out}", trace.what))
 }
 
 /// File names and contents of a traced trial: its tables and, with a camera, its frames.

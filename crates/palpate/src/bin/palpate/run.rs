@@ -32,8 +32,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     args.format.supported()?;
     if let (Format::Parquet, Some(shard)) = (args.format, args.shard) {
         return Err(Failure::usage(anyhow!(
-            "--format parquet: shard {} of {} writes a journal and no tables; give --format to \
-             `palpate merge`",
+            "--format parquet: shard {} of {} writes a journal and no tables; give --format to `palpate merge`",
             shard.number,
             shard.of
         )));
@@ -187,8 +186,7 @@ fn study_of(args: &RunArgs) -> Result<Study, Failure> {
     let study = overridden(&args.config, args.seed, args.trials, chosen_by)?;
     if args.budget.is_some() && args.shard.is_some() {
         return Err(Failure::usage(anyhow!(
-            "--budget depends on the machine, but all shards must have the same trials: run \
-             --budget once to write a run.toml, and run the shards from this file"
+            "--budget depends on the machine, but all shards must have the same trials: run --budget once to write a run.toml, and run the shards from this file"
         )));
     }
     check_outputs(&study).map_err(Failure::usage)?;
@@ -209,8 +207,7 @@ pub(crate) fn overridden(
     let option = trials.map(|_| "--trials").or(chosen_by);
     if let (Some(option), Some(_)) = (option, &study.config.stop) {
         return Err(Failure::usage(anyhow!(
-            "{option} sets the number of trials, but `stop` in {} also decides it: remove one of \
-             them",
+            "{option} sets the number of trials, but `stop` in {} also decides it: remove one of them",
             config.display()
         )));
     }

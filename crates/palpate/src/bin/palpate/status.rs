@@ -55,19 +55,12 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
             states[state].1.push(number);
         }
         let founds: Vec<&JournalState> = shards.values().map(|(_, found)| found).collect();
-        let _ = writeln!(
-            text,
-            "study    {}, {of} shards",
-            study_name(&founds[0].header.config)
-        );
+        let name = study_name(&founds[0].header.config);
+        let _ = writeln!(text, "study    {name}, {of} shards");
         for (state, numbers) in &states {
             if !numbers.is_empty() {
-                let _ = writeln!(
-                    text,
-                    "{state:8} {}: shards {}",
-                    numbers.len(),
-                    listed(numbers)
-                );
+                let (count, shards) = (numbers.len(), listed(numbers));
+                let _ = writeln!(text, "{state:8} {count}: shards {shards}");
             }
         }
         text += &strangers;
@@ -82,10 +75,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
         let tasks = founds[0].header.all_tasks;
         text += &counts(&founds, tasks, running, !states[1].1.is_empty());
         if !states[2].1.is_empty() {
-            let _ = writeln!(
-                text,
-                "again    run the command of a failed shard again to resume it"
-            );
+            text += "again    run the command of a failed shard again to resume it\n";
         }
     } else if let Some(found) = &own {
         let is_held = Lock::is_held(dir);
@@ -133,11 +123,8 @@ fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) ->
     let seconds: f64 = founds.iter().map(|found| found.time.as_secs_f64()).sum();
     if seconds > 0.0 && tasks > 0 {
         let rate = tasks as f64 / seconds * threads;
-        let _ = writeln!(
-            text,
-            "rate     {} cells a second",
-            exact((rate * 10.0).round() / 10.0)
-        );
+        let shown = exact((rate * 10.0).round() / 10.0);
+        let _ = writeln!(text, "rate     {shown} cells a second");
         if is_running && tasks < all {
             let left = roughly((all - tasks) as f64 / rate);
             let _ = writeln!(text, "left     about {left}");

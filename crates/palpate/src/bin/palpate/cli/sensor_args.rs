@@ -201,8 +201,7 @@ fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {
     let described = NormalFrom::ALL.map(|from| {
         PossibleValue::new(from.name()).help(match from {
             NormalFrom::Hue => {
-                "Its hue, which changes with the overlap of its two discs at \
-                 different depths"
+                "Its hue, which changes with the overlap of its two discs at different depths"
             }
             NormalFrom::Size => "Its size, which increases as it comes nearer to the camera",
             NormalFrom::Both => "Both, combined with weights that are fitted",

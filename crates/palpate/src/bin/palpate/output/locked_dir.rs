@@ -38,8 +38,7 @@ pub(crate) fn refuse_no_directory(dir: &Path) -> Result<(), Failure> {
 pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
     if dir == Path::new("-") {
         return Err(Failure::usage(anyhow!(
-            "`-` is standard output, but this command writes a directory: use `./-` for a \
-             directory with this name"
+            "`-` is standard output, but this command writes a directory: use `./-` for a directory with this name"
         )));
     }
     let is_file = |place: &&Path| fs::metadata(place).is_ok_and(|found| !found.is_dir());
@@ -55,8 +54,7 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
         let target = fs::read_link(link).unwrap_or_default();
         let (dir, link, target) = (dir.display(), link.display(), target.display());
         return Err(Failure::work(anyhow!(
-            "cannot make the directory {dir}: {link} is a symbolic link to {target}, which does \
-             not exist"
+            "cannot make the directory {dir}: {link} is a symbolic link to {target}, which does not exist"
         )));
     }
     fs::create_dir_all(dir)
@@ -163,12 +161,8 @@ impl LockedDir {
         };
         remaining.retain(|name| !is_written(name));
         let line = |name: &String| {
-            let path = self.output.dir.join(name);
-            format!(
-                "{} {}, and stays",
-                path.display(),
-                self.output.reason_to_keep(name)
-            )
+            let (path, why) = (self.output.dir.join(name), self.output.reason_to_keep(name));
+            format!("{} {why}, and stays", path.display())
         };
         let lines = remaining.iter().map(line).collect();
         self.put(files, Some(study))?;

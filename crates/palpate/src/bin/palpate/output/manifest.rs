@@ -86,8 +86,7 @@ impl Manifest {
         let fault = |what: String| {
             let path = path.display();
             Failure::usage(anyhow!(
-                "{path} {what}, so palpate cannot recognise its own files beside it: choose \
-                 another directory, or use --force"
+                "{path} {what}, so palpate cannot recognise its own files beside it: choose another directory, or use --force"
             ))
         };
         // Never open a pipe, because reading it would wait for its writer. Only files and directories are read.

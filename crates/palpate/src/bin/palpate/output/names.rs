@@ -157,8 +157,7 @@ impl Format {
             return Ok(());
         }
         Err(Failure::usage(anyhow!(
-            "this palpate was built without Parquet; `cargo install --path crates/palpate \
-             --features parquet` in its source installs a version with Parquet"
+            "this palpate was built without Parquet; `cargo install --path crates/palpate --features parquet` in its source installs a version with Parquet"
         )))
     }
 }

@@ -75,10 +75,8 @@ impl<'s, 'a> JournalRun<'s, 'a> {
             });
         };
         if found.is_torn {
-            eprintln!(
-                "note: the end of {} is damaged; its cells run again",
-                path.display()
-            );
+            let path = path.display();
+            eprintln!("note: the end of {path} is damaged; its cells run again");
         }
         let all = simulation.tasks();
         eprintln!("note: resumes after {} of {all} cells", found.tasks);
@@ -219,16 +217,11 @@ pub(super) fn journal_to_resume(
             "" => "without --budget and --target-error".to_owned(),
             goal => format!("with {goal}"),
         };
-        format!(
-            "{}, and this is {}",
-            or_none(&known.goal),
-            or_none(&request.goal)
-        )
+        let [known, own] = [&known.goal, &request.goal].map(|goal| or_none(goal));
+        format!("{known}, and this is {own}")
     } else if known.config != request.config {
-        format!(
-            "of another config:{}",
-            difference(&known.config, &request.config)
-        )
+        let difference = difference(&known.config, &request.config);
+        format!("of another config:{difference}")
     } else {
         return Ok(Some(found));
     };
