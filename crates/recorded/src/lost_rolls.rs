@@ -12,7 +12,6 @@ use super::error::RecordedError;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::roll_series::LeftOutProbe;
-use super::roll_warnings::units;
 use super::single_direction::single_direction;
 
 /// A measured contact shift of zero counts as a lost reading if the other rolls contradict it: they predict a shift
@@ -68,7 +67,7 @@ impl RollRecording {
         }
         let left_out = lost.iter().map(|&(roll, loss)| LeftOutProbe {
             probe: self.probe(roll),
-            row: self.rows.get(roll).map(|row| row + 1),
+            row: self.rows.get(roll).map(|&row| self.source.row_number(row)),
             reason: match loss {
                 Loss::Far => {
                     "lost reading (the contact's shift is longer than half of the probe's circumference)"
@@ -142,9 +141,9 @@ impl RollRecording {
                 self.readings.len()
             ),
         };
-        let units = units(&self.readings, options.probe_radius, unit);
+        let units = self.units(true, options.probe_radius, unit);
         self.source
-            .fail(units.map_or(text.clone(), |more| format!("{text}; {more}")))
+            .fail(units.map_or(text.clone(), |(more, _)| format!("{text}; {more}")))
     }
 }
 

@@ -19,15 +19,14 @@ use super::press_report::Radius;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::roll_series::{LeftOutProbe, QUANTITIES, SeriesResult, estimate_of_series};
-use super::roll_warnings::units;
+use super::roll_warnings::orientations;
 use super::single_direction::{DirectedCurvature, single_direction};
 use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
 /// Text in the output that states how the thresholds of the shape classes are computed.
-const THRESHOLDS_FROM: &str = "the mean arc length: the mean threshold of the 1996 paper on its patch of 3 x 3, \
-                               scaled to twice this length, and its square";
+const THRESHOLDS_FROM: &str = "the mean arc length: the mean threshold of the 1996 paper on its patch of 3 x 3, scaled to twice this length, and its square";
 
 /// A probe that rolled, but whose readings show no motion of the contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -387,10 +386,13 @@ pub fn estimate_roll(
     };
     let source = &recorded.source;
     let readings = &recorded.readings;
+    let units = || recorded.units(is_of_ends, options.probe_radius, unit);
     let fail = |message: String| {
-        let units = units(&recorded.farthest(is_of_ends), options.probe_radius, unit);
-        source.fail(units.map_or(message.clone(), |more| format!("{message}; {more}")))
+        source.fail(units().map_or(message.clone(), |(more, _)| format!("{message}; {more}")))
     };
+    if let Some((text, true)) = units() {
+        return Err(source.fail(text));
+    }
     let refused = |error: Ep1Error| {
         let message = match error {
             Ep1Error::NotFinite { probe } => {
@@ -446,6 +448,9 @@ pub fn estimate_roll(
         |noise| LeastSquares::fitted(options.probe_radius, noise, fitted_readings).map_err(refused);
     let (mut fitted, mut estimate) = fit(noise)?;
     let (residual, freedom) = estimate.residual(&fitted_readings[..readings.len()]);
+    if !has_series && let Some(message) = orientations(readings, residual) {
+        return Err(fail(message.to_owned()));
+    }
     let mut noise_freedom = None;
     let std_from = match options.noise {
         ReadingNoise {

@@ -180,7 +180,8 @@ impl RollRecording {
         rolls: Vec<[f64; N]>,
         share: f64,
     ) -> Option<String> {
-        self.source.rows.clone_from(&self.rows);
+        let row = |&row: &usize| self.source.row_number(row) - 1;
+        self.source.rows = self.rows.iter().map(row).collect();
         let text = self.source.repeated("roll", rolls.iter().copied(), share)?;
         let mut copied = copies(rolls.iter().copied()).into_iter().peekable();
         let kept = (0..rolls.len()).filter(|roll| copied.next_if_eq(roll).is_none());

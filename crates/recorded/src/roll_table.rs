@@ -21,6 +21,7 @@ use super::roll_rotation::{
     scalar_names, unwrapped,
 };
 use super::roll_series::SeriesReadings;
+use super::roll_warnings::ORIENTATIONS;
 use super::table_format::Form;
 use super::table_layout::without_names;
 use super::text_table::TextTable;
@@ -210,6 +211,9 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     let found = frame_of(order);
     let frame = found.unwrap_or(frames[0]);
     let turned = read(form, order, frame)?;
+    if kind == Kind::Rows && !form.is_vector() && found.is_none() && rolls.len() > 1 {
+        return fail(ORIENTATIONS.to_owned());
+    }
     if let [_, other] = frames[..] {
         let world = read(form, order, other)?;
         let mut pairs = turned.iter().zip(&world);
@@ -289,6 +293,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     recording.source.name.clone_from(&sheet.source.name);
     recording.source.notes = notes;
+    recording.source.rows = sheet.source.rows;
     recording.extras = sheet.extras;
     Ok((recording, found.is_some()))
 }

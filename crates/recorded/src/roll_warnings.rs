@@ -2,13 +2,15 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::DMatrix;
 use palpate_ep1::{Misfit, ProbeReading, rounding_std};
-use palpate_statistics::{Number, StatedQuantity};
+use palpate_statistics::{Number, StatedQuantity, ratio_tail};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
 use super::misfit_warning::ReadingWords;
 use super::roll_estimate::RollEstimate;
+use super::roll_recording::RollRecording;
 use super::single_direction::DirectedCurvature;
 
 /// Largest accepted ratio of a probe's rotation to the rotation that causes the same shift on a plane; the ratio is 1 +
@@ -18,6 +20,18 @@ const MAX_TURN_RATIO: f64 = 25.0;
 /// smaller, there is a warning, because the rotations are probably in rad although the header states degrees. With
 /// correct units, such a small ratio occurs only in a dish that is hardly wider than the probe.
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
+/// Largest rotation of a probe on an edge so sharp that its ratio exceeds `MAX_TURN_RATIO`. Larger rotations with such
+/// a ratio are rejected.
+const MAX_SHARP_TURN_RAD: f64 = 1.0;
+
+/// If the root mean square residual is above this share of the shifts, the rotations are tested for a common change.
+const MAX_MISFIT: f64 = 0.1;
+/// The common change must reduce the sum of squared residuals to this share.
+const MAX_REST: f64 = 0.25;
+/// Significance level of the test for a common change.
+const SIGNIFICANCE_LEVEL: f64 = 1e-4;
+/// Error message for rotations that are not those since the start of each roll.
+pub(super) const ORIENTATIONS: &str = "the rotations fit the shifts of the contacts only with other axes or another start: each row must state the rotation since the start of its roll, about the axes u and v; for orientations, record a time series with the start and the end of each roll (columns probe, time_s, an orientation, contact_u and contact_v)";
 
 /// Significance level below which a fit of time series is reported as poor.
 const MIN_P_VALUE: f64 = 0.005;
@@ -37,7 +51,9 @@ impl RollEstimate {
             noise_of: "shifts",
             unit: self.unit.as_str(),
         };
-        let units = units(readings, self.options.probe_radius, self.unit);
+        let units =
+            self.recorded
+                .units(self.series.is_none(), self.options.probe_radius, self.unit);
         let misfits = match &self.series {
             Some(_) => self
                 .p_value()
@@ -50,7 +66,7 @@ impl RollEstimate {
         let left_out = self.left_out().into_iter();
         let left_out = left_out.map(|probe| Warning::new("left-out", probe.text(), []));
         let directed = self.single_direction.as_ref();
-        Warning::of("units", units)
+        Warning::of("units", units.map(|(text, _)| text))
             .into_iter()
             .chain(directed.map(DirectedCurvature::warning))
             .chain(left_out)
@@ -68,8 +84,7 @@ impl RollEstimate {
     fn few_crossings(&self) -> Option<String> {
         let series = self.series.as_ref()?;
         series.estimate.has_few_crossings().then(|| {
-            "the contacts cross few edges of pads: use `bounds`, because the estimated curvatures are only the middle of \
-             a wide range; roll further, in more directions, or with finer pads"
+            "the contacts cross few edges of pads: use `bounds`, because the estimated curvatures are only the middle of a wide range; roll further, in more directions, or with finer pads"
                 .to_owned()
         })
     }
@@ -83,8 +98,7 @@ impl RollEstimate {
         // Warn if the rounding error exceeds 1/1000 of the curvature.
         (sharper < 1e3 * std).then(|| {
             format!(
-                "the object is too flat for double precision: the rounding error of a curvature \
-                 is {} 1/{}, and the estimated normal curvatures are at most {}",
+                "the object is too flat for double precision: the rounding error of a curvature is {} 1/{}, and the estimated normal curvatures are at most {}",
                 Number::rounded(std),
                 self.unit.as_str(),
                 Number::rounded(sharper)
@@ -102,9 +116,7 @@ impl RollEstimate {
             let [shortest, resolution] = [shortest, resolution].map(Number::rounded);
             let unit = self.unit.as_str();
             format!(
-                "a contact moved by {shortest} {unit}, less than the distance between two pads at \
-                 a pitch of {resolution} {unit}: is the pitch correct, and are the shifts in \
-                 {unit}?"
+                "a contact moved by {shortest} {unit}, less than the distance between two pads at a pitch of {resolution} {unit}: is the pitch correct, and are the shifts in {unit}?"
             )
         })
     }
@@ -126,39 +138,93 @@ fn largest_rotation(readings: &[ProbeReading]) -> f64 {
     rotations.fold(0.0, f64::max)
 }
 
-/// Text about a likely mistake in the units of the readings; `None` if there is none.
-pub(super) fn units(
-    readings: &[ProbeReading],
-    probe_radius: f64,
-    unit: LengthUnit,
-) -> Option<String> {
-    let most = largest_rotation(readings);
-    if most == 0.0 {
-        return Some("all rotations from the start to the end of a roll are 0".to_owned());
+impl RollRecording {
+    /// Text about a likely mistake in the units of the readings, and whether the readings must be rejected; `None` if
+    /// there is no mistake.
+    pub(super) fn units(
+        &self,
+        is_of_ends: bool,
+        probe_radius: f64,
+        unit: LengthUnit,
+    ) -> Option<(String, bool)> {
+        let readings = &self.farthest(is_of_ends);
+        let (most, shown) = (largest_rotation(readings), Number::rounded);
+        if most == 0.0 {
+            return Some(("all rotations from the start to the end of a roll are 0".to_owned(), false));
+        }
+        let ratio = |(place, reading): (usize, &ProbeReading)| {
+            let (turn, shift) = (reading.rotation.norm(), reading.shift.norm());
+            let ratio = turn * probe_radius / shift;
+            (ratio > 0.0 && ratio.is_finite()).then_some((ratio, turn, place))
+        };
+        let mut ratios: Vec<_> = readings.iter().enumerate().filter_map(ratio).collect();
+        ratios.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let median = ratios.get(ratios.len() / 2).map_or(1.0, |one| one.0);
+        let mut wrong = ratios
+            .iter()
+            .filter(|(ratio, turn, _)| *ratio > MAX_TURN_RATIO && *turn > MAX_SHARP_TURN_RAD);
+        Some(match wrong.next_back() {
+            wrong if median > MAX_TURN_RATIO => (
+                format!(
+                    "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {}",
+                    shown(median),
+                    unit.as_str()
+                ),
+                wrong.is_some(),
+            ),
+            _ if median < MIN_TURN_RATIO => (
+                format!(
+                    "the contact moved {} times as far as on a plane: are the rotations in rad although the header states degrees, or the shifts in a smaller unit than the radius?",
+                    shown(median.recip())
+                ),
+                true,
+            ),
+            Some(&(ratio, turn, place)) => (
+                format!(
+                    "probe {} turned by {} rad, {} times as far as on a plane, unlike other probes: is its rotation in degrees or mrad? the columns are in rad",
+                    self.probe(place),
+                    shown(turn),
+                    shown(ratio)
+                ),
+                true,
+            ),
+            None if most > TAU => (
+                format!(
+                    "a probe turned by {} rad, more than a whole turn: are the rotations in degrees? the columns are in rad",
+                    shown(most)
+                ),
+                false,
+            ),
+            None => return None,
+        })
     }
-    let norms = readings
-        .iter()
-        .map(|reading| (reading.rotation.norm(), reading.shift.norm()));
-    let mut ratios: Vec<f64> = norms
-        .filter(|(rotation, shift)| *rotation > 0.0 && *shift > 0.0)
-        .map(|(rotation, shift)| rotation * probe_radius / shift)
-        .collect();
-    ratios.sort_by(f64::total_cmp);
-    let unit = unit.as_str();
-    match ratios.get(ratios.len() / 2).copied() {
-        Some(ratio) if ratio > MAX_TURN_RATIO => Some(format!(
-            "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {unit}",
-            Number::rounded(ratio)
-        )),
-        Some(ratio) if ratio < MIN_TURN_RATIO => Some(format!(
-            "the contact moved {} times as far as on a plane: are the rotations in rad although the header states degrees, or the shifts in a smaller unit than the radius?",
-            Number::rounded(ratio.recip())
-        )),
-        _ => (most > TAU).then(|| {
-            format!(
-                "a probe turned by {} rad, more than a whole turn: are the rotations in degrees? the columns are in rad",
-                Number::rounded(most)
-            )
-        }),
+}
+
+/// Error message if the shifts agree with the rotations only after all rotations are changed in the same way; `None` if
+/// they agree without a change, or if there are too few rolls for this test. `residual` is the root mean square of the
+/// residuals of the fit.
+pub(super) fn orientations(readings: &[ProbeReading], residual: f64) -> Option<&'static str> {
+    let rows = readings.len();
+    let freedom = (2 * rows).checked_sub(6).filter(|freedom| *freedom > 0)?;
+    let misfit = residual * residual * (freedom + 3) as f64;
+    let total: f64 = readings.iter().map(|one| one.shift.norm_squared()).sum();
+    if misfit < MAX_MISFIT * MAX_MISFIT * total {
+        return None;
     }
+    // The changed model is shift = A d + b with any matrix A and vector b, where d is the direction of rolling times
+    // the rotation. In a roll, A is symmetric and b is 0.
+    let scale = largest_rotation(readings);
+    let drives = DMatrix::from_fn(rows, 3, |row, column| {
+        [-readings[row].rotation.y, readings[row].rotation.x, scale][column]
+    });
+    let shifts = DMatrix::from_fn(rows, 2, |row, column| readings[row].shift[column]);
+    let solved = drives
+        .clone()
+        .svd(true, true)
+        .solve(&shifts, 1e-12 * scale)
+        .ok()?;
+    let rest = (shifts - drives * solved).norm_squared();
+    let is_better = rest < MAX_REST * misfit
+        && ratio_tail(misfit - rest, 3, rest, freedom) < SIGNIFICANCE_LEVEL;
+    is_better.then_some(ORIENTATIONS)
 }

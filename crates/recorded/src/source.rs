@@ -13,8 +13,7 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
-    /// Row (from 0) of each reading in the file. The list is empty if no row was left out; the index of a reading is
-    /// then its row.
+    /// Row (from 0) of each reading in the file. If the list is empty, the index of a reading is its row.
     pub(super) rows: Vec<usize>,
     /// Warnings about columns of the file that were not found by their names, or that are not read.
     pub(super) notes: Vec<Warning>,
@@ -53,7 +52,7 @@ impl ReadingSource {
         Self {
             name: self.name.clone(),
             lines,
-            rows: rows.to_vec(),
+            rows: rows.iter().map(|&row| self.row_number(row) - 1).collect(),
             notes: self.notes.clone(),
         }
     }

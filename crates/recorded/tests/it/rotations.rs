@@ -235,6 +235,36 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     same(followed(&swapped), "swapped");
 }
 
+/// Rows with the orientation of the probe at the end of a roll, instead of the rotation since the start of the roll.
+#[test]
+fn orientations_are_no_rotations() {
+    for start in [
+        [0.5, 0.1, 0.0],
+        [0.12, -0.05, 0.0],
+        [0.4, 1.1, -0.7],
+        [0.0, 0.0, 1.5],
+    ] {
+        let start = UnitQuaternion::from_scaled_axis(Vector3::from(start));
+        for (names, write) in [
+            ("qx,qy,qz,qw", &quaternion as &dyn Fn(_) -> _),
+            ("rotation_x_rad,rotation_y_rad,rotation_z_rad", &vector),
+        ] {
+            let header = format!("probe,{names},shift_u_mm,shift_v_mm\n");
+            let row = |(probe, (turned, [u, v])): (usize, (Vector3<f64>, [f64; 2]))| {
+                let numbers: Vec<f64> = write(start * UnitQuaternion::from_scaled_axis(turned));
+                let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+                format!("{probe},{},{u},{v}\n", numbers.join(","))
+            };
+            let rows: String = rolls().into_iter().enumerate().map(row).collect();
+            let error = roll(&(header + &rows), "", None).unwrap_err();
+            let is_named = ["since the start", "not-rolling"]
+                .iter()
+                .any(|words| error.contains(words));
+            assert!(is_named, "{start}: {error}");
+        }
+    }
+}
+
 /// A probe of radius 10 mm that turns by 3.5 rad on a ball of radius 40 mm rolls over 28 mm.
 #[test]
 fn rotations_by_more_than_half_a_turn_are_not_shortened() {
