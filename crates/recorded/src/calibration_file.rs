@@ -10,8 +10,7 @@ use super::RecordedFile;
 use super::camera_file::is_camera;
 use super::error::RecordedError;
 
-const HEADER: &str = "\
-# Calibration of a camera sensor: how the picture of a marker depends on its displacement. Written by
+const HEADER: &str = "# Calibration of a camera sensor: how the picture of a marker depends on its displacement. Written by
 # `palpate sensor calibrate`, read by `palpate sensor track --calibration`.
 #
 # Lengths are in length_unit. [normal]: displacement = signal / slope, where the signal is
@@ -76,10 +75,8 @@ pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit
         ));
     }
     let parsed: CalibrationFile = toml::from_str(text).map_err(|error| {
-        file.error(format!(
-            "is no calibration: {}",
-            error.to_string().trim_end()
-        ))
+        let error = error.to_string();
+        file.error(format!("is no calibration: {}", error.trim_end()))
     })?;
     let normal = parsed.normal.map(NormalPart::part);
     let calibration = Calibration::new(normal, parsed.lateral, parsed.markers);

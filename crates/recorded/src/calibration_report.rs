@@ -140,11 +140,9 @@ impl CalibrationReport {
             warnings.push(Warning::new(code, text, numbers.iter().copied()));
         };
         if self.copies > 0 {
-            let text = format!(
-                "{} points repeat others to the last digit: {COPIES}",
-                self.copies
-            );
-            warn("repeated-rows", text, &[("copies", self.copies as f64)]);
+            let copies = self.copies;
+            let text = format!("{copies} points repeat others to the last digit: {COPIES}");
+            warn("repeated-rows", text, &[("copies", copies as f64)]);
         }
         for (what, residual, fitted, range, series) in normal.into_iter().chain(lateral) {
             let line = fitted.through_rest;
@@ -152,9 +150,7 @@ impl CalibrationReport {
             if let Some(free) = free.filter(|free| free - line.r_squared > MAX_GAIN_OF_INTERCEPT) {
                 let line = line.r_squared;
                 let text = format!(
-                    "a line with an intercept fits the {what} points much better (R^2 {}) than a \
-                     line through the origin (R^2 {}): are they changes from rest, and in the order of \
-                     the displacements?",
+                    "a line with an intercept fits the {what} points much better (R^2 {}) than a line through the origin (R^2 {}): are they changes from rest, and in the order of the displacements?",
                     figures(free, 3),
                     figures(line, 3)
                 );
@@ -190,8 +186,7 @@ impl CalibrationReport {
             if spread > MAX_SPREAD {
                 let percent = 100.0 * spread;
                 let text = format!(
-                    "the {what} slopes of the series differ by up to {percent:.0} %, so \
-                     displacements that are computed from one series have a scale error"
+                    "the {what} slopes of the series differ by up to {percent:.0} %, so displacements that are computed from one series have a scale error"
                 );
                 warn("different-slopes", text, &[("relative_difference", spread)]);
             }
@@ -237,10 +232,8 @@ impl Words {
                 }
             });
         }
-        lines.push(format!(
-            "  through the origin, used: {}",
-            self.line(&all.through_rest)
-        ));
+        let line = self.line(&all.through_rest);
+        lines.push(format!("  through the origin, used: {line}"));
         lines
     }
 

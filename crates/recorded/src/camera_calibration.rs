@@ -57,8 +57,7 @@ pub fn calibrate_camera(
 pub(super) fn compressed(rest: &Frame) -> Option<String> {
     let compression = rest.compression.filter(|one| one.subsamples_colours)?;
     Some(format!(
-        "a likely cause is the compression of {} as {} with subsampled colours: use a lossless format, such as PNG, or \
-         JPEG 4:4:4",
+        "a likely cause is the compression of {} as {} with subsampled colours: use a lossless format, such as PNG, or JPEG 4:4:4",
         rest.file, compression.format
     ))
 }
@@ -135,8 +134,7 @@ pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String>
     {
         let quality = quality.map_or(String::new(), |quality| format!(" with quality {quality}"));
         return Err(format!(
-            "is compressed as {format}{quality}, which moves and colours the edges of the markers by more than their \
-             noise; JPEG with a quality of at least {MIN_JPEG_QUALITY} is required, or a format without loss such as PNG"
+            "is compressed as {format}{quality}, which moves and colours the edges of the markers by more than their noise; JPEG with a quality of at least {MIN_JPEG_QUALITY} is required, or a format without loss such as PNG"
         ));
     }
     let mut levels: Vec<u8> = frame.image.pixels().map(|pixel| pixel.0[1]).collect();
@@ -144,8 +142,7 @@ pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String>
     let ground = levels[levels.len() * 3 / 4];
     if ground < MIN_GROUND {
         return Err(format!(
-            "is under-exposed: a quarter of its pixels are brighter than {ground} of 255 in \
-             green; the background must reach {MIN_GROUND}"
+            "is under-exposed: a quarter of its pixels are brighter than {ground} of 255 in green; the background must reach {MIN_GROUND}"
         ));
     }
     let middle = |at: u32, size: u32| (size / 4..size - size / 4).contains(&at);
@@ -158,8 +155,7 @@ pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String>
     }
     if full > MAX_SATURATED * count {
         return Err(format!(
-            "is saturated: {:.0} % of the pixels near its middle have the largest green value; at \
-             most {:.0} % may have it",
+            "is saturated: {:.0} % of the pixels near its middle have the largest green value; at most {:.0} % may have it",
             100.0 * full / count,
             100.0 * MAX_SATURATED
         ));

@@ -84,8 +84,7 @@ impl CameraEstimate {
         };
         let three = |values: [f64; 3]| values.map(number).join(", ");
         format!(
-            "camera at ({}) +- ({}) {} from the centre, rotated by ({}) +- ({}) deg, {} +- {} px \
-             per rad, {}, {}; {} markers, on average {} px from their expected positions",
+            "camera at ({}) +- ({}) {} from the centre, rotated by ({}) +- ({}) deg, {} +- {} px per rad, {}, {}; {} markers, on average {} px from their expected positions",
             three(self.place),
             three(self.place_std),
             self.length_unit.as_str(),

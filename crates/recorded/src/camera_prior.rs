@@ -175,8 +175,7 @@ impl<'a> CameraPrior<'a> {
         let square = square.unwrap_or_default();
         if !is_alone {
             difference = format!(
-                "its {count} numbers together differ from the frame (chi-squared {}), most of \
-                 all: {difference}",
+                "its {count} numbers together differ from the frame (chi-squared {}), most of all: {difference}",
                 Number::rounded(square)
             );
         }
@@ -190,14 +189,12 @@ impl<'a> CameraPrior<'a> {
                 message,
             ));
         }
-        Ok(
-            (square > WARNING_CHI_SQUARED[count - WITHOUT_TERMS]).then(|| {
-                format!(
-                    "the camera differs from {}: {difference}; {remedy}",
-                    rest.file
-                )
-            }),
-        )
+        let (is_far, file) = (
+            square > WARNING_CHI_SQUARED[count - WITHOUT_TERMS],
+            &rest.file,
+        );
+        let text = format!("the camera differs from {file}: {difference}; {remedy}");
+        Ok(is_far.then_some(text))
     }
 
     fn covariance(&self) -> DMatrix<f64> {

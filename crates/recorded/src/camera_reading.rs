@@ -195,8 +195,7 @@ fn of_calibration(
 
 fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     let text = format!(
-        "the markers of {} fit the {reference} only if the pixels are encoded by sRGB, so both frames were linearised \
-         (setting `srgb`)",
+        "the markers of {} fit the {reference} only if the pixels are encoded by sRGB, so both frames were linearised (setting `srgb`)",
         rest.file
     );
     Warning::new("srgb-frames", text, [])
@@ -256,8 +255,8 @@ impl CameraReading {
         let refused = |error: CalibrationError| fail(error.to_string());
         calibration.fits(frames.at_rest()).map_err(refused)?;
         if calibration.normal_part().is_none() {
-            let message = "the calibration has no normal displacements, but the estimate needs \
-                 them";
+            let message =
+                "the calibration has no normal displacements, but the estimate needs them";
             return Err(source.fail(message));
         }
         let lateral = calibration.lateral_part();
@@ -295,8 +294,7 @@ impl CameraReading {
             let numbers = [("stated", px_per_rad), ("calibrated", calibrated)];
             let [stated, calibrated] = [px_per_rad, calibrated].map(Number::rounded);
             let text = format!(
-                "the stated scale of the camera is {stated} px per rad, but the calibration, the \
-                 sensor's radius and the depth of its markers give {calibrated}"
+                "the stated scale of the camera is {stated} px per rad, but the calibration, the sensor's radius and the depth of its markers give {calibrated}"
             );
             Warning::new("camera-scale", text, numbers)
         });

@@ -39,10 +39,8 @@ pub(super) fn assign_fingers(
     let longest = others.fold(0.0, |most: f64, &step| most.max(step));
     let shortest = sorted.iter().find(|step| is_jump(step)).copied();
     let one = |why: String| {
-        let note = format!(
-            "no column `finger`: all contacts are treated as one finger{why}; \
-             {REMEDY}"
-        );
+        let note =
+            format!("no column `finger`: all contacts are treated as one finger{why}; {REMEDY}");
         (vec![0; places.len()], note)
     };
     match shortest {
@@ -51,8 +49,7 @@ pub(super) fn assign_fingers(
         Some(shortest) if shortest < MIN_JUMP_RATIO * longest => {
             let [shortest, longest] = [shortest, longest].map(Number::rounded);
             one(format!(
-                ", because no step is much longer than all others (the shortest candidate is \
-                 {shortest} {unit}, the longest other step {longest} {unit})"
+                ", because no step is much longer than all others (the shortest candidate is {shortest} {unit}, the longest other step {longest} {unit})"
             ))
         }
         Some(shortest) => {
@@ -61,8 +58,7 @@ pub(super) fn assign_fingers(
             let (fingers, count) = parted(places.len(), &jumps);
             let [shortest, longest] = [shortest, longest].map(Number::rounded);
             let note = format!(
-                "no column `finger`, so the fingers are separated by steps of at least {shortest} {unit}: \
-                 {count} fingers; all other steps are at most {longest} {unit}; {REMEDY}"
+                "no column `finger`, so the fingers are separated by steps of at least {shortest} {unit}: {count} fingers; all other steps are at most {longest} {unit}; {REMEDY}"
             );
             (fingers, note)
         }

@@ -123,8 +123,7 @@ impl TrackCounts {
         let are_many = missed as f64 > MAX_LOST * self.at_rest as f64;
         (are_many && self.are_of_one_sensor()).then(|| {
             let text = format!(
-                "{missed} of {} markers were not found in the pressed frame ({} lost, {} merged, \
-                 {} split): is it as bright and as sharp as the frame at rest?",
+                "{missed} of {} markers were not found in the pressed frame ({} lost, {} merged, {} split): is it as bright and as sharp as the frame at rest?",
                 self.at_rest, self.lost, self.merged, self.split
             );
             let numbers = [("missed", missed as f64), ("markers", self.at_rest as f64)];
@@ -271,8 +270,7 @@ impl FramePair {
         let swapped = self.swapped().map(|growth| {
             let percent = -100.0 * growth;
             let text = format!(
-                "the marker that changed most became {percent:.1} % smaller, but a press makes it \
-                 larger: are {rest} and {pressed} swapped?"
+                "the marker that changed most became {percent:.1} % smaller, but a press makes it larger: are {rest} and {pressed} swapped?"
             );
             Warning::new("swapped-frames", text, [("growth", growth)])
         });

@@ -60,8 +60,7 @@ pub(super) fn distant(
     (far > MAX_DISTANCE_RATIO * next && next > 0.0).then(|| {
         let ([far, next], unit) = ([far, next].map(Number::rounded), unit.as_str());
         format!(
-            "the contact of {} is {far} {unit} from the nearest other contact, but all other \
-             contacts are within {next} {unit} of their neighbours: is it a contact?",
+            "the contact of {} is {far} {unit} from the nearest other contact, but all other contacts are within {next} {unit} of their neighbours: is it a contact?",
             row(contact)
         )
     })

@@ -20,16 +20,14 @@ use super::press_options::PictureOptions;
 use super::press_report::{PressReport, Row};
 use super::press_warnings::{indentation_check, large_contact, left_out, stated_indentation};
 
-const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected for markers at \
-     rest; they change when markers move, which may cause other warnings";
+const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected for markers at rest; they change when markers move, which may cause other warnings";
 
 /// Factor by which all uncertainties of estimates from JPEG frames are multiplied. The compression changes all markers
 /// in a similar way, so its errors do not average out. The factor was found by experiments. With a factor of 2, 19 of
 /// 20 intervals from frames of quality 92 and 95 contained the true curvature. However, of 12 intervals from frames
 /// with subsampled colours, only 6 contained the curvature. With a factor of 3, all intervals contained it.
 const JPEG_FACTOR: f64 = 3.0;
-const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all markers in a similar way, so all \
-     uncertainties are tripled; a format without loss, such as PNG, avoids this";
+const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all markers in a similar way, so all uncertainties are tripled; a format without loss, such as PNG, avoids this";
 
 /// Estimates the curvature of an object from a frame at rest and a pressed frame, and computes the displacements of the
 /// markers. The markers at rest are matched with the layout, and a press is fitted to the centroid, hue and size of
@@ -366,8 +364,7 @@ impl ScaledFit {
             };
             let scattered = scattered(frame, scatter);
             let text = format!(
-                "{scattered}; all uncertainties are multiplied by this \
-                     factor{reliability}: {cause}"
+                "{scattered}; all uncertainties are multiplied by this factor{reliability}: {cause}"
             );
             Warning::new(code, text, [("ratio", scatter)])
         };

@@ -194,9 +194,7 @@ impl Matched {
             let worst = all.max_by(|one, other| one.px.total_cmp(&other.px));
             let worst = worst.map_or(0, |one| one.marker);
             return Err(format!(
-                "contradicts the layout, most of all in the {} of the markers: chi-squared is {} \
-                 per degree of freedom (at most {CONTRADICTION}), and the markers are {} px from \
-                 their expected positions, number {worst} the farthest; {CAUSES}",
+                "contradicts the layout, most of all in the {} of the markers: chi-squared is {} per degree of freedom (at most {CONTRADICTION}), and the markers are {} px from their expected positions, number {worst} the farthest; {CAUSES}",
                 self.most_off(),
                 Number::rounded(reduced),
                 Number::rounded(residual_px)
@@ -354,10 +352,7 @@ fn law(fit: &ImageFit, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, Str
     };
     let pictures = fit.view.pictures(&sensor, &still);
     pictures.ok_or_else(|| {
-        other_layout(
-            "with these parameters no camera has the markers in its \
-         field of view",
-        )
+        other_layout("with these parameters no camera has the markers in its field of view")
     })
 }
 
@@ -403,8 +398,7 @@ fn missing_markers(
     let few = (there as f64) < least * wanted as f64;
     if few || beside as f64 > most * wanted as f64 {
         return Err(format!(
-            "shows {there} of the {wanted} markers of the layout that the camera should see, and \
-             {beside} other shapes; {CAUSES}"
+            "shows {there} of the {wanted} markers of the layout that the camera should see, and {beside} other shapes; {CAUSES}"
         ));
     }
     let turns = expected.iter().zip(images).filter_map(|(expected, image)| {

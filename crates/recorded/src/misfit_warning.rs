@@ -53,9 +53,7 @@ impl ReadingWords<'_> {
                 )
             }
             Misfit::OtherBody { .. } => format!(
-                "the displacements depend on the distance from the contact in another way than in \
-                 the fitted body (p-value {shown}): the kind of the body, its thickness, the \
-                 depth of the markers or the scale of the displacements is wrong"
+                "the displacements depend on the distance from the contact in another way than in the fitted body (p-value {shown}): the kind of the body, its thickness, the depth of the markers or the scale of the displacements is wrong"
             ),
             Misfit::NotRound { .. } => format!(
                 "the displacements depend on the direction from the contact (p-value {shown}): the object is not a ball, but an edge, a cylinder or a saddle"

@@ -232,13 +232,11 @@ fn refused(
             let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
             let unit = unit.as_str();
             format!(
-                "{error}; the stated noise is {noise} {unit} (setting `normal_std`), and no \
-                 marker moved by more than {moved} {unit}"
+                "{error}; the stated noise is {noise} {unit} (setting `normal_std`), and no marker moved by more than {moved} {unit}"
             )
         }
         PressError::NoContact { .. } if are_distinct => format!(
-            "{error}; but some markers moved much more than the others: do the method, the \
-             thickness, the depth of the markers and the indentation match the sensor?"
+            "{error}; but some markers moved much more than the others: do the method, the thickness, the depth of the markers and the indentation match the sensor?"
         ),
         _ => error.to_string(),
     };

@@ -196,8 +196,7 @@ impl PictureOptions {
         let layer = self.press.model.thickness()?;
         self.thickness().is_none().then(|| {
             format!(
-                "a half-space is fitted, because Poisson's ratio is stated without a thickness, \
-                 although the study's model is a layer of {} {}",
+                "a half-space is fitted, because Poisson's ratio is stated without a thickness, although the study's model is a layer of {} {}",
                 Number(layer),
                 self.unit.as_str()
             )
@@ -232,15 +231,13 @@ impl PictureOptions {
         given: &Map<String, Json>,
     ) -> Result<Self, SettingError> {
         let Some(base) = base else {
-            let reason = "is missing, but setting `kind` image requires it: a study of a press with a camera, \
-                 which states layout, discs, body, camera and noise";
+            let reason = "is missing, but setting `kind` image requires it: a study of a press with a camera, which states layout, discs, body, camera and noise";
             return Err(SettingError::new("like", reason));
         };
         let [own, mut of_estimator] = split_settings::<PressOptions>(given);
         let is_used = |key: &&String| ["indentation", "young"].contains(&key.as_str());
         if let Some(key) = own.keys().find(|key| !is_used(key)) {
-            let reason = "has no effect with setting `kind` image: the study of setting `like` \
-                 states the sensor, and the tracker estimates the noise";
+            let reason = "has no effect with setting `kind` image: the study of setting `like` states the sensor, and the tracker estimates the noise";
             return Err(SettingError::new(key, reason));
         }
         of_estimator.insert("kind".to_owned(), Json::from("image"));

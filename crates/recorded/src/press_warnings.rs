@@ -25,8 +25,7 @@ pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured,
     let std = INDENTATION_SHARE * value;
     let percent = 100.0 * INDENTATION_SHARE;
     let text = format!(
-        "the indentation is stated without a standard deviation, so {percent} % of it, {} {unit}, \
-         is assumed (setting `indentation_std`)",
+        "the indentation is stated without a standard deviation, so {percent} % of it, {} {unit}, is assumed (setting `indentation_std`)",
         Number::rounded(std)
     );
     let warning = Warning::new("assumed-indentation-std", text, [("std", std)]);
@@ -41,8 +40,7 @@ pub(super) fn indentation_check(
     checked.map_or_else(
         |reason| {
             let text = format!(
-                "the stated indentation cannot be checked, because the readings alone do not \
-                 determine an indentation: {reason}"
+                "the stated indentation cannot be checked, because the readings alone do not determine an indentation: {reason}"
             );
             (None, Some(Warning::new("unchecked-indentation", text, [])))
         },
@@ -88,8 +86,7 @@ pub(super) fn left_out(
             .line
             .map_or(String::new(), |line| format!(", line {line}"));
         text += &format!(
-            ", among them a marker at the contact itself (row {}{line}): perhaps {stated} is \
-             wrong instead",
+            ", among them a marker at the contact itself (row {}{line}): perhaps {stated} is wrong instead",
             row.row
         );
     }
@@ -104,13 +101,10 @@ pub(super) fn of_estimate(
     has_misfit: bool,
 ) -> impl Iterator<Item = Warning> {
     let depth = options.marker_depth.is_none().then_some(
-        "the depth of the markers is not stated, so 0 is assumed, at the skin's surface: if the \
-         markers lie deeper, the curvature is wrong, and the readings may not show it (setting \
-         `depth`)",
+        "the depth of the markers is not stated, so 0 is assumed, at the skin's surface: if the markers lie deeper, the curvature is wrong, and the readings may not show it (setting `depth`)",
     );
     let contact = (!estimate.is_detected).then_some(
-        "the displacements alone show no contact: the interval contains all objects that are \
-         possible for the stated indentation at an unknown position on the markers",
+        "the displacements alone show no contact: the interval contains all objects that are possible for the stated indentation at an unknown position on the markers",
     );
     let alone = estimate.only_marker.map(|marker| {
         format!(
@@ -122,8 +116,7 @@ pub(super) fn of_estimate(
     let unexplained = (estimate.r_squared < MIN_R_SQUARED && !is_noise).then(|| {
         let percent = 100.0 * estimate.r_squared.max(0.0);
         let text = format!(
-            "the fit explains only {percent:.0} % of the variance of the normal \
-             displacements: they are noise, or not a press of this body"
+            "the fit explains only {percent:.0} % of the variance of the normal displacements: they are noise, or not a press of this body"
         );
         Warning::new(
             "unexplained-readings",
@@ -197,20 +190,17 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     let has_baseline = options.estimator.priors().baseline == Baseline::Known;
     let text = match () {
         () if extent > std::f64::consts::PI * radius => format!(
-            "a marker is {far} {unit} from the apex, which is more than half the circumference \
-             for {sensor}: do both have the same unit?"
+            "a marker is {far} {unit} from the apex, which is more than half the circumference for {sensor}: do both have the same unit?"
         ),
         () if largest > radius => format!(
-            "a marker is displaced by {moved} {unit}, more than {sensor}: do both have the same \
-             unit?"
+            "a marker is displaced by {moved} {unit}, more than {sensor}: do both have the same unit?"
         ),
         () if 0.0 < along && along < MIN_TANGENTIAL * largest => format!(
             "no marker is displaced along the skin by more than {}, much less than the normal displacements of up to {moved} {unit}: are they in m and the rest in mm?",
             Number::rounded(along)
         ),
         () if has_baseline && signed > 1.0 && outward >= MIN_OUTWARD * signed => {
-            "the displacements point outward, but inward displacements must be positive: is the \
-             sign wrong?"
+            "the displacements point outward, but inward displacements must be positive: is the sign wrong?"
                 .to_owned()
         }
         () if radius == f64::INFINITY => return None,
@@ -275,8 +265,7 @@ pub(super) fn swapped_columns(
     (ratio > MIN_IMPROVEMENT && ratio.is_finite()).then(|| {
         let times = Number::rounded(ratio.sqrt());
         format!(
-            "the displacements along the skin contradict the normal displacements; they would fit \
-             {times} times better with {name}: are columns swapped, or is a sign wrong?"
+            "the displacements along the skin contradict the normal displacements; they would fit {times} times better with {name}: are columns swapped, or is a sign wrong?"
         )
     })
 }

@@ -132,11 +132,7 @@ impl RollOptions {
         let [own, of_estimator] = split_settings::<RollSettings>(given);
         let own = with_settings(&RollSettings::default(), &own)?;
         let base = base.or(own.probe_radius.map(Self::new)).ok_or_else(|| {
-            SettingError::new(
-                "probe_radius",
-                "is needed, unless setting `like` is \
-                 stated",
-            )
+            SettingError::new("probe_radius", "is needed, unless setting `like` is stated")
         })?;
         let probe_radius = own.probe_radius.unwrap_or(base.probe_radius);
         let shifts = match (own.pitch, own.shift_std) {
