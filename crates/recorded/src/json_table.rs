@@ -2,11 +2,12 @@
 //! that contains a list of objects.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fmt;
 
 use csv::StringRecord;
 use palpate_study::readings::spelt;
-use serde::de::Error;
+use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use serde_json::{Map, Value as Json};
@@ -54,6 +55,9 @@ impl<'a> JsonTable<'a> {
         header_line: usize,
         label: Option<&str>,
     ) -> Result<(Self, Vec<String>), RecordedError> {
+        for value in serde_json::Deserializer::from_str(text.all).into_iter::<&RawValue>() {
+            value.map_or(Ok(()), |value| check_keys(file, text, value.get()))?;
+        }
         let object: BTreeMap<String, &RawValue> =
             serde_json::from_str(text.all).unwrap_or_default();
         let data = object.get("data").map(|data| Text {
@@ -101,8 +105,7 @@ impl<'a> JsonTable<'a> {
         let (first, line) = first.unwrap_or((Json::Null, header_line));
         if let Some(label) = label.filter(|_| has_series(&first)) {
             return Err(file.error(format!(
-                "has lists of readings that may belong to one `{label}` or to one time each; write one list of \
-                 readings, each with the key `{label}`"
+                "has lists of readings that may belong to one `{label}` or to one time each; write one list of readings, each with the key `{label}`"
             )));
         }
         let pairs = pairs(file, line, &first)?;
@@ -282,8 +285,7 @@ fn sequence<'a>(
 fn indexed<'a>(object: &BTreeMap<String, &'a RawValue>) -> Option<Vec<(&'a str, usize)>> {
     let row = |(number, row): (&String, &&'a RawValue)| {
         // If this is a column instead of a row, its keys are the numbers of the rows.
-        let is_row = row.get().starts_with('{')
-            && serde_json::from_str::<NumberedRows<'_>>(row.get()).is_err();
+        let is_row = row.get().starts_with('{') && numbered_rows(row.get()).is_none();
         let number = number.parse::<u64>().ok().filter(|_| is_row)?;
         Some((number, row.get()))
     };
@@ -408,25 +410,23 @@ fn columns<'a>(
     let (mut row_numbers, mut other) = (None, None);
     for (name, value) in object {
         let column = match value.get() {
-            list if list.starts_with('[') => serde_json::from_str::<Vec<&RawValue>>(list),
-            rows if rows.starts_with('{') => {
-                serde_json::from_str::<NumberedRows<'_>>(rows).map(|rows| {
-                    let (own, column): (Vec<_>, _) = rows.into_iter().unzip();
-                    let (first, numbers) =
-                        row_numbers.get_or_insert_with(|| (name.clone(), own.clone()));
-                    if *numbers != own {
-                        other = Some([first.clone(), name.clone()]);
-                    }
-                    column
-                })
-            }
+            list if list.starts_with('[') => serde_json::from_str(list).ok(),
+            rows if rows.starts_with('{') => numbered_rows(rows).map(|rows| {
+                let (own, column): (Vec<_>, _) = rows.into_iter().unzip();
+                let (first, numbers) =
+                    row_numbers.get_or_insert_with(|| (name.clone(), own.clone()));
+                if *numbers != own {
+                    other = Some([first.clone(), name.clone()]);
+                }
+                column
+            }),
             _ => {
                 shared.push((name, value));
                 continue;
             }
         };
         let is_column = |column: &Vec<&RawValue>| column.iter().all(|value| plain(value).is_some());
-        let Some(column) = column.ok().filter(is_column) else {
+        let Some(column) = column.filter(is_column) else {
             return Ok(None);
         };
         // A long list is a column. A short list is a column only if its name denotes one axis; otherwise it may be a
@@ -461,15 +461,59 @@ fn columns<'a>(
 }
 
 /// Values of a column by the numbers of their rows. pandas writes a column as such an object.
-type NumberedRows<'a> = BTreeMap<RowNumber, &'a RawValue>;
+type NumberedRows<'a> = BTreeMap<u64, &'a RawValue>;
 
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
-struct RowNumber(u64);
+/// Parses a column. `None` if the keys are no numbers of rows.
+fn numbered_rows(text: &str) -> Option<NumberedRows<'_>> {
+    let rows: BTreeMap<String, &RawValue> = serde_json::from_str(text).ok()?;
+    let row = |(number, value): (String, _)| Some((number.parse().ok()?, value));
+    rows.into_iter().map(row).collect()
+}
 
-impl<'de> Deserialize<'de> for RowNumber {
+/// Returns an error if an object in the JSON value `value` has a key twice.
+fn check_keys(file: &RecordedFile, text: Text<'_>, value: &str) -> RowResult {
+    let items = match value.as_bytes().first() {
+        Some(b'[') => serde_json::from_str(value).unwrap_or_default(),
+        Some(b'{') => match serde_json::from_str(value) {
+            Ok(DistinctValues(values)) => values,
+            Err(error) => {
+                let error = error.to_string();
+                let message = error.split(" at line ").next().unwrap_or_default();
+                return Err(file.fail(text.from(value).line, message));
+            }
+        },
+        _ => return Ok(()),
+    };
+    let mut items: std::vec::IntoIter<&RawValue> = items.into_iter();
+    items.try_for_each(|item| check_keys(file, text, item.get()))
+}
+
+/// Values of a JSON object whose keys are distinct.
+struct DistinctValues<'a>(Vec<&'a RawValue>);
+
+impl<'de> Deserialize<'de> for DistinctValues<'de> {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        let number = <&str>::deserialize(source)?.parse();
-        number.map(Self).map_err(Error::custom)
+        source.deserialize_map(DistinctValues(Vec::new()))
+    }
+}
+
+impl<'de> Visitor<'de> for DistinctValues<'de> {
+    type Value = Self;
+
+    fn expecting(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
+        text.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(mut self, mut pairs: A) -> Result<Self, A::Error> {
+        let mut keys = BTreeSet::new();
+        while let Some((key, value)) = pairs.next_entry::<String, _>()? {
+            if !keys.insert(key.clone()) {
+                let what = format!("the key `{key}` occurs twice in an object; rename one of them");
+                return Err(Error::custom(what));
+            }
+            self.0.push(value);
+        }
+        Ok(self)
     }
 }
 
