@@ -80,7 +80,8 @@ const MAX_TURN: f64 = 0.5;
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
     let table = TextTable::of(file, &[])?;
     let columns = columns(&header(&table, &COLUMNS)?);
-    let sheet = ReadingTable::read(&table, &columns, &[])?;
+    let mut sheet = ReadingTable::read(&table, &columns, &[])?;
+    sheet.first_lost.take().map_or(Ok(()), Err)?;
     let place = |column: Column| columns.iter().position(|one| *one == column);
     let (has_hue, has_growth) = (place(HUE).is_some(), place(GROWTH).is_some());
     let mut points = CalibrationPoints {
@@ -99,8 +100,7 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
         };
         if let Some(hue) = of(HUE).filter(|hue| hue.abs() > MAX_TURN) {
             let message = format!(
-                "column `{}`: a change of hue must be between -{MAX_TURN} and {MAX_TURN} turns, \
-                 is {hue}: is it in degrees?",
+                "column `{}`: a change of hue must be between -{MAX_TURN} and {MAX_TURN} turns, is {hue}: is it in degrees?",
                 HUE.name
             );
             return Err(sheet.fail(line, message));

@@ -13,13 +13,17 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     };
     match parsed {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(number) if number.is_nan() => {
-            Err(format!("must be finite, is {text}; leave such rows out"))
-        }
         Ok(_) => Err(format!("must be finite, is {text}")),
-        Err(_) if text.is_empty() => Err("is empty; leave such rows out".to_owned()),
+        Err(_) if text.is_empty() => Err("is empty".to_owned()),
         Err(_) => Err(format!("`{text}` is not a number")),
     }
+}
+
+/// Whether a field states that its number is missing. Lost readings have such fields.
+pub(super) fn is_missing(text: &str) -> bool {
+    let text = text.trim_start_matches(['+', '-']);
+    let mut words = ["", "nan", "na", "n/a", "#n/a", "null", "none"].into_iter();
+    words.any(|word| word.eq_ignore_ascii_case(text))
 }
 
 #[derive(Debug, Default)]
@@ -47,8 +51,7 @@ impl DecimalSign {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),
             (Some(comma), Some(point)) => Err(format!(
-                "`{comma}` has a comma and `{point}` has a point: write all numbers with one decimal sign and without \
-                 separators of thousands"
+                "`{comma}` has a comma and `{point}` has a point: write all numbers with one decimal sign and without separators of thousands"
             )),
             (None, Some(_)) => Err(format!(
                 "`{odd}` has a separator of thousands; write it without"
@@ -56,8 +59,7 @@ impl DecimalSign {
             (None, None) => {
                 let (as_decimal, as_whole) = (odd.replace(',', "."), odd.replace(',', ""));
                 Err(format!(
-                    "`{odd}` may be {as_decimal} or {as_whole}; give setting `decimal` comma if it is {as_decimal}, else write it \
-                     without the comma"
+                    "`{odd}` may be {as_decimal} or {as_whole}; give setting `decimal` comma if it is {as_decimal}, else write it without the comma"
                 ))
             }
         }

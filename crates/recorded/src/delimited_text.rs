@@ -5,7 +5,7 @@ use csv::{ReaderBuilder, StringRecord, Terminator};
 use super::error::RecordedError;
 use super::heading::{bracketed, has_unit};
 use super::table_format::Delimiter;
-use super::text_table::{Record, RowResult, Text};
+use super::text_table::{Record, RowResult, Text, comment};
 
 /// Largest number of rows that are examined to find the delimiter, if the header does not determine the delimiter.
 const DECIDING_ROWS: usize = 100;
@@ -15,7 +15,8 @@ pub(super) struct DelimitedText<'a> {
     pub(super) text: Text<'a>,
     pub(super) delimiter: Delimiter,
     /// Number of lines before the readings: the line with the names of the columns and, if present, a line with units.
-    heading: usize,
+    pub(super) heading: usize,
+    columns: usize,
 }
 
 impl<'a> DelimitedText<'a> {
@@ -35,24 +36,22 @@ impl<'a> DelimitedText<'a> {
             let message = "a quotation mark is not closed before the end of its field";
             return Err(fail(line, message.to_owned()));
         }
-        if delimiter != Delimiter::Comma || stated.is_some() || first.contains(',') {
-            let fields = split(text, first, delimiter);
-            let next = text.rows_after(header_line).next();
-            if has_numbers(&fields, next.map(|(row, _)| split(text, row, delimiter))) {
-                let heading = 0;
-                let table = Self {
-                    text,
-                    delimiter,
-                    heading,
-                };
-                let header = (0..fields.len()).map(|place| place.to_string());
-                return Ok((table, header.collect()));
-            }
+        let table = |heading, columns| Self {
+            text,
+            delimiter,
+            heading,
+            columns,
+        };
+        let fields = split(text, first, delimiter);
+        let next = text.rows_after(header_line).next();
+        let next = next.map(|(row, _)| split(text, row, delimiter));
+        let is_split = delimiter != Delimiter::Comma || stated.is_some() || first.contains(',');
+        if is_split && has_numbers(&fields, next.as_ref()) {
+            let header = (0..fields.len()).map(|place| place.to_string());
+            return Ok((table(0, fields.len()), header.collect()));
         }
-        let fields = names(text, first, delimiter);
-        let mut header: Vec<String> = fields.iter().map(|name| tidy(name).to_owned()).collect();
-        let row = text.rows_after(header_line).next();
-        let units = row.and_then(|(row, _)| units(&split(text, row, delimiter), header.len()));
+        let mut header = names(text, first, delimiter);
+        let units = next.and_then(|row| units(&row, header.len()));
         for (name, unit) in header.iter_mut().zip(units.iter().flatten()) {
             match bracketed(name).1 {
                 _ if unit.is_empty() => {}
@@ -64,15 +63,12 @@ impl<'a> DelimitedText<'a> {
                 }
             }
         }
-        let table = Self {
-            text,
-            delimiter,
-            heading: 1 + usize::from(units.is_some()),
-        };
-        Ok((table, header))
+        let heading = 1 + usize::from(units.is_some());
+        Ok((table(heading, header.len()), header))
     }
 
-    /// Calls `take` for every row that is not blank. Each row is one line, because the table was rejected earlier if a
+    /// Calls `take` for every row that is not blank and no comment. A row of the right length that contains numbers is no
+    /// comment. Each row is one line, because the table was rejected earlier if a
     /// quoted field continues in the next line.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let (mut fields, mut before) = (StringRecord::new(), None);
@@ -87,7 +83,7 @@ impl<'a> DelimitedText<'a> {
                     parts.for_each(|part| fields.push_field(part));
                 }
             }
-            if fields.iter().all(|field| field.trim().is_empty()) {
+            if comment(row).is_some() && (fields.len() != self.columns || !has_number(&fields)) {
                 continue;
             }
             take(Record {
@@ -104,9 +100,9 @@ impl<'a> DelimitedText<'a> {
 /// Whether the first line of a table contains numbers instead of names. The whole numbers 0, 1, 2, … count as names,
 /// because pandas uses them as column names if an array has none. A line that also contains text counts as numbers only
 /// if at least one number has a decimal point, and if the row `next` has numbers in the same columns.
-fn has_numbers(fields: &StringRecord, next: Option<StringRecord>) -> bool {
+fn has_numbers(fields: &StringRecord, next: Option<&StringRecord>) -> bool {
     let is_number = |field: &str| tidy(field).parse::<f64>().is_ok();
-    let is_same = |next: StringRecord| next.iter().map(is_number).eq(fields.iter().map(is_number));
+    let is_same = |next: &StringRecord| next.iter().map(is_number).eq(fields.iter().map(is_number));
     let has_point = fields
         .iter()
         .any(|field| field.contains('.') && is_number(field));
@@ -117,11 +113,17 @@ fn has_numbers(fields: &StringRecord, next: Option<StringRecord>) -> bool {
 
 /// Names of the columns in a header line. In files that NumPy wrote, commas may separate the names although spaces
 /// separate the numbers below.
-fn names(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
-    match delimiter {
+pub(super) fn names(text: Text<'_>, line: &str, delimiter: Delimiter) -> Vec<String> {
+    let fields = match delimiter {
         Delimiter::Space if line.contains(',') => split(text, line, Delimiter::Comma),
         delimiter => split(text, line, delimiter),
-    }
+    };
+    fields.iter().map(|name| tidy(name).to_owned()).collect()
+}
+
+pub(super) fn has_number(fields: &StringRecord) -> bool {
+    let mut fields = fields.iter();
+    fields.any(|field| tidy(field).replacen(',', ".", 1).parse::<f64>().is_ok())
 }
 
 fn reader<'t>(text: Text<'_>, part: &'t str, delimiter: Delimiter) -> csv::Reader<&'t [u8]> {
@@ -222,40 +224,10 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     is_row.then_some(units)
 }
 
-/// Number (from 1) of the first line with a quotation mark that opens a field but does not close it; `None` if there is
-/// none.
+/// Number of the first line with an odd number of quotation marks; `None` if there is none.
 fn unclosed_quote(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
-    #[derive(PartialEq)]
-    enum At {
-        Start,
-        Bare,
-        Quoted,
-        Closed,
-    }
-    if !text.all.contains('"') || delimiter == Delimiter::Space {
-        return None;
-    }
-    let (delimiter, end) = (char::from(delimiter.byte()), text.end);
-    let (mut at, mut line) = (At::Start, text.line);
-    let mut letters = text.all.chars().peekable();
-    while let Some(letter) = letters.next() {
-        at = match (at, letter) {
-            (At::Quoted, letter) if letter == end => return Some(line),
-            (_, letter) if letter == end => At::Start,
-            (At::Quoted, '"') if letters.peek() == Some(&'"') => {
-                letters.next();
-                At::Quoted
-            }
-            (At::Quoted, '"') => At::Closed,
-            (At::Quoted, _) => At::Quoted,
-            (_, letter) if letter == delimiter => At::Start,
-            (At::Start, '"') => At::Quoted,
-            (At::Start, ' ' | '\r') => At::Start,
-            (At::Closed, ' ' | '\r') => At::Closed,
-            (At::Closed, _) | (_, '"') => return Some(line),
-            _ => At::Bare,
-        };
-        line += usize::from(letter == end);
-    }
-    (at == At::Quoted).then_some(line)
+    let is_open = |(row, _): &(&str, usize)| row.matches('"').count() % 2 == 1;
+    let mut rows = text.rows_after(0);
+    let is_quoted = text.all.contains('"') && delimiter != Delimiter::Space;
+    is_quoted.then(|| rows.find(is_open).map(|(_, line)| line))?
 }

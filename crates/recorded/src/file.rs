@@ -12,7 +12,7 @@ use super::table_format::Form;
 const MAX_MIB: u64 = 256;
 
 /// First bytes of files that are not text, with the name of the format.
-const FORMATS: [(&[u8], &str); 7] = [
+const FORMATS: [(&[u8], &str); 12] = [
     (b"\x1f\x8b", "is compressed by gzip; decompress it"),
     (b"PAR1", "is a Parquet file; save its table as CSV"),
     (b"\x89HDF", "is an HDF5 file; save its table as CSV"),
@@ -22,6 +22,11 @@ const FORMATS: [(&[u8], &str); 7] = [
         b"\xd0\xcf\x11\xe0",
         "is an Excel file; save its table as CSV",
     ),
+    (b"BZh", "is compressed by bzip2; decompress it"),
+    (b"\xfd7zXZ", "is compressed by xz; decompress it"),
+    (b"\x28\xb5\x2f\xfd", "is compressed by zstd; decompress it"),
+    (b"7z\xbc\xaf", "is a 7z archive; unpack it"),
+    (b"SQLite", "is a database; save one of its tables as CSV"),
     (b"#ROSBAG", "is a ROS bag; save one topic as CSV"),
 ];
 

@@ -371,7 +371,7 @@ impl<'r> GlideFitResult<'r> {
             .then(|| assumed_side(shape, stroke, &self.centre.curvature, self.options.outward))
             .flatten();
         let (unused, other_tip) = match self.given.tip_radius {
-            None => (recorded.unused_orientation(), None),
+            None => (recorded.possible_tips(), None),
             Some(stated) => (None, recorded.other_tip_radius(stated)),
         };
         Warning::of(StatedQuantity::Scale.code(), spacing)

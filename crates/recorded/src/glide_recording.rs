@@ -10,7 +10,7 @@ use super::RecordedFile;
 use super::error::{RecordedError, explained};
 use super::finger_assignment::assign_fingers;
 use super::glide_warnings::directions;
-use super::heading::{bracketed, is_tip_radius};
+use super::heading::{bracketed, may_be_tip, tip_radius_factor};
 use super::log_warnings::{across, listed};
 use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};
@@ -34,6 +34,8 @@ pub struct GlideRecording {
     pub unit: Option<LengthUnit>,
     /// Columns of the file that palpate does not use, one row per contact.
     pub(super) extras: ExtraColumns,
+    /// Name of the column x, if the positions may be points of a fingertip according to this name.
+    tip: Option<String>,
     /// Note on how the contacts were assigned to fingers; `None` if the file states each contact's finger.
     pub(super) note: Option<String>,
 }
@@ -82,6 +84,7 @@ impl GlideRecording {
             fingers: indices.0.len(),
             unit,
             extras: ExtraColumns::default(),
+            tip: None,
             note: None,
         })
     }
@@ -107,7 +110,7 @@ impl GlideRecording {
             .unit
             .map_or(String::new(), |unit| format!(" {}", unit.as_str()));
         Err(self.source.fail(format!(
-            "column `{name}` is {radius}{unit}, so the positions may be those of round tips instead of contacts; state setting `tip_radius` {radius} for tips (setting `reports`: their lowest point or their centre), or 0 for contacts"
+            "the radius of tips is {radius}{unit} in column `{name}`, so the positions may be those of round tips instead of contacts; state setting `tip_radius` {radius} for tips (setting `reports`: their lowest point or their centre), or 0 for contacts"
         )))
     }
 
@@ -115,8 +118,9 @@ impl GlideRecording {
     /// in the recording's unit of length.
     fn radii(&self) -> impl Iterator<Item = (&str, Number)> {
         let columns = self.extras.names.iter().enumerate();
-        let columns = columns.filter(|(_, name)| is_tip_radius(name));
-        columns.flat_map(move |(place, name)| {
+        let columns =
+            columns.filter_map(|(place, name)| Some((place, name, tip_radius_factor(name)?)));
+        columns.flat_map(move |(place, name, share)| {
             let (base, bracket) = bracketed(name);
             let base = spelt(base);
             let unit = bracket.or(base.rsplit('_').next());
@@ -125,7 +129,7 @@ impl GlideRecording {
             (0..self.contacts.len()).filter_map(move |row| {
                 let radius = self.extras.row(row).swap_remove(place);
                 let radius = radius.trim().replacen(',', ".", 1).parse::<f64>().ok()?;
-                let radius = factor.unwrap_or(1.0) * radius;
+                let radius = factor.unwrap_or(1.0) * share * radius;
                 (radius > 0.0 && radius.is_finite()).then_some((name.as_str(), Number(radius)))
             })
         })
@@ -138,13 +142,18 @@ impl GlideRecording {
         let (name, radius) =
             radii.find(|(_, one)| is_other(*one, Number(stated), MAX_RADIUS_ERROR))?;
         Some(format!(
-            "setting `tip_radius` is {stated}, but column `{name}` is {radius}: which one is right?"
+            "setting `tip_radius` is {stated}, but the radius in column `{name}` is {radius}: which one is right?"
         ))
     }
 
-    /// Text of a note for files with columns that state orientations, which palpate does not read. In such files, the
-    /// positions may be points of fingertips instead of contacts. `None` if the file has no such column.
-    pub(super) fn unused_orientation(&self) -> Option<String> {
+    /// Text of a note for files whose positions may be points of fingertips instead of contacts, because of their name or
+    /// because the file states orientations, which palpate does not read. `None` for other files.
+    pub(super) fn possible_tips(&self) -> Option<String> {
+        if let Some(name) = &self.tip {
+            return Some(format!(
+                "the positions (`{name}`) are read as contacts; if they are those of round tips, state setting `tip_radius`"
+            ));
+        }
         let names = &self.extras.names;
         let mut parts = names.iter();
         let part = parts.position(|name| quaternion_part(&spelt(name)).is_some());
@@ -228,6 +237,10 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
         source: sheet.source,
         unit: sheet.unit,
         extras: sheet.extras,
+        tip: header
+            .own_name(&places[0])
+            .filter(|name| may_be_tip(name))
+            .map(str::to_owned),
         note,
     })
 }
@@ -246,8 +259,8 @@ fn with_outliers_moved(contacts: &[Contact]) -> Vec<Point3<f64>> {
     places
 }
 
-pub(super) const ONE_FINGER: &str = "all contacts belong to one finger, so there is no distance between \
-     fingers";
+pub(super) const ONE_FINGER: &str =
+    "all contacts belong to one finger, so there is no distance between fingers";
 
 /// Converts an error of a fit to an error about the recording. If a single contact caused the error, the new error
 /// states the contact's line in the file.

@@ -313,11 +313,8 @@ impl<'a> Header<'a> {
                     .iter()
                     .filter(|column| matches!(column.name, "finger" | "probe"));
                 message += &labels.next().map_or(String::new(), |label| {
-                    format!(
-                        " (names such as `{}1_{}` read all of them)",
-                        label.name,
-                        missing[0].stem()
-                    )
+                    let (label, stem) = (label.name, missing[0].stem());
+                    format!(" (names such as `{label}1_{stem}` read all of them)")
                 });
             }
             pairs.extend(self.optional(optional, &mut rest));
@@ -407,7 +404,8 @@ impl<'a> Header<'a> {
             let stated = heading.bracket.or(has_unit(last).then_some(last));
             let may_be = stated.is_none_or(|unit| column.measure.unit(unit).is_some());
             let is_other = heading.part.is_some() || self.time() == Some(heading.name);
-            (may_be && !is_other).then(|| self.pair_of(column, index))
+            let mut same = self.headings.iter().filter(|one| one.name == heading.name);
+            (may_be && !is_other && same.nth(1).is_none()).then(|| self.pair_of(column, index))
         });
         pairs.collect()
     }

@@ -3,6 +3,7 @@
 use palpate_study::readings::{Column, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt};
 
 use super::table_format::pair;
+use super::table_layout::is_one_of;
 
 pub(super) struct Heading<'a> {
     pub(super) name: &'a str,
@@ -40,9 +41,10 @@ impl<'a> Heading<'a> {
     /// Splits a name such as `rotation.x` into the name of the quaternion (`rotation`) and its component (`x`). Returns
     /// `None` if the name does not end with a component.
     pub(super) fn in_group(&self) -> Option<(&str, Column)> {
-        QUATERNION.into_iter().find_map(|column| {
-            let group = self.base.strip_suffix(&column.name[1..])?;
-            Some((group, column))
+        let letters = QUATERNION.into_iter().zip(["i", "j", "k", "r"]);
+        letters.into_iter().find_map(|(column, letter)| {
+            let own = self.base.strip_suffix(&column.name[1..]);
+            Some((own.or(self.base.strip_suffix(letter))?, column))
         })
     }
 }
@@ -62,27 +64,38 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Whether the name of a column or of an array denotes the radius of a fingertip. A name with any other word, for
-/// example for the radius of an object, does not count.
-pub(super) fn is_tip_radius(name: &str) -> bool {
-    let name = spelt(bracketed(name).0);
-    let is_known = |word: &str| {
-        let word = word.trim_end_matches(|one: char| one.is_ascii_digit());
-        word.is_empty() || TIP_WORDS.contains(&word) || Measure::Length.unit(word).is_some()
+/// Factor from the numbers of a column or an array to the radius of a fingertip: 1 for a radius, 0.5 for a diameter.
+/// `None` if the name denotes neither. A name with any other word, for example for the radius of an object, does not
+/// count.
+pub(super) fn tip_radius_factor(name: &str) -> Option<f64> {
+    let name = spelt(bracketed(name).0).replace("tipradius", "tip_radius");
+    let words: Vec<&str> = name
+        .split('_')
+        .map(|word| word.trim_end_matches(|one: char| one.is_ascii_digit()))
+        .collect();
+    let has = |names: &str| words.iter().any(|word| is_one_of(names, word));
+    let is_tip = has("tip fingertip stylus");
+    let is_known = |word: &&str| {
+        word.is_empty() || is_one_of(TIP_WORDS, word) || Measure::Length.unit(word).is_some()
     };
-    name.split('_').any(|word| word == "radius") && name.split('_').all(is_known)
+    let is_radius = has("radius") || (is_tip && has("r rad"));
+    let is_diameter = has("diameter") || (is_tip && has("d dia diam"));
+    let factor = if is_radius { 1.0 } else { 0.5 };
+    (is_radius != is_diameter && words.iter().all(is_known)).then_some(factor)
 }
 
-/// Words in the name of a column with the radius of a fingertip.
-const TIP_WORDS: [&str; 7] = [
-    "radius",
-    "tip",
-    "finger",
-    "fingertip",
-    "probe",
-    "sensor",
-    "meta",
-];
+/// Words in the name of a column with the radius or the diameter of a fingertip. An abbreviation such as `r` counts
+/// only beside a word for a tip.
+const TIP_WORDS: &str =
+    "radius r rad diameter d dia diam tip fingertip stylus finger probe sensor meta";
+/// Words in the name of a position that may be a point of a fingertip.
+const TIP_POSITIONS: &str = "tip fingertip stylus tcp ee center centre";
+
+/// Whether a position with this name may be a point of a fingertip, instead of a contact.
+pub(super) fn may_be_tip(name: &str) -> bool {
+    let name = spelt(name);
+    name.split('_').any(|word| is_one_of(TIP_POSITIONS, word))
+}
 
 /// Whether a word is a unit of length, angle, time, turns, pixels or force.
 pub(super) fn has_unit(word: &str) -> bool {
@@ -136,8 +149,7 @@ pub(super) fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<Co
             let name = heading.name;
             let stem = column.stem();
             Err(format!(
-                "`{name}` may be in inches or not; write setting `columns` '{}' if it is in inches, '{}' if it is in \
-                 millimetres",
+                "`{name}` may be in inches or not; write setting `columns` '{}' if it is in inches, '{}' if it is in millimetres",
                 pair(&format!("{stem}_inch"), name),
                 pair(&format!("{stem}_mm"), name)
             ))
@@ -180,8 +192,9 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
             .any(|word| matches!(*word, "trial" | "roll" | "episode"));
     let is_theta = column.name == "angle_rad" && words.contains(&"theta");
     let is_time = column.measure == Measure::Time && heading.is_time();
-    let is_displacement =
-        column.stem() == "normal_displacement" && matches!(words[..], ["dn" | "dz" | "normal"]);
+    let is_displacement = column.stem() == "normal_displacement"
+        && matches!(words[0], "dn" | "dz" | "un" | "uz" | "normal")
+        && words[1..].iter().all(|word| is_unit(word));
     let has_words = match column.stem() {
         label @ ("finger" | "probe") => is_label(label, &words),
         "x" | "y" | "z" => words.contains(&column.stem()) && may_be_position(&words),
@@ -263,11 +276,16 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         "v" if says(quantity) => "y",
         axis => axis,
     };
+    // The position of a marker at rest is often named `x0`.
+    let last = last
+        .strip_suffix('0')
+        .filter(|axis| quantity.is_empty() && !axis.is_empty())
+        .unwrap_or(last);
     // `letter` is the letter before the axis in the last word, for example `r` in `rx`. It is empty if the word is only
     // an axis or an index.
     let letter = match last.strip_suffix(axis).or(last.strip_suffix(other)) {
         Some(letter) if letter.len() <= 1 => letter,
-        _ if *last == index && !rest.is_empty() => "",
+        _ if last == index && !rest.is_empty() => "",
         _ => return false,
     };
     let letters: &[&str] = match quantity {
@@ -277,12 +295,11 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         "contact" => &["", "c"],
         "shift" => &["", "d", "s"],
         "normal" => &["n"],
-        "tangential" => &["d"],
+        "tangential" => &["d", "u"],
         _ => return false,
     };
     says(quantity) || (rest.is_empty() && letters.contains(&letter))
 }
 
 /// Words in column names for quantities that have axes, as positions do, but are not measured positions.
-const OTHERS: &str = "normal rotation shift tangential force torque velocity acceleration linear angular twist \
-    wrench gyro euler quaternion orientation error std cmd commanded desired target goal setpoint reference";
+const OTHERS: &str = "normal rotation shift tangential force torque velocity acceleration linear angular twist wrench gyro euler quaternion orientation error std cmd commanded desired target goal setpoint reference";

@@ -8,7 +8,7 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::error::RecordedError;
 use super::file::RecordedFile;
-use super::heading::{Heading, is_tip_radius};
+use super::heading::{Heading, tip_radius_factor};
 use super::json_table::MAX_FINGERS;
 use super::text_table::{Record, RowResult};
 
@@ -33,7 +33,7 @@ impl Scalar {
         let count: usize = digits.parse().ok()?;
         let size = match (letter, count) {
             ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('M' | 'm', 8) => count,
-            ('S', 1..=1000) => count,
+            ('S' | 'V', 1..=1000) => count,
             ('U', 1..=1000) => 4 * count,
             _ => return None,
         };
@@ -126,7 +126,7 @@ impl<'a> NumpyTable<'a> {
 
     fn single(array: Array<'a>) -> Result<(Self, Vec<String>), String> {
         let dimensions = array.shape.len();
-        let is_plain = array.fields.iter().all(|(name, ..)| name.is_empty());
+        let is_plain = array.fields.len() == 1 && array.fields[0].0.is_empty();
         if dimensions != if is_plain { 2 } else { 1 } {
             return Err(format!(
                 "is an array of shape {}; one row per reading is needed, such as shape (30, 3)",
@@ -141,7 +141,7 @@ impl<'a> NumpyTable<'a> {
     /// The table of an `.npz` file. Its columns are the columns of all arrays in the file. Single numbers in the file
     /// are ignored, except the radius of a tip, which is a column with the same number in all rows.
     fn archive(bytes: &'a [u8]) -> Result<(Self, Vec<String>), String> {
-        let (mut arrays, mut radii) = (Vec::new(), Vec::new());
+        let (mut arrays, mut radii, mut is_numpy) = (Vec::new(), Vec::new(), false);
         for (name, member) in members(bytes)? {
             if name.starts_with("xl/") {
                 return Err("is an Excel file; save its table as CSV".to_owned());
@@ -149,10 +149,12 @@ impl<'a> NumpyTable<'a> {
             let Some(name) = name.strip_suffix(".npy") else {
                 continue;
             };
+            is_numpy = true;
             let array = Array::of(member).map_err(|message| format!("array `{name}` {message}"))?;
             if array.shape.iter().any(|&length| length != 1) {
                 arrays.push((name.to_owned(), array));
-            } else if let ([(field, scalar, 1)], true) = (&array.fields[..], is_tip_radius(name))
+            } else if let ([(field, scalar, 1)], true) =
+                (&array.fields[..], tip_radius_factor(name).is_some())
                 && field.is_empty()
             {
                 radii.push((name.to_owned(), *scalar, array.data));
@@ -181,6 +183,9 @@ impl<'a> NumpyTable<'a> {
                 .for_each(|(_, array)| array.shape = vec![count]);
         }
         match arrays.len() {
+            0 if radii.is_empty() && !is_numpy => {
+                Err("is a zip archive without arrays of NumPy; unpack it".to_owned())
+            }
             0 => Err("has no array of more than one number".to_owned()),
             1 if radii.is_empty() => arrays
                 .pop()
@@ -194,7 +199,7 @@ impl<'a> NumpyTable<'a> {
                     let [own, other] = [array.shape[0], table.rows];
                     if own != other {
                         return Err(format!(
-                            "has columns of different lengths: array `{first}` has {other} rows, array `{name}` has {own}"
+                            "has columns of different lengths: array `{first}` has {other} rows, array `{name}` has {own}; save arrays of other lengths into another file"
                         ));
                     }
                     names.extend(table.add(&name, array)?);
@@ -237,20 +242,12 @@ impl<'a> NumpyTable<'a> {
     fn add(&mut self, name: &str, array: Array<'a>) -> Result<Vec<String>, String> {
         let within = &array.shape[1..];
         let count: usize = within.iter().product();
-        let item: usize = array
-            .fields
-            .iter()
-            .map(|(_, scalar, repeats)| scalar.size * repeats)
-            .sum();
+        let fields = array.fields.iter();
+        let [item, columns] = fields.fold([0, 0], |[size, columns], (_, scalar, repeats)| {
+            [size + scalar.size * repeats, columns + repeats]
+        });
         let mut names = Vec::new();
-        if count
-            * array
-                .fields
-                .iter()
-                .map(|(_, _, repeats)| repeats)
-                .sum::<usize>()
-            > MAX_COLUMNS
-        {
+        if count * columns > MAX_COLUMNS {
             return Err(format!(
                 "is an array of shape {}; at most {MAX_COLUMNS} columns are read",
                 array.shape_text()
@@ -285,6 +282,11 @@ impl<'a> NumpyTable<'a> {
             let mut start = place * item;
             let suffix: String = indices.iter().map(|index| format!(".{index}")).collect();
             for (field, scalar, repeats) in &array.fields {
+                // NumPy aligns fields by unused bytes, which are fields of the type V without a name.
+                if scalar.letter == 'V' {
+                    start += scalar.size * repeats;
+                    continue;
+                }
                 for repeat in 0..*repeats {
                     let of_list = if *repeats > 1 {
                         format!(".{repeat}")
@@ -405,8 +407,7 @@ fn ambiguous(arrays: &[(String, Array<'_>)]) -> Result<(), String> {
             [first, second, parts, ..] if second > MAX_FINGERS && second != parts && !has_time => {
                 let rows = first * second;
                 return Err(format!(
-                    "has the array `{name}` of shape {shape}, whose first or second axis may be the time; reshape all \
-                     arrays to {rows} rows, and add an array `finger` or `probe` with one number per row"
+                    "has the array `{name}` of shape {shape}, whose first or second axis may be the time; reshape all arrays to {rows} rows, and add an array `finger` or `probe` with one number per row"
                 ));
             }
             [_, second]
@@ -415,8 +416,7 @@ fn ambiguous(arrays: &[(String, Array<'_>)]) -> Result<(), String> {
                     && lines.iter().all(|(_, length)| array.shape.contains(length)) =>
             {
                 return Err(format!(
-                    "has the grid `{name}` of shape {shape} and the coordinates along its axes; write each coordinate \
-                     as a grid of this shape too, as numpy.meshgrid returns it"
+                    "has the grid `{name}` of shape {shape} and the coordinates along its axes; write each coordinate as a grid of this shape too, as numpy.meshgrid returns it"
                 ));
             }
             _ => {}
@@ -430,12 +430,18 @@ fn ambiguous(arrays: &[(String, Array<'_>)]) -> Result<(), String> {
 fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
     let scalar = |name: &str| {
         Scalar::of(name).ok_or_else(|| {
-            format!("has elements of type `{name}`; numbers are needed, such as float64")
+            format!(
+                "has elements of type `{name}`; numbers of at most 64 bits are needed: convert them by .astype(float)"
+            )
         })
     };
     if let Some(name) = text.strip_prefix('\'') {
         let name = name.split('\'').next().unwrap_or_default();
-        return Ok(vec![(String::new(), scalar(name)?, 1)]);
+        let scalar = scalar(name)?;
+        return match scalar.letter {
+            'V' => Err("has elements without a type; save numbers".to_owned()),
+            _ => Ok(vec![(String::new(), scalar, 1)]),
+        };
     }
     let list = text
         .strip_prefix('[')
@@ -445,6 +451,13 @@ fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
     // fields.
     let parts: Vec<&str> = list.map_or("", |(list, _)| list).split('\'').collect();
     for part in parts.get(1..).unwrap_or_default().chunks(4) {
+        if let [name, between, ..] = part
+            && between.contains('[')
+        {
+            return Err(format!(
+                "has the field `{name}`, which has fields of its own; save each of them as an array by np.savez"
+            ));
+        }
         let [name, _, kind, after] = part else {
             return Err("is not a valid .npy array: its type is damaged".to_owned());
         };

@@ -8,10 +8,11 @@ use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{Column, ColumnNamesError, ColumnUnit, Measure, check_names};
 
-use super::decimal::{DecimalSign, number};
-use super::delimited_text::tidy;
+use super::decimal::{DecimalSign, is_missing, number};
+use super::delimited_text::{has_number, tidy};
 use super::error::RecordedError;
 use super::header::{Header, Place};
+use super::log_warnings::listed;
 use super::source::ReadingSource;
 use super::table_format::{Decimal, pair};
 use super::text_table::TextTable;
@@ -28,6 +29,8 @@ pub(super) struct ReadingTable {
     columns: usize,
     pub(super) unit: Option<LengthUnit>,
     pub(super) extras: ExtraColumns,
+    /// Error that names the first missing number, for readers that do not leave out such rows.
+    pub(super) first_lost: Option<RecordedError>,
 }
 
 impl ReadingTable {
@@ -50,7 +53,9 @@ impl ReadingTable {
                 Ok(())
             })?;
         }
-        let places = header.places(columns, may).map_err(fail)?;
+        let places = header.places(columns, may);
+        let places = places
+            .map_err(|message| fail(message + &table.header_hint(&[columns, may].concat())))?;
         let unit = length_unit(&header, columns, &places, form.length_unit).map_err(fail)?;
         let factors: Vec<f64> = columns
             .iter()
@@ -76,17 +81,12 @@ impl ReadingTable {
         let names = others.iter().map(|&index| table.header[index].clone());
         let mut extras = ExtraColumns::new(names.collect());
         let mut labels = Labels::default();
+        let (mut count, mut rows, mut is_after_gap) = (0, Vec::new(), false);
+        let (mut lost, mut first_lost) = (Vec::new(), None);
         table.each(|record| {
             let (found, expected) = (record.fields.len(), table.header.len());
-            // NumPy may write a footer at the end of a file. The footer is a comment line, not a row.
-            if found != expected
-                && record
-                    .fields
-                    .get(0)
-                    .is_some_and(|text| text.starts_with('#'))
-            {
-                return Ok(());
-            }
+            let row = count / table.fingers().unwrap_or(1);
+            count += 1;
             if !record.has(expected) {
                 let hint = match table.has_commas() && found > expected {
                     true => "; if its commas are decimal signs, separate the fields by ; or tabs",
@@ -94,6 +94,23 @@ impl ReadingTable {
                 };
                 let message = format!("{found} fields; the header has {expected}{hint}");
                 return Err(table.file.fail(record.line, message));
+            }
+            is_after_gap |= record.is_after_gap || record.fields.iter().all(str::is_empty);
+            let fail = |place: &Place, what: String| {
+                let name = table.own_name(place.index, &record.fields[0]);
+                let message = format!("column `{name}`: {what}");
+                table.file.fail(record.line, message)
+            };
+            let is_lost = |(place, column): &(&Place, &Column)| {
+                !is_label(column) && is_missing(tidy(&record.fields[place.index]))
+            };
+            if let Some((place, _)) = places.iter().zip(columns).find(is_lost) {
+                let text = tidy(&record.fields[place.index]);
+                first_lost.get_or_insert_with(|| fail(place, format!("`{text}` is no number")));
+                let of = |_| format!("`{}` in ", &record.fields[0]);
+                let of = table.fingers().map_or_else(String::new, of);
+                lost.push(format!("{of}row {}, line {}", row + 1, record.line));
+                return Ok(());
             }
             for ((place, &factor), column) in places.iter().zip(&factors).zip(columns) {
                 if is_label(column)
@@ -104,13 +121,7 @@ impl ReadingTable {
                     continue;
                 }
                 let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
-                    // If the factor of the unit conversion is 1, the number is not multiplied, so that no rounding
-                    // error occurs.
-                    let converted = if factor == 1.0 {
-                        number
-                    } else {
-                        number * factor
-                    };
+                    let converted = number * factor;
                     match converted.is_finite() {
                         true => Ok(converted),
                         false => Err(format!(
@@ -120,16 +131,18 @@ impl ReadingTable {
                     }
                 });
                 numbers.push(read.map_err(|what| {
-                    let name = table.own_name(place.index, &record.fields[0]);
-                    table
-                        .file
-                        .fail(record.line, format!("column `{name}`: {what}"))
+                    let hint = match row == 0 && !has_number(record.fields) {
+                        true => "; write # before a line without numbers",
+                        false => "",
+                    };
+                    fail(place, what + hint)
                 })?);
             }
-            if record.is_after_gap && !lines.is_empty() {
+            if std::mem::take(&mut is_after_gap) && !lines.is_empty() {
                 after_gaps.push(lines.len());
             }
             lines.push(record.line);
+            rows.push(row);
             extras.push(others.iter().map(|&index| tidy(&record.fields[index])));
             match extras.bytes() > MAX_EXTRA_MIB << 20 {
                 true => Err(table.file.error(format!(
@@ -142,15 +155,24 @@ impl ReadingTable {
         let unread = header.unread(may, &places);
         // In a wide table (several fingers per row), omit the proposed setting `columns`, because it reads only one
         // finger.
-        let notes = [table.note(), unread.filter(|_| !table.is_wide())];
+        let notes = [table.note(), unread.filter(|_| table.fingers().is_none())];
         let notes = notes.into_iter().flatten();
         source
             .notes
             .extend(notes.map(|note| Warning::new("assumed-columns", note, [])));
-        source.notes.extend(table.left_out());
         if source.lines.is_empty() {
-            return Err(source.fail("has a header, but no readings"));
+            let empty = || source.fail("has a header, but no readings");
+            return Err(first_lost.unwrap_or_else(empty));
         }
+        if !lost.is_empty() {
+            let (left_out, listed) = (lost.len() as f64, listed(lost.into_iter()));
+            let text = format!(
+                "{left_out} of {count} readings are left out, because numbers are missing: {listed}"
+            );
+            let numbers = [("without_numbers", left_out)];
+            source.notes.push(Warning::new("left-out", text, numbers));
+        }
+        source.rows = rows;
         Ok(Self {
             source,
             after_gaps,
@@ -158,6 +180,7 @@ impl ReadingTable {
             columns: columns.len(),
             unit,
             extras,
+            first_lost,
         })
     }
 

@@ -35,19 +35,28 @@ pub enum Delimiter {
     Semicolon,
     /// Fields are separated by `,`.
     Comma,
+    /// Fields are separated by `|`.
+    Pipe,
     /// Fields are separated by any number of spaces and tabs.
     Space,
 }
 
 impl Delimiter {
     /// All delimiters, in the order in which a file is tested for them.
-    pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Space];
+    pub(super) const ALL: [Self; 5] = [
+        Self::Tab,
+        Self::Semicolon,
+        Self::Comma,
+        Self::Pipe,
+        Self::Space,
+    ];
 
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Tab => "tab",
             Self::Semicolon => "semicolon",
             Self::Comma => "comma",
+            Self::Pipe => "pipe",
             Self::Space => "space",
         }
     }
@@ -57,6 +66,7 @@ impl Delimiter {
             Self::Tab => b'\t',
             Self::Semicolon => b';',
             Self::Comma => b',',
+            Self::Pipe => b'|',
             Self::Space => b' ',
         }
     }
@@ -69,7 +79,7 @@ impl FromStr for Delimiter {
     fn from_str(text: &str) -> Result<Self, String> {
         let is_named = |one: &Self| one.name() == text || text.as_bytes() == [one.byte()];
         let found = Self::ALL.into_iter().find(is_named);
-        found.ok_or_else(|| "must be comma, semicolon, tab or space".to_owned())
+        found.ok_or_else(|| "must be comma, semicolon, tab, pipe or space".to_owned())
     }
 }
 

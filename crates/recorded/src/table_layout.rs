@@ -126,8 +126,18 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
         |place| place.to_string(),
         |place| (place + 1).to_string(),
     ];
+    // In `rxx` to `rzz`, letters number the elements.
+    let numbered = |name: &String| {
+        let (start, is_axis) = (name.len().saturating_sub(2), |one| "xyzXYZ".contains(one));
+        let Some(axes) = name.get(start..).filter(|axes| axes.chars().all(is_axis)) else {
+            return name.clone();
+        };
+        let axes = axes.to_lowercase().replace('x', "1").replace('y', "2");
+        name[..start].to_owned() + &axes.replace('z', "3")
+    };
+    let named: Vec<String> = header.iter().map(numbered).collect();
     let mut header = header.to_vec();
-    for (place, column) in list(&header, is_matrix, &numbers, 9)?
+    for (place, column) in list(&named, is_matrix, &numbers, 9)?
         .into_iter()
         .zip(MATRIX)
     {
@@ -181,17 +191,30 @@ const LETTERS: [&str; 6] = ["a b c d e", "a b c d", "a b c", "l m r", "l c r", "
 /// Recognises a wide table: its header has the same columns for several fingers. Lengths without a unit get the unit
 /// `length`. `None` in three cases: the table is not wide; the first of `columns` is not the label of a finger; other
 /// columns of the table may belong to a further finger, which must not be left out.
-pub(super) fn wide(header: &[String], columns: &[Column], length: &str) -> Option<Wide> {
+///
+/// # Errors
+/// A message if a finger lacks a column that another finger has.
+pub(super) fn wide(
+    header: &[String],
+    columns: &[Column],
+    length: &str,
+) -> Result<Option<Wide>, String> {
     let of_letters = |names: &&str| {
-        let table = wide_of(header, columns, length, names)?;
+        let table = wide_of(header, columns, length, names)?.ok()??;
         (table.groups.len() == names.split(' ').count()).then_some(table)
     };
     let by_letters = || LETTERS.iter().find_map(of_letters);
-    wide_of(header, columns, length, FINGERS).or_else(by_letters)
+    let by_names = wide_of(header, columns, length, FINGERS).transpose()?;
+    Ok(by_names.flatten().or_else(by_letters))
 }
 
 /// A wide table whose fingers have numbers or the names `names`.
-fn wide_of(header: &[String], columns: &[Column], length: &str, names: &str) -> Option<Wide> {
+fn wide_of(
+    header: &[String],
+    columns: &[Column],
+    length: &str,
+    names: &str,
+) -> Option<Result<Option<Wide>, String>> {
     let (label, columns) = columns.split_first()?;
     if label.measure != Measure::Plain {
         return None;
@@ -246,7 +269,23 @@ fn wide_of(header: &[String], columns: &[Column], length: &str, names: &str) -> 
         let places: Option<Vec<usize>> = used.iter().map(|&column| places[column]).collect();
         places.map(|places| Group { name, places })
     };
-    let groups: Vec<Group> = groups.into_iter().map(places).collect::<Option<_>>()?;
+    let lacking = groups.iter().find_map(|(name, places)| {
+        let column = used.iter().find(|&&column| places[column].is_none())?;
+        Some((name.clone(), columns[*column].stem()))
+    });
+    let whole: Vec<Group> = groups.into_iter().filter_map(places).collect();
+    if let (Some((name, column)), [group, ..]) = (lacking, &whole[..]) {
+        let stems = used.iter().map(|&column| columns[column].stem());
+        let pairs = stems
+            .zip(&group.places)
+            .map(|(stem, &place)| pair(stem, &header[place]));
+        let (pairs, label) = (pairs.collect::<Vec<_>>().join(","), label.name);
+        return Some(Err(format!(
+            "{label} `{name}` has no column `{column}`, but {label} `{}` has one; setting `columns` '{pairs}' reads only this {label}",
+            group.name
+        )));
+    }
+    let groups = whole;
     let named = used.iter().map(|&column| {
         let unit = units[column].as_deref().unwrap_or_default();
         let is_bare = unit.is_empty() && columns[column].measure == Measure::Length;
@@ -262,11 +301,12 @@ fn wide_of(header: &[String], columns: &[Column], length: &str, names: &str) -> 
         .chain(named)
         .chain(others)
         .collect();
-    (used.len() > 1 && groups.len() > 1).then_some(Wide {
+    let is_wide = used.len() > 1 && groups.len() > 1;
+    Some(Ok(is_wide.then_some(Wide {
         groups,
         shared,
         header,
-    })
+    })))
 }
 
 /// Splits a column name of a wide table, such as `finger1_x_mm`, `x_1 [mm]` or `thumb.nx`. Returns the index of the
@@ -356,7 +396,7 @@ fn is_identifier(word: &str) -> bool {
     is_one_of(FINGERS, word) || word.parse::<u32>().is_ok()
 }
 
-fn is_one_of(words: &str, word: &str) -> bool {
+pub(super) fn is_one_of(words: &str, word: &str) -> bool {
     words.split(' ').any(|one| one == word)
 }
 

@@ -1,16 +1,13 @@
 //! Reads tables of any file format as rows of text fields.
 
-use std::cell::RefCell;
-
 use csv::StringRecord;
-use palpate_study::Warning;
 use palpate_study::readings::{Column, MATRIX, Measure, QUATERNION};
 
-use super::delimited_text::DelimitedText;
+use super::delimited_text::{DelimitedText, names};
 use super::error::RecordedError;
 use super::file::RecordedFile;
+use super::header::Header;
 use super::json_table::JsonTable;
-use super::log_warnings::listed;
 use super::numpy::NumpyTable;
 use super::table_format::Delimiter;
 use super::table_layout::{
@@ -18,6 +15,8 @@ use super::table_layout::{
 };
 
 const MAX_LINES: usize = 5_000_000;
+/// Largest number of lines of a title in which a header is searched for the hint in a message.
+const MAX_TITLE_LINES: usize = 100;
 
 pub(super) struct Record<'a> {
     pub(super) line: usize,
@@ -51,8 +50,6 @@ pub(super) struct TextTable<'a> {
     /// For a wide table, in which a row contains several fingers: the names of its columns, and the division of these
     /// columns among the fingers. `None` for other tables.
     wide: Option<(Vec<String>, Wide)>,
-    /// Contacts that are missing in a wide table, because the fields of a finger are empty.
-    lost: RefCell<Vec<String>>,
     /// Note on how the columns were recognised; `None` if they were found by their names.
     note: Option<String>,
     numbered_quaternion: Option<[String; 4]>,
@@ -80,7 +77,6 @@ impl<'a> TextTable<'a> {
             header,
             header_line,
             wide: None,
-            lost: RefCell::default(),
             note: None,
             numbered_quaternion: None,
         };
@@ -103,8 +99,14 @@ impl<'a> TextTable<'a> {
             if !is_named && !orders.is_empty() {
                 self.header = names_by_order(count, orders, self.leading())?;
                 let names = self.header.join(",");
+                let numbers = match &self.format {
+                    Format::Delimited(text) if text.heading > 0 => {
+                        ", and the first line numbers them"
+                    }
+                    _ => "",
+                };
                 self.note = Some(format!(
-                    "the columns have no names; they are read as {names}"
+                    "the columns have no names{numbers}; they are read as {names}"
                 ));
             }
         }
@@ -136,7 +138,7 @@ impl<'a> TextTable<'a> {
         }
         let is_ros = is_of_rostopic(&self.header);
         let length = if is_ros { "m" } else { "" };
-        if let Some(wide) = wide(&self.header, columns, length) {
+        if let Some(wide) = wide(&self.header, columns, length)? {
             let header = std::mem::replace(&mut self.header, wide.header.clone());
             self.wide = Some((header, wide));
         } else if is_ros && let Some((header, pairs)) = of_rostopic(&self.header, columns) {
@@ -178,8 +180,28 @@ impl<'a> TextTable<'a> {
         own.unwrap_or(&self.header[index])
     }
 
-    pub(super) const fn is_wide(&self) -> bool {
-        self.wide.is_some()
+    /// Number of fingers in a row of a wide table; `None` for other tables.
+    pub(super) fn fingers(&self) -> Option<usize> {
+        self.wide.as_ref().map(|(_, wide)| wide.groups.len())
+    }
+
+    /// Hint for a file whose first line is not its header, but a title: the line that names some of `columns`.
+    pub(super) fn header_hint(&self, columns: &[Column]) -> String {
+        let Format::Delimited(DelimitedText { text, .. }) = &self.format else {
+            return String::new();
+        };
+        let is_header = |row: &str| {
+            Delimiter::ALL.into_iter().any(|delimiter| {
+                let header: Vec<String> = names(*text, row, delimiter);
+                let header = Header::new(&header, &self.file.form.columns);
+                columns.iter().filter(|column| header.has(column)).count() > 1
+            })
+        };
+        let mut rows = text.rows_after(self.header_line).take(MAX_TITLE_LINES);
+        let line = rows.find(|(row, _)| is_header(row)).map(|(_, line)| line);
+        line.map_or_else(String::new, |line| {
+            format!("; line {line} names columns: write # before the lines above it")
+        })
     }
 
     /// Column names of a quaternion whose components have only numbers as names in the file; `None` if there is no such
@@ -188,8 +210,7 @@ impl<'a> TextTable<'a> {
         self.numbered_quaternion.as_ref()
     }
 
-    /// Note on how the columns were recognised; `None` if they were found by their names. Call this method after all
-    /// rows were read, because the note counts missing contacts.
+    /// Note on how the columns were recognised; `None` if they were found by their names.
     pub(super) fn note(&self) -> Option<String> {
         let Some((_, wide)) = &self.wide else {
             return self.note.clone();
@@ -203,18 +224,6 @@ impl<'a> TextTable<'a> {
         Some(format!(
             "each row holds the columns of several values of `{label}`: {names}"
         ))
-    }
-
-    /// Warning about contacts of a wide table that have no numbers; `None` if there are none. Call this method after
-    /// all rows were read.
-    pub(super) fn left_out(&self) -> Option<Warning> {
-        let lost = self.lost.borrow();
-        let count = lost.len();
-        (count > 0).then(|| {
-            let rows = listed(lost.iter().cloned());
-            let text = format!("{count} contacts without numbers are left out: {rows}");
-            Warning::new("left-out", text, [("without_numbers", count as f64)])
-        })
     }
 
     fn of_text(
@@ -265,7 +274,6 @@ impl<'a> TextTable<'a> {
         let Some((header, wide)) = &self.wide else {
             return self.rows(take);
         };
-        let mut lost = Vec::new();
         self.rows(|record| {
             let (found, expected) = (record.fields.len(), header.len());
             if found < expected {
@@ -274,18 +282,8 @@ impl<'a> TextTable<'a> {
             }
             let field = |place: &usize| &record.fields[*place];
             for group in &wide.groups {
-                let numbers = || group.places.iter().map(field);
-                let is_none =
-                    |text: &str| text.trim().is_empty() || text.trim().eq_ignore_ascii_case("nan");
-                if numbers().all(is_none) {
-                    lost.push(format!("`{}` in line {}", group.name, record.line));
-                    continue;
-                }
-                let shared = wide.shared.iter().map(field);
-                let fields = [group.name.as_str()]
-                    .into_iter()
-                    .chain(numbers())
-                    .chain(shared);
+                let own = group.places.iter().chain(&wide.shared).map(field);
+                let fields = [group.name.as_str()].into_iter().chain(own);
                 // If a row has more fields than the header, keep the additional fields, so that the reader rejects the
                 // row.
                 let more = record.fields.iter().skip(header.len());
@@ -295,9 +293,7 @@ impl<'a> TextTable<'a> {
                 })?;
             }
             Ok(())
-        })?;
-        self.lost.replace(lost);
-        Ok(())
+        })
     }
 
     fn rows(&self, take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
@@ -307,6 +303,15 @@ impl<'a> TextTable<'a> {
             Format::Numpy(table) => table.rows(take),
         }
     }
+}
+
+/// Text of a comment, without the sign at its start; `None` if the line is no comment. A log of rostopic begins with
+/// `%time`, which is no comment.
+pub(super) fn comment(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    let mut signs = ["#", "%", "//"].into_iter();
+    let text = signs.find_map(|sign| line.strip_prefix(sign));
+    text.filter(|_| !line.starts_with("%time"))
 }
 
 #[derive(Clone, Copy)]
@@ -324,30 +329,28 @@ impl<'a> Text<'a> {
     }
 
     /// Returns the text without the lines before its header, and the delimiter if a line such as `sep=;` states it.
-    /// Excel writes this line before the header. Lines that begin with # are comments. If numbers follow the comments,
-    /// the last comment is the header, as in files of NumPy.
+    /// Excel writes this line before the header. If numbers follow the comments, the last comment is the header, as in
+    /// files of NumPy.
     fn begun(self) -> (Self, Option<Delimiter>) {
-        let (mut start, mut comment, mut stated) = (0, None, None);
-        for (line, number) in self.lines().zip(1..) {
+        let (mut last, mut stated) = (None, None);
+        for line in self.lines() {
             let text = line.trim();
             let delimiter = text.strip_prefix("sep=").and_then(|sign| sign.parse().ok());
-            if let Some(named) = text.strip_prefix('#') {
-                let at = start + line.find('#').unwrap_or_default() + 1;
-                comment = (!named.trim().is_empty()).then_some((at, number));
+            if let Some(named) = comment(text) {
+                last = Some(named).filter(|named| !named.trim().is_empty());
             } else if delimiter.is_some() && stated.is_none() {
                 stated = delimiter;
             } else if !text.is_empty() {
                 let is_number = |field: &str| field.trim().parse::<f64>().is_ok();
                 let has_numbers = text
-                    .split(|letter: char| matches!(letter, ',' | ';') || letter.is_whitespace())
+                    .split(|letter: char| {
+                        matches!(letter, ',' | ';' | '|') || letter.is_whitespace()
+                    })
                     .filter(|field| !field.is_empty())
                     .all(is_number);
-                let header = comment.filter(|_| has_numbers);
-                let (start, line) = header.unwrap_or((start, number));
-                let all = &self.all[start..];
-                return (Self { all, line, ..self }, stated);
+                let header = last.filter(|_| has_numbers);
+                return (self.from(header.unwrap_or(line)), stated);
             }
-            start += line.len() + self.end.len_utf8();
         }
         (self, stated)
     }

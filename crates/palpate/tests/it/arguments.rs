@@ -39,7 +39,7 @@ const ROLLS: &str = "
 --probe-radius 10 --length-unit ft | one of m, cm, mm, um, unit
 --probe-radius 10 --columns shift_u | no pair of names
 --probe-radius 10 --columns shift_u=a,shift_u=b | is given twice
---probe-radius 10 --delimiter dot | comma, semicolon, tab or space
+--probe-radius 10 --delimiter dot | comma, semicolon, tab, pipe or space
 --probe-radius 10 --decimal dot | point or comma
 --probe-radius 10 --pitch 11 | at most the probe's radius, 10
 --probe-radius 10 --pitch 1e-15 | at least 1e-15 of the probe's radius

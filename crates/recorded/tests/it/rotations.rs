@@ -97,7 +97,7 @@ fn table(header: &str, start: Option<UnitQuaternion<f64>>, write: Write) -> Stri
     table
 }
 
-const FORMS: [(&str, Write); 22] = [
+const FORMS: [(&str, Write); 24] = [
     (
         "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w",
         quaternion,
@@ -109,6 +109,8 @@ const FORMS: [(&str, Write); 22] = [
     ("rvec_x,rvec_y,rvec_z", vector),
     ("rotvec.0,rotvec.1,rotvec.2", vector),
     ("x,y,z,w", quaternion),
+    ("i,j,k,w", quaternion),
+    ("rxx,rxy,rxz,ryx,ryy,ryz,rzx,rzy,rzz", matrix),
     ("qi,qj,qk,qr", quaternion),
     (
         "rotm_1,rotm_2,rotm_3,rotm_4,rotm_5,rotm_6,rotm_7,rotm_8,rotm_9",

@@ -343,7 +343,7 @@ pub(crate) struct FormArgs {
     /// (x_mm) applies.
     #[arg(long, value_name = "NAME=COLUMN,...", value_parser = column_names)]
     pub(crate) columns: Option<ColumnNames>,
-    /// Character between fields: comma, semicolon, tab or space [default: detected from header and rows].
+    /// Character between fields: comma, semicolon, tab, pipe or space [default: detected from header and rows].
     #[arg(long, value_name = "NAME")]
     pub(crate) delimiter: Option<Delimiter>,
     /// Decimal sign: point or comma [default: detected from the numbers].
