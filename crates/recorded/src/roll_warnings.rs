@@ -150,7 +150,10 @@ impl RollRecording {
         let readings = &self.farthest(is_of_ends);
         let (most, shown) = (largest_rotation(readings), Number::rounded);
         if most == 0.0 {
-            return Some(("all rotations from the start to the end of a roll are 0".to_owned(), false));
+            return Some((
+                "all rotations from the start to the end of a roll are 0".to_owned(),
+                false,
+            ));
         }
         let ratio = |(place, reading): (usize, &ProbeReading)| {
             let (turn, shift) = (reading.rotation.norm(), reading.shift.norm());
