@@ -2,12 +2,12 @@
 //! that contains a list of objects.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 
 use csv::StringRecord;
 use palpate_study::readings::spelt;
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use serde_json::{Map, Value as Json};
@@ -465,39 +465,41 @@ type NumberedRows<'a> = BTreeMap<u64, &'a RawValue>;
 
 /// Parses a column. `None` if the keys are no numbers of rows.
 fn numbered_rows(text: &str) -> Option<NumberedRows<'_>> {
-    let rows: BTreeMap<String, &RawValue> = serde_json::from_str(text).ok()?;
+    let Pairs(rows) = serde_json::from_str(text).ok()?;
     let row = |(number, value): (String, _)| Some((number.parse().ok()?, value));
     rows.into_iter().map(row).collect()
 }
 
 /// Returns an error if an object in the JSON value `value` has a key twice.
 fn check_keys(file: &RecordedFile, text: Text<'_>, value: &str) -> RowResult {
-    let items = match value.as_bytes().first() {
-        Some(b'[') => serde_json::from_str(value).unwrap_or_default(),
-        Some(b'{') => match serde_json::from_str(value) {
-            Ok(DistinctValues(values)) => values,
-            Err(error) => {
-                let error = error.to_string();
-                let message = error.split(" at line ").next().unwrap_or_default();
-                return Err(file.fail(text.from(value).line, message));
-            }
-        },
-        _ => return Ok(()),
+    let within = |item: &RawValue| check_keys(file, text, item.get());
+    if value.starts_with('[') {
+        let items: Vec<&RawValue> = serde_json::from_str(value).unwrap_or_default();
+        return items.into_iter().try_for_each(within);
+    }
+    let Pairs(pairs) = match value.starts_with('{') {
+        true => serde_json::from_str(value).unwrap_or_default(),
+        false => return Ok(()),
     };
-    let mut items: std::vec::IntoIter<&RawValue> = items.into_iter();
-    items.try_for_each(|item| check_keys(file, text, item.get()))
+    let mut keys = HashSet::with_capacity(pairs.len());
+    if let Some((key, _)) = pairs.iter().find(|(key, _)| !keys.insert(key.as_str())) {
+        let message = format!("the key `{key}` occurs twice in an object; rename one of them");
+        return Err(file.fail(text.from(value).line, message));
+    }
+    pairs.iter().try_for_each(|(_, item)| within(item))
 }
 
-/// Values of a JSON object whose keys are distinct.
-struct DistinctValues<'a>(Vec<&'a RawValue>);
+/// Keys and values of a JSON object, in the order of the file.
+#[derive(Default)]
+struct Pairs<'a>(Vec<(String, &'a RawValue)>);
 
-impl<'de> Deserialize<'de> for DistinctValues<'de> {
+impl<'de> Deserialize<'de> for Pairs<'de> {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        source.deserialize_map(DistinctValues(Vec::new()))
+        source.deserialize_map(Self::default())
     }
 }
 
-impl<'de> Visitor<'de> for DistinctValues<'de> {
+impl<'de> Visitor<'de> for Pairs<'de> {
     type Value = Self;
 
     fn expecting(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -505,13 +507,8 @@ impl<'de> Visitor<'de> for DistinctValues<'de> {
     }
 
     fn visit_map<A: MapAccess<'de>>(mut self, mut pairs: A) -> Result<Self, A::Error> {
-        let mut keys = BTreeSet::new();
-        while let Some((key, value)) = pairs.next_entry::<String, _>()? {
-            if !keys.insert(key.clone()) {
-                let what = format!("the key `{key}` occurs twice in an object; rename one of them");
-                return Err(Error::custom(what));
-            }
-            self.0.push(value);
+        while let Some(pair) = pairs.next_entry()? {
+            self.0.push(pair);
         }
         Ok(self)
     }
