@@ -19,7 +19,7 @@ use super::press_report::Radius;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::roll_series::{LeftOutProbe, QUANTITIES, SeriesResult, estimate_of_series};
-use super::roll_warnings::orientations;
+use super::roll_warnings::{ORIENTATIONS, has_common_rotation};
 use super::single_direction::{DirectedCurvature, single_direction};
 use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::LengthUnit;
@@ -52,7 +52,7 @@ pub struct RollEstimate {
     /// Covariance of the normal curvatures along u and v and of the twist k_uv (all in 1/length). It is computed from
     /// the stated noise or from the residuals; `None` if neither is possible.
     covariance: Option<[[f64; 3]; 3]>,
-    residual: f64,
+    pub(super) residual: f64,
     /// Degrees of freedom of the residuals from which the noise was estimated; `None` if it was not estimated.
     freedom: Option<usize>,
     std_from: &'static str,
@@ -448,8 +448,8 @@ pub fn estimate_roll(
         |noise| LeastSquares::fitted(options.probe_radius, noise, fitted_readings).map_err(refused);
     let (mut fitted, mut estimate) = fit(noise)?;
     let (residual, freedom) = estimate.residual(&fitted_readings[..readings.len()]);
-    if !has_series && let Some(message) = orientations(readings, residual) {
-        return Err(fail(message.to_owned()));
+    if !has_series && has_common_rotation(readings, residual) == Some(true) {
+        return Err(fail(ORIENTATIONS.to_owned()));
     }
     let mut noise_freedom = None;
     let std_from = match options.noise {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use palpate_ep1::{Misfit, ProbeReading, rounding_std};
 use palpate_statistics::{Number, StatedQuantity, ratio_tail};
 use palpate_study::Warning;
@@ -24,11 +24,19 @@ const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 /// a ratio are rejected.
 const MAX_SHARP_TURN_RAD: f64 = 1.0;
 
-/// If the root mean square residual is above this share of the shifts, the rotations are tested for a common change.
-const MAX_MISFIT: f64 = 0.1;
-/// The common change must reduce the sum of squared residuals to this share.
+/// If the root mean square residual is above this share of the shifts, the rotations are tested for a common rotation.
+const MAX_MISFIT: f64 = 0.02;
+/// Share of the shifts above which a common rotation is an error instead of a warning. A change of the object's
+/// curvature along the rolls may have the effect of a smaller common rotation.
+const REFUSED_MISFIT: f64 = 0.1;
+/// Share of the shifts above which the axes of rotations and shifts may differ by a rotation about the normal. A smaller
+/// share may be due to a sensor that is not exactly aligned.
+const MAX_TWIST: f64 = 0.3;
+/// The common rotation must reduce the sum of squared residuals to this share, and to this multiple of the share of the
+/// misfit in the shifts.
 const MAX_REST: f64 = 0.25;
-/// Significance level of the test for a common change.
+const MAX_REST_RATIO: f64 = 25.0;
+/// Significance level of the test for a common rotation.
 const SIGNIFICANCE_LEVEL: f64 = 1e-4;
 /// Error message for rotations that are not those since the start of each roll.
 pub(super) const ORIENTATIONS: &str = "the rotations fit the shifts of the contacts only with other axes or another start: each row must state the rotation since the start of its roll, about the axes u and v; for orientations, record a time series with the start and the end of each roll (columns probe, time_s, an orientation, contact_u and contact_v)";
@@ -71,6 +79,7 @@ impl RollEstimate {
             .chain(directed.map(DirectedCurvature::warning))
             .chain(left_out)
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
+            .chain(Warning::of("poor-fit", self.common_rotation()))
             .chain(Warning::of("flat-object", self.flatness()))
             .chain(Warning::of("few-crossings", self.few_crossings()))
             .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))
@@ -79,6 +88,13 @@ impl RollEstimate {
             .chain(Warning::of("unnamed-probes", self.recorded.note.clone()))
             .chain(self.recorded.source.notes.iter().cloned())
             .collect()
+    }
+
+    fn common_rotation(&self) -> Option<String> {
+        let is_row = self.recorded.series.is_none();
+        let found = has_common_rotation(&self.recorded.readings, self.residual);
+        found.filter(|_| is_row && self.single_direction.is_none())?;
+        Some("the shifts fit the rotations much better if the same rotation is subtracted from all of them: does each row state the rotation since the start of its roll?".to_owned())
     }
 
     fn few_crossings(&self) -> Option<String> {
@@ -203,31 +219,39 @@ impl RollRecording {
     }
 }
 
-/// Error message if the shifts agree with the rotations only after all rotations are changed in the same way; `None` if
-/// they agree without a change, or if there are too few rolls for this test. `residual` is the root mean square of the
-/// residuals of the fit.
-pub(super) fn orientations(readings: &[ProbeReading], residual: f64) -> Option<&'static str> {
+/// Tests whether the shifts agree with the rotations only after the same rotation is subtracted from all rotations.
+/// `None` if they agree without it, or if there are too few rolls for this test. Otherwise, the result states whether
+/// the readings must be rejected. `residual` is the root mean square of the residuals of the fit.
+pub(super) fn has_common_rotation(readings: &[ProbeReading], residual: f64) -> Option<bool> {
     let rows = readings.len();
-    let freedom = (2 * rows).checked_sub(6).filter(|freedom| *freedom > 0)?;
-    let misfit = residual * residual * (freedom + 3) as f64;
+    let misfit = residual * residual * (2 * rows).saturating_sub(3) as f64;
     let total: f64 = readings.iter().map(|one| one.shift.norm_squared()).sum();
-    if misfit < MAX_MISFIT * MAX_MISFIT * total {
+    let share = misfit / total;
+    // The changed model is shift = A d + b, where d is the direction of rolling times the rotation, and A is a
+    // symmetric matrix. Without a change, b is 0. If the misfit is large, A may also contain a rotation.
+    let terms = if share > MAX_TWIST * MAX_TWIST { 6 } else { 5 };
+    let freedom = (2 * rows).checked_sub(terms)?;
+    if !(share > MAX_MISFIT * MAX_MISFIT && freedom > 0) {
         return None;
     }
-    // The changed model is shift = A d + b with any matrix A and vector b, where d is the direction of rolling times
-    // the rotation. In a roll, A is symmetric and b is 0.
     let scale = largest_rotation(readings);
-    let drives = DMatrix::from_fn(rows, 3, |row, column| {
-        [-readings[row].rotation.y, readings[row].rotation.x, scale][column]
+    let model = DMatrix::from_fn(2 * rows, terms, |row, term| {
+        let (x, y) = (-readings[row / 2].rotation.y, readings[row / 2].rotation.x);
+        let both = [
+            [x, 0.0],
+            [y, x],
+            [0.0, y],
+            [scale, 0.0],
+            [0.0, scale],
+            [-y, x],
+        ];
+        both[term][row % 2]
     });
-    let shifts = DMatrix::from_fn(rows, 2, |row, column| readings[row].shift[column]);
-    let solved = drives
-        .clone()
-        .svd(true, true)
-        .solve(&shifts, 1e-12 * scale)
-        .ok()?;
-    let rest = (shifts - drives * solved).norm_squared();
-    let is_better = rest < MAX_REST * misfit
-        && ratio_tail(misfit - rest, 3, rest, freedom) < SIGNIFICANCE_LEVEL;
-    is_better.then_some(ORIENTATIONS)
+    let shifts = DVector::from_fn(2 * rows, |row, _| readings[row / 2].shift[row % 2]);
+    let solved = model.clone().svd(true, true);
+    let solved = solved.solve(&shifts, 1e-12 * scale).ok()?;
+    let rest = (shifts - model * solved).norm_squared();
+    let is_better = rest < MAX_REST.min(MAX_REST_RATIO * share) * misfit
+        && ratio_tail(misfit - rest, terms - 3, rest, freedom) < SIGNIFICANCE_LEVEL;
+    is_better.then_some(share > REFUSED_MISFIT * REFUSED_MISFIT)
 }
