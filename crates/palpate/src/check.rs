@@ -288,7 +288,10 @@ fn groups(
         let is_long = is_roll && pace.seconds_per_trial(place) > MAX_TRIAL_TIME.as_secs_f64();
         let in_time = clock() < deadline && !is_long;
         let ladder = match in_time {
-            true => study.ladder_of(cell, &one.trial.scene)?,
+            true => {
+                let ladder = one.trial.scene.ladder();
+                ladder.map_err(|error| study.error_at(cell, error))?
+            }
             false => None,
         };
         let taken = ladder.as_ref().map(|ladder| &ladder.taken().model);

@@ -10,7 +10,7 @@ use palpate_sweep::{Observation, Record, Trial};
 
 use crate::cache::SharedModels;
 use crate::glide::GlideScene;
-use crate::ladder::{Ladder, Rung};
+use crate::ladder::Ladder;
 use crate::measured_sensor::MeasuredSensor;
 use crate::press::PressScene;
 use crate::roll::{Arch, RollScene};
@@ -147,28 +147,12 @@ pub trait Scenes {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of the grid point with the number `cell`. The model `rung` of the scene's ladder (list of
-    /// models) replaces the model in the config.
-    ///
-    /// # Errors
-    /// The errors of [`Scenes::scene`]. The error is at `scene.model` if the model cannot simulate the scene.
-    fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError>;
-
     /// Measures the errors of the models that can compute the scene of the grid point with the number `cell`; `None` if
     /// there is only one model.
     ///
     /// # Errors
     /// The errors of [`Scenes::estimable_scene`].
-    fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
-        self.ladder_of(cell, &self.estimable_scene(cell)?)
-    }
-
-    /// Measures the errors of the models like [`Scenes::ladder`], for a scene that is already built. `None` if there is
-    /// only one model.
-    ///
-    /// # Errors
-    /// The errors of [`Trials::ladder`], with their place in the config.
-    fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError>;
+    fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError>;
 }
 
 impl Scenes for Study {
@@ -197,19 +181,9 @@ impl Scenes for Study {
             .map_err(|error| self.error_at(number, error))
     }
 
-    fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
-        let config = self.cell(cell)?.config;
-        let Some(scene) = config.scene.with_model(&rung.model) else {
-            let message = format!("{} is not a model of this kind of scene", rung.name);
-            return Err(self.error_at(cell, FieldError::at("scene.model", message)));
-        };
-        let models = SharedModels::default();
-        Scene::new(&scene, config.length_unit, config.seed, &models)
-            .map_err(|error| self.error_at(cell, error))
-    }
-
-    fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {
-        scene.ladder().map_err(|error| self.error_at(cell, error))
+    fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
+        let ladder = self.estimable_scene(cell)?.ladder();
+        ladder.map_err(|error| self.error_at(cell, error))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use anyhow::{Context, Result, anyhow, bail};
-use palpate_scene::{GlideScene, Rung, Scene, Scenes};
+use palpate_scene::{GlideScene, RollScene, Rung, Scenes};
 use palpate_study::config::{self, ModelConfig, PressConfig, PressModelConfig, SceneConfig, Study};
 
 use super::auto_scenes::{Kind, config_text};
@@ -140,7 +140,10 @@ type Computation = Box<dyn FnMut() -> Result<usize>>;
 fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     let scene = &study.config.scene;
     match (scene.with_model(&rung.model), &rung.model) {
-        (Some(SceneConfig::Roll(_)), _) => rolls(study.with_model(0, rung)?),
+        (Some(SceneConfig::Roll(config)), _) => {
+            let scene = RollScene::new(&config, study.config.seed);
+            Ok(rolls(scene.map_err(|error| anyhow!("{}", error.message))?))
+        }
         (Some(SceneConfig::Glide(config)), _) => {
             let glider =
                 GlideScene::glider(&config).map_err(|error| anyhow!("{}", error.message))?;
@@ -156,17 +159,14 @@ fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     }
 }
 
-fn rolls(scene: Scene) -> Result<Computation> {
-    let Scene::Roll(scene) = scene else {
-        bail!("the scene is not a roll");
-    };
+fn rolls(scene: RollScene) -> Computation {
     let rolls = scene.noiseless();
-    Ok(Box::new(move || {
+    Box::new(move || {
         for motions in &rolls {
             black_box(scene.roller.shift(motions)?);
         }
         Ok(rolls.len())
-    }))
+    })
 }
 
 fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> {
