@@ -41,6 +41,11 @@ const MAX_GROWTH: f64 = 1.3;
 /// Largest number of contacts in a fit. In larger logs, consecutive contacts are replaced by their means. A surface
 /// that is fitted to more contacts without averaging would follow their errors across a stroke.
 const MAX_FITTED: usize = 10_000;
+/// The noise of positions moves the contacts of a stroke across it, but their heights do not follow the surface's slope
+/// there. A surface that is fitted to many contacts without normals is therefore too level on the strokes. Groups of
+/// consecutive contacts are replaced by their means as long as the root-mean-square distance of the contacts from these
+/// means, relative to that from the mean of all contacts, is below this value.
+const MAX_MEAN_RATIO: f64 = 0.02;
 /// Limit of a test whether the contacts of a finger are in the order of its path. The test divides the root-mean-square
 /// distance of the contacts from the means of consecutive contacts by that from the mean of all contacts. Above this
 /// limit, the contacts have no order, and means of consecutive contacts are not used.
@@ -137,6 +142,10 @@ impl IndependentFit {
             block: distinct.contacts.len().div_ceil(MAX_FITTED),
             distinct,
         };
+        let has_normals = contacts.iter().all(|one| one.normal.is_some());
+        while !has_normals && log.spread_of_blocks(2 * log.block) < MAX_MEAN_RATIO.powi(2) {
+            log.block *= 2;
+        }
         if log.block > 1 && log.spread_of_blocks(log.block) > MAX_BLOCK_RATIO * MAX_BLOCK_RATIO {
             let count = log.distinct.contacts.len();
             let mut is_selected = vec![false; count];

@@ -300,7 +300,7 @@ fn no_finger_of_a_large_log_is_an_outlier() {
     assert_eq!(SoundContacts::new(&log).unwrap().outliers, []);
 }
 
-/// A large log of many short strokes, a log of two strokes that one finger makes, and a log without an order.
+/// A large log of many short strokes, three dense strokes with noise across them, a log of two strokes that one finger makes, and a log without an order.
 #[test]
 fn logs_of_any_order_give_the_right_curvature_or_an_error() {
     let up = Vector3::z();
@@ -318,6 +318,10 @@ fn logs_of_any_order_give_the_right_curvature_or_an_error() {
         .collect();
     let short = mean(&noisy(&mut random, &short, 8, 0.01, None)).unwrap();
     assert!((short - 0.04).abs() < 1e-4, "{short}");
+
+    let dense = Surface::Sphere(25.0).strokes(9.0, 3, 1500);
+    let dense = mean(&noisy(&mut random, &dense, 1500, 0.05, None)).unwrap();
+    assert!((dense - 0.04).abs() < 1e-3, "{dense}");
 
     let two = Surface::Sphere(25.0).strokes(9.0, 2, 600);
     let error = mean(&noisy(&mut random, &two, 0, 0.1, None)).unwrap_err();
