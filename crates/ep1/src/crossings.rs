@@ -46,6 +46,8 @@ pub(crate) struct Crossing {
     pub(crate) rotation: Vector3<f64>,
     /// Standard deviation of the rotation in the direction that moves the contact across the edge (rad).
     pub(crate) std: f64,
+    /// Index of the last sample before the crossing.
+    pub(crate) sample: usize,
 }
 
 /// A run consists of successive samples on one pad. If the active pad changes and changes back, the runs in between are
@@ -112,6 +114,7 @@ pub(crate) fn crossings(
                 gap: (edges[1] - edges[0]).clamp(0.0, pitch),
                 rotation,
                 std: std.max(MIN_STD),
+                sample: before.last,
             });
         }
     }
@@ -138,7 +141,7 @@ fn rotation_at_change(
     let middle = (low.rotation + high.rotation) * 0.5;
     let std = libm::hypot(
         noise.rotation_std_rad,
-        noise.relative_sample_std * middle.norm(),
+        noise.relative_sample_std * drive_of(&middle).norm(),
     );
     let [mut rotation, mut change] = [middle, high.rotation - low.rotation];
     let mut variance = 0.0;

@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use crate::crossings::{Run, edge_samples};
 use crate::feasible_set::{EdgeRow, OPEN, Programs, RollRows, distribution, furthest_change};
 use crate::roll_fit::slopes_at;
-use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
+use crate::rolled_path::{LocalShape, RollRotations, StartFrame, drive_of};
 use crate::symmetric::largest_spread;
 use crate::{PadCell, Quantity, RollSample, RollSeries};
 
@@ -72,7 +72,8 @@ impl BoundedRoll {
         // The contact's path is computed at the sample of each bound. If the path bends, it is also computed at samples
         // in between, to limit the path's error.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
-        let bend = uneven * turned.norm() + sagitta(samples);
+        let spin = if series.has_spin { turned.z.abs() } else { 0.0 };
+        let bend = uneven * turned.norm() + sagitta(samples) + spin * drive_of(&turned).norm();
         let square = turned.norm_squared() * bend / 12.0;
         let largest = PATH_ERROR * turned.norm() / samples.len() as f64;
         let nodes = (square / largest.max(f64::MIN_POSITIVE)).sqrt();

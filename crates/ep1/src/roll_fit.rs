@@ -8,10 +8,12 @@
 
 mod estimated_noise;
 
-use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector4};
 
 use crate::crossings::Crossing;
-use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients};
+use crate::rolled_path::{
+    LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients, drive_of,
+};
 
 use estimated_noise::SharedError;
 pub(crate) use estimated_noise::{EstimatedNoise, MIN_SHARE};
@@ -59,9 +61,10 @@ pub(crate) struct RollData {
     pub(crate) start: Vector2<f64>,
     /// Standard deviation of the first guess `start`, in radii of the probe; infinite if the fit must ignore the guess.
     pub(crate) start_std: f64,
-    /// Rotations of the probe at the observations.
+    /// Rotations of the probe at the readings. If the probe spins, there are more rotations between the readings.
     pub(crate) rotations: RollRotations,
-    pub(crate) observations: Vec<Observation>,
+    /// The readings, each with the index of its rotation in `rotations`.
+    pub(crate) observations: Vec<(usize, Observation)>,
 }
 
 /// Noise of the readings.
@@ -198,7 +201,7 @@ impl<const N: usize> RollFit<N> {
             true => Vec::new(),
             false => self.nearby(roll, shape)?,
         };
-        for (index, observation) in roll.observations.iter().enumerate() {
+        for &(index, ref observation) in &roll.observations {
             let at = &path[index];
             let place = frame.place(at);
             let by_drive = place.by_path * at.mobility;
@@ -221,7 +224,7 @@ impl<const N: usize> RollFit<N> {
                 Observation::Contact(contact, samples) => {
                     let residual = contact - place.place;
                     if noise.is_estimated {
-                        shared = by_drive * -measured[index].norm();
+                        shared = by_drive * -drive_of(&measured[index]).norm();
                     }
                     let rounded = libm::hypot(MIN_STD, MIN_SHARE * noise.relative_roll_std);
                     let own = noise.contact_std * noise.contact_std / samples + rounded * rounded;
@@ -313,10 +316,9 @@ impl<const N: usize> RollFit<N> {
             .max_by(|one, other| size(one).total_cmp(&size(other)))
         {
             self.end = farthest.x;
-            let measured = measured.last().copied().unwrap_or_default();
-            let error = Vector3::new(self.error.y, -self.error.x, 0.0) * self.ratio;
+            let measured = measured.last().map(drive_of).unwrap_or_default();
             let size = measured.norm().max(f64::MIN_POSITIVE);
-            self.ratio = (measured - error * size).norm() / size;
+            self.ratio = (measured - self.error * (self.ratio * size)).norm() / size;
         }
         Some(())
     }

@@ -10,6 +10,9 @@ use crate::rolled_path::drive_of;
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
 /// this number of groups, and the fit uses the mean of each group.
 const GROUPS: usize = 12;
+/// If the probe spins, the path of the contact bends, so the samples are divided into more groups. This constant is the
+/// spin per additional group (rad).
+const SPIN_OF_GROUP: f64 = 0.02;
 /// Number of samples among which the sample with the largest rotation is searched.
 const COMPARED: usize = 64;
 /// The rolls count as reversed if a ratio is below this value. The numerator is the sum of the contacts' travels along
@@ -146,11 +149,11 @@ pub struct SeriesNoise {
     /// Standard deviation of the error of each component of the rotation in each sample (rad). The errors of all
     /// samples are independent.
     pub rotation_std_rad: f64,
-    /// Standard deviation of the part of the rotation's relative error that all samples of a roll share. It is drawn
-    /// once for each roll and component.
+    /// Standard deviation of the part of the rotation's error that all samples of a roll share, divided by the magnitude
+    /// of the rotation without its component about the contact normal. It is drawn once for each roll and component.
     pub relative_rotation_std: f64,
     /// Standard deviation of the error of each component of the rotation in each sample, divided by the magnitude of
-    /// the rotation.
+    /// the rotation without its component about the contact normal.
     pub relative_sample_std: f64,
 }
 
@@ -262,12 +265,28 @@ fn is_on_probe(radius: f64, place: &Vector2<f64>) -> bool {
     place.norm_squared() < (std::f64::consts::PI * radius).powi(2)
 }
 
-/// Averages the rotations and contact points over groups of successive samples.
-pub(crate) fn groups(samples: &[RollSample], scale: f64) -> (Vec<Vector3<f64>>, Vec<Observation>) {
-    let count = samples.len().min(GROUPS);
-    let mut rotations = Vec::with_capacity(count);
-    let mut observations = Vec::with_capacity(count);
-    for group in 0..count {
+/// The range of the rotations about the contact normal (rad), among about 64 evenly spaced samples.
+pub(crate) fn spin_of(samples: &[RollSample]) -> f64 {
+    let step = samples.len().div_ceil(COMPARED).max(1);
+    let spins = samples.iter().rev().step_by(step).map(|one| one.rotation.z);
+    let [low, high] = spins.fold([0.0_f64; 2], |[low, high], spin| {
+        [low.min(spin), high.max(spin)]
+    });
+    high - low
+}
+
+/// Averages the rotations and contact points over groups of successive samples. Each result consists of the index of the
+/// middle sample, the mean rotation, and the mean contact point with the number of samples. There are [`GROUPS`] groups,
+/// or none for pads, and more if the probe spins by the angle `spin` (rad).
+pub(crate) fn groups(
+    samples: &[RollSample],
+    scale: f64,
+    has_contacts: bool,
+    spin: f64,
+) -> Vec<(f64, Vector3<f64>, Option<Observation>)> {
+    let count = (spin / SPIN_OF_GROUP) as usize + if has_contacts { GROUPS } else { 0 };
+    let count = count.min(samples.len());
+    let mean = |group| {
         let [from, to] = [group, group + 1].map(|edge| edge * samples.len() / count);
         let share = 1.0 / (to - from) as f64;
         let (mut rotation, mut place) = (Vector3::zeros(), Vector2::zeros());
@@ -275,10 +294,11 @@ pub(crate) fn groups(samples: &[RollSample], scale: f64) -> (Vec<Vector3<f64>>, 
             rotation += sample.rotation * share;
             place += sample.place * share;
         }
-        rotations.push(rotation);
-        observations.push(Observation::Contact(place * scale, (to - from) as f64));
-    }
-    (rotations, observations)
+        let contact = Observation::Contact(place * scale, (to - from) as f64);
+        let middle = 0.5 * (from + to - 1) as f64;
+        (middle, rotation, has_contacts.then_some(contact))
+    };
+    (0..count).map(mean).collect()
 }
 
 /// Whether the contacts moved against the direction of the rolls, for example because the rotations have the wrong

@@ -1,9 +1,10 @@
 //! The path of the contact over the probe during a roll, for an object whose curvature changes along the path.
 //!
-//! Lengths are in radii of the probe. The contact frame is carried along the path by parallel transport. In this frame,
-//! the object's curvature form is a polynomial in the contact's position x on the object. By the equations of Codazzi,
-//! the derivatives of the form are symmetric tensors. Therefore the drive g = (−Δθ_y, Δθ_x), which is the rotation
-//! vector, turned by 90° and summed over the path, is the gradient of one polynomial:
+//! Lengths are in radii of the probe. The contact frame is carried along the path on the object by parallel transport.
+//! So on the probe, it turns about the normal against the spin of the probe. In this frame, the object's curvature form
+//! is a polynomial in the contact's position x on the object. By the equations of Codazzi, the derivatives of the form
+//! are symmetric tensors. Therefore the drive g = (−Δθ_y, Δθ_x), which is the rotation vector, turned by 90° and summed
+//! over the path, is the gradient of one polynomial:
 //!
 //! ```text
 //! g(x) = x + Σ_m T_m x^(m−1) / (m−1)! ,   m = 2, 3, …
@@ -124,7 +125,7 @@ pub(crate) struct RollRotations {
 /// The contact at one sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathPoint {
-    /// Orientation of the contact frame, relative to the contact frame at the start of the roll.
+    /// Orientation of the contact frame on the probe, relative to the contact frame at the start of the roll.
     frame: Matrix3<f64>,
     /// Position of the contact on the object, in the carried frame.
     pub(crate) x: Vector2<f64>,
@@ -140,25 +141,9 @@ pub(crate) struct PathPoint {
 impl RollRotations {
     /// The rotations of a roll. `rotations` contains, for each sample, the rotation vector since the start of the roll.
     pub(crate) fn new(rotations: Vec<Vector3<f64>>, has_spin: bool) -> Self {
-        let mut last = Vector3::zeros();
-        let step = |rotation: &Vector3<f64>| {
-            // If two rotation vectors are parallel, the rotation between them is exactly their difference. The
-            // difference is faster to compute than a product of quaternions.
-            let across = last.cross(rotation).norm_squared();
-            let scale = last.norm_squared() * rotation.norm_squared();
-            let step = match across <= 1e-24 * scale {
-                true => rotation - last,
-                false => {
-                    let [from, to] = [last, *rotation].map(UnitQuaternion::from_scaled_axis);
-                    (from.inverse() * to).scaled_axis()
-                }
-            };
-            last = *rotation;
-            step
-        };
         let used: &[_] = if has_spin { &rotations } else { &[] };
         Self {
-            steps: used.iter().map(step).collect(),
+            steps: steps(used.iter().copied()),
             rotations,
         }
     }
@@ -169,8 +154,8 @@ impl RollRotations {
     }
 
     /// Computes the contacts at all samples and writes them to `path`. `error` is the error of the measured drive
-    /// (rotation vector, turned by 90°), divided by the magnitude of the measured rotation. `None` if the contact
-    /// cannot follow the rotations, because it would not roll on this shape.
+    /// (rotation vector, turned by 90°), divided by the magnitude of the measured drive. `None` if the contact cannot
+    /// follow the rotations, because it would not roll on this shape.
     pub(crate) fn path(
         &self,
         shape: &LocalShape,
@@ -185,16 +170,32 @@ impl RollRotations {
             mobility: positive(shape.relative().try_inverse()?)?,
             spin: 0.0,
         };
-        for step in &self.steps {
-            at = at.after(shape, &at.turn_of(step))?;
-            path.push(at);
-        }
+        let drive = |rotation: &Vector3<f64>| {
+            let measured = drive_of(rotation);
+            measured - error * measured.norm()
+        };
         if !self.steps.is_empty() {
+            let corrected;
+            let steps = match *error == Vector2::zeros() {
+                true => &self.steps,
+                false => {
+                    let rotations = self.rotations.iter();
+                    corrected = steps(rotations.map(|rotation| {
+                        let drive = drive(rotation);
+                        Vector3::new(drive.y, -drive.x, rotation.z)
+                    }));
+                    &corrected
+                }
+            };
+            for step in steps {
+                at = at.after(shape, &at.turn_of(step))?;
+                path.push(at);
+            }
             return Some(());
         }
         let mut last = Vector3::zeros();
         for rotation in &self.rotations {
-            let true_drive = drive_of(rotation) - error * rotation.norm();
+            let true_drive = drive(rotation);
             let (turn, normal_part) = at.turn_without_spin(&last, &true_drive)?;
             last = Vector3::new(true_drive.y, -true_drive.x, normal_part);
             at = at.after(shape, &turn)?;
@@ -205,13 +206,19 @@ impl RollRotations {
 }
 
 impl PathPoint {
-    /// Expresses the rotation `step` of the probe in the contact frame at the middle of the step.
+    /// Mean of the rotation `step` of the probe over the step, expressed in the contact frame, which turns during the
+    /// step.
     fn turn_of(&self, step: &Vector3<f64>) -> Vector3<f64> {
-        let in_frame = self.frame.tr_mul(step);
-        let half = self.mobility * drive_of(&in_frame) * 0.5;
-        let tilt = Vector3::new(-half.y, half.x, 0.0);
-        let once = tilt.cross(&in_frame);
-        in_frame - once + tilt.cross(&once) * 0.5
+        let turn_of_frame = |turn: &Vector3<f64>| {
+            let along = self.mobility * drive_of(turn);
+            Vector3::new(-along.y, along.x, -turn.z)
+        };
+        let at_start = self.frame.tr_mul(step);
+        // To second order in the step, the frame turns as it does after one third of the step.
+        let at_third = at_start - turn_of_frame(&at_start).cross(&at_start) / 3.0;
+        let turn = turn_of_frame(&at_third);
+        let once = turn.cross(&at_start);
+        at_start - once * 0.5 + turn.cross(&once) / 6.0
     }
 
     /// Computes the next step of a roll without spin. The rotation vectors are counted from the start of the roll.
@@ -225,7 +232,7 @@ impl PathPoint {
     ) -> Option<(Vector3<f64>, f64)> {
         let step = drive - drive_of(last);
         let middle = last + Vector3::new(step.y, -step.x, 0.0) * 0.5;
-        let frame = self.frame * rolled(&(self.mobility * step * 0.5));
+        let frame = self.frame * rolled(&(self.mobility * step * 0.5), 0.0);
         // `slopes` is the derivative of the rotation vector with respect to a small rotation of the probe.
         let cross = middle.cross_matrix();
         let square = middle.norm_squared();
@@ -238,9 +245,7 @@ impl PathPoint {
 
     /// The contact after the probe has rotated by `turn`, a rotation vector in the contact frame.
     fn after(&self, shape: &LocalShape, turn: &Vector3<f64>) -> Option<Self> {
-        let spin = self.spin + turn.z;
-        let mean_spin = self.spin + 0.5 * turn.z;
-        let drive = self.drive + spun(&drive_of(turn), mean_spin);
+        let drive = self.drive + drive_of(turn);
         let (mut x, mut mobility) = (self.x, self.mobility);
         if shape.terms == 1 {
             // If the polynomial of the curvature has only one term, the curvature is constant, and so is the mobility
@@ -257,17 +262,37 @@ impl PathPoint {
                 }
             }
         }
-        let along = spun(&(x - self.x), -mean_spin);
-        let frame = self.frame * rolled(&along);
+        let frame = self.frame * rolled(&(x - self.x), turn.z);
         let is_finite = x.norm() < std::f64::consts::PI;
         is_finite.then_some(Self {
             frame,
             x,
             drive,
             mobility,
-            spin,
+            spin: self.spin + turn.z,
         })
     }
+}
+
+/// The rotation vectors of the probe from each sample to the next. `rotations` are the rotation vectors since the start.
+fn steps(rotations: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
+    let mut last = Vector3::zeros();
+    let step = |rotation: Vector3<f64>| {
+        // If two rotation vectors are parallel, the rotation between them is exactly their difference. The difference is
+        // faster to compute than a product of quaternions.
+        let across = last.cross(&rotation).norm_squared();
+        let scale = last.norm_squared() * rotation.norm_squared();
+        let step = match across <= 1e-24 * scale {
+            true => rotation - last,
+            false => {
+                let [from, to] = [last, rotation].map(UnitQuaternion::from_scaled_axis);
+                (from.inverse() * to).scaled_axis()
+            }
+        };
+        last = rotation;
+        step
+    };
+    rotations.map(step).collect()
 }
 
 /// The drive (−Δθ_y, Δθ_x): the x and y components of the rotation vector, turned by 90°.
@@ -307,23 +332,25 @@ fn sine_ratios(square: f64) -> (f64, f64) {
     (sin / angle, (1.0 - cos) / square)
 }
 
-/// The contact frame after the contact has moved by `along` on the unit sphere, relative to the contact frame before
-/// this movement.
-fn rolled(along: &Vector2<f64>) -> Matrix3<f64> {
-    let square = along.norm_squared();
+/// The contact frame on the unit sphere after the contact has moved by `along` and the probe has spun by `spin`, relative
+/// to the contact frame before this movement.
+fn rolled(along: &Vector2<f64>, spin: f64) -> Matrix3<f64> {
+    let (u, v) = (along.x, along.y);
+    let square = u * u + v * v + spin * spin;
     let (per_sin, per_cos) = sine_ratios(square);
     let cos = 1.0 - per_cos * square;
-    let (u, v) = (along.x, along.y);
+    let [sin_u, sin_v, sin_spin] = [u, v, spin].map(|part| per_sin * part);
+    let [cos_u, cos_v, cos_spin] = [u, v, spin].map(|part| per_cos * part);
     Matrix3::new(
-        1.0 - per_cos * u * u,
-        -per_cos * u * v,
-        per_sin * u,
-        -per_cos * u * v,
-        1.0 - per_cos * v * v,
-        per_sin * v,
-        -per_sin * u,
-        -per_sin * v,
-        cos,
+        cos + cos_v * v,
+        sin_spin - cos_u * v,
+        sin_u + cos_v * spin,
+        -sin_spin - cos_u * v,
+        cos + cos_u * u,
+        sin_v - cos_u * spin,
+        cos_v * spin - sin_u,
+        -sin_v - cos_u * spin,
+        cos + cos_spin * spin,
     )
 }
 
@@ -395,10 +422,14 @@ impl StartFrame {
             true => Vector2::x(),
             false => at.x / square.sqrt(),
         };
-        let axes = self.frame * at.frame.fixed_columns::<2>(0);
+        // If the probe spins, the displacement is summed over a frame that turns. On average, the frame has turned by half
+        // of the spin less than at the end.
+        let half_spin = 0.5 * at.spin;
+        let share = sine_ratios(half_spin * half_spin).0;
+        let axes = self.frame * at.frame.fixed_columns::<2>(0) * share;
         let by_path = [Vector2::x(), Vector2::y()].map(|axis| {
             let part = along * along.dot(&axis);
-            let displacement = spun(&(part + (axis - part) * narrow), -at.spin);
+            let displacement = spun(&(part + (axis - part) * narrow), half_spin);
             in_chart(&(axes * displacement))
         });
         Place {

@@ -3,10 +3,10 @@
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
-use crate::crossings::{Run, crossings};
+use crate::crossings::{Crossing, Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
-use crate::roll_series::{are_reversed, check, groups, undetermined};
+use crate::roll_series::{are_reversed, check, groups, spin_of, undetermined};
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::symmetric::{inverse_slopes, largest_spread};
@@ -32,6 +32,9 @@ const ROUGH_TOLERANCE: f64 = 1e-2;
 /// Largest standard deviation of a mobility (contact travel per radian) that counts as determined, divided by the
 /// mobility. With a larger value, the interval of the mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
+/// If the errors of rotations grow with the rotation, the fit uses the rotations about the contact normal only if their
+/// root mean square exceeds their standard deviation by this factor.
+const MIN_SPIN: f64 = 2.0;
 /// A flat object.
 const FLAT: LocalShape = LocalShape {
     terms: 1,
@@ -288,31 +291,37 @@ impl Problem<'_> {
                 continue;
             }
             let guess = series.start.unwrap_or(samples[0].place) * scale;
-            let (rotations, observations, start_std) = match self.places {
+            let has_spin = has_spin && series.has_spin;
+            let spin = if has_spin { spin_of(samples) } else { 0.0 };
+            let (mut all, start_std) = match self.places {
                 Places::Pads(cell) => {
                     let pitch = cell.pitch() * scale;
-                    let all =
+                    let found =
                         crossings(samples, &self.runs[roll], pitch, cell, self.noise, mobility);
-                    report.crossings = all.len();
-                    if all.is_empty() {
+                    report.crossings = found.len();
+                    if found.is_empty() {
                         report.left_out = Some(Exclusion::NoCrossing);
                     }
-                    let rotations: Vec<_> = all.iter().map(|crossing| crossing.rotation).collect();
-                    let observations: Vec<_> = all.into_iter().map(Observation::Crossing).collect();
-                    (rotations, observations, pitch / 12.0_f64.sqrt())
+                    let at = |one: &Crossing| one.sample as f64 + 0.5;
+                    let found = found
+                        .into_iter()
+                        .map(|one| (at(&one), one.rotation, Some(Observation::Crossing(one))));
+                    let mut all = groups(samples, scale, false, spin);
+                    all.extend(found);
+                    (all, pitch / 12.0_f64.sqrt())
                 }
-                Places::Contacts { .. } => {
-                    let (rotations, observations) = groups(samples, scale);
-                    (rotations, observations, f64::INFINITY)
-                }
+                Places::Contacts { .. } => (groups(samples, scale, true, spin), f64::INFINITY),
             };
+            all.sort_by(|one, other| one.0.total_cmp(&other.0));
+            let observations = all.iter().enumerate();
+            let observations = observations.filter_map(|(index, one)| Some((index, one.2?)));
             data.push(RollData {
                 roll,
                 is_start_known: series.start.is_some(),
                 start: guess,
                 start_std,
-                rotations: RollRotations::new(rotations, has_spin && series.has_spin),
-                observations,
+                observations: observations.collect(),
+                rotations: RollRotations::new(all.into_iter().map(|one| one.1).collect(), has_spin),
             });
         }
         data
@@ -337,10 +346,19 @@ impl Problem<'_> {
         }
     }
 
-    /// Whether the fit uses the measured rotation about the contact normal. The fit does not use it if the errors of
-    /// rotations grow with the rotation. Such an error would turn the rest of the path by a wrong angle.
+    /// Whether the fit uses the measured rotations about the contact normal. If the errors of rotations grow with the
+    /// rotation, and if these rotations are not larger than their errors, the rolls are assumed not to spin: the errors
+    /// would turn the paths by wrong angles.
     fn has_spin(&self) -> bool {
-        self.noise.relative_rotation_std == 0.0 && self.noise.relative_sample_std == 0.0
+        let noise = self.noise;
+        let relative = libm::hypot(noise.relative_rotation_std, noise.relative_sample_std);
+        let ends = self.rolls.iter().filter_map(RollSeries::farthest);
+        let in_stds = ends.map(|last| {
+            let std = relative * drive_of(&last.rotation).norm();
+            last.rotation.z / libm::hypot(std, noise.rotation_std_rad).max(f64::MIN_POSITIVE)
+        });
+        let square: f64 = in_stds.map(|spin| spin * spin).sum();
+        relative == 0.0 || square > MIN_SPIN * MIN_SPIN * self.rolls.len() as f64
     }
 
     /// Whether the noise of the readings is stated or follows from the pads. If not, it is estimated from the
