@@ -1,6 +1,6 @@
 //! Warnings about recorded rolls and their estimate.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, DVector};
 use palpate_ep1::{Misfit, ProbeReading, rounding_std};
@@ -22,7 +22,9 @@ const MAX_TURN_RATIO: f64 = 25.0;
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 /// Largest rotation of a probe on an edge so sharp that its ratio exceeds `MAX_TURN_RATIO`. Larger rotations with such
 /// a ratio are rejected.
-const MAX_SHARP_TURN_RAD: f64 = 1.0;
+const MAX_SHARP_TURN_RAD: f64 = PI;
+/// Readings with a ratio below this value are rejected. No dish has a radius so close to that of the probe.
+const LEAST_TURN_RATIO: f64 = 1.0 / 200.0;
 
 /// If the root mean square residual is above this share of the shifts, the rotations are tested for a common rotation.
 const MAX_MISFIT: f64 = 0.02;
@@ -196,7 +198,7 @@ impl RollRecording {
                     "the contact moved {} times as far as on a plane: are the rotations in rad although the header states degrees, or the shifts in a smaller unit than the radius?",
                     shown(median.recip())
                 ),
-                true,
+                median < LEAST_TURN_RATIO,
             ),
             Some(&(ratio, turn, place)) => (
                 format!(

@@ -154,13 +154,85 @@ fn units_come_from_the_header_or_the_option() {
     );
 }
 
-const NO_ROLLS: &str = include_str!("tables/rolls.txt");
+const NO_ROLLS: &str = r#"
+2.125 => 2,125 | - | :2 | decimal signs
+2.125 => inf | - | :2 | column `shift_u_mm`: must be finite, is inf
+0.3,0,-0.25 => 17.2,0,-0.25 | - | - | probe 1 turned by 17.2 rad, 80.4 times as far as on a plane
+rotation_x_rad,rotation_y_rad => rotation_x_mrad,rotation_y_mrad | - | - | the contact moved 
+0,0,-0.3 => 0.5,0,-0.3 | - | :2 | column `probe`: must be a whole number from 0
+\n1, => \n\n\n0, | - | :5 | probe 0 occurs twice
+,shift_v_mm => ,v | - | :1 | no column `shift_v`; the file has `probe`
+mm\n0 => mm,shift_u\n0 | - | :1 | column `shift_u` occurs twice
+shift_v => SHIFT_U | - | :1 | column `shift_u` occurs twice
+v_mm => v_cm | - | :1 | lengths are in mm and in cm
+shift_u_mm => shift_u_mm [cm] | - | :1 | states the unit `cm`, but its name ends with another unit
+shift_u_mm => shift_u [furlong] | - | :1 | cannot have the unit `furlong`; allowed: m, cm, mm, um, nm, in
+,shift_v_mm => ,shift_u_mm | - | :1 | rename one of them
+shift_u_mm => plate_in | shift_u=plate_in | :1 | may be in inches
+shift_u_mm => u [cm] | shift_u_mm=u [cm] | :1 | states another unit
+rotation_x_rad => rx | rotation_x=rx | :1 | `rx` states no unit (rad, mrad, deg)
+probe => probe | shift_u=Shift | :1 | which is no column
+probe => probe | x=probe | - | `x` is no column of these readings
+probe => probe | shift_u=probe,shift_v=probe | - | are both `probe`
+probe, => probe,pad_u,pad_v,t_s, | - | :1 | several of shift_u, shift_v
+rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm => rotation_x [deg],rotation_y,shift_u,shift_v\n,rad,rad,mm,mm | - | :1 | the unit `rad` in the next line
+shift_v_mm => shift_v_mm\n,rad,rad,mm,furlong | - | :2 | column `probe`: is empty
+shift_v_mm\n0,0,-0.3 => shift_v_mm\r\n\r\n0,0,x | - | :3 | column `rotation_y_rad`: `x` is not a number
+probe,rotation_x_rad,rotation_y_rad => sep=,\n# rig\n\nprobe,rotation_x_rad,rotation_z_rad | - | :4 | no column `rotation_y_rad`
+probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm => id,rx,ry,du [mm],dv [mm] | - | :1 | 'rotation_x_rad=rx,rotation_y_rad=ry,shift_u=du [mm],shift_v=dv [mm]'
+probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm => trial,rot x (rad),rot y (rad),u_mm,v_mm | - | :1 | 'rotation_x=rot x (rad),rotation_y=rot y (rad),shift_u=u_mm,shift_v=v_mm,probe=trial'
+shift_u_deg,q,rotation_x_rad,rotation_y_rad,shift_v\n1,2,3,4,5\n | - | :1 | setting `columns` assigns other names
+a;b,c\n1;2,3\n | - | :1 | separated by semicolon or comma
+0,0,-0.5,4,0\n1,0.5,0,0,4\n | - | :1 | holds numbers
+probe,t_s,rotation_x_rad,rotation_y_rad,shift_u_mm,pad_v_mm\n | - | :1 | no column `pad_u`
+probe,t_s,rotation_x_rad,rotation_y_rad,pad_u,pad_v\n0,1,0,0,0,0\n1,9,0,0,0,0\n0,1,0,-0.5,4,0\n | - | :4 | must increase, but 1 s follows 1 s
+ \n | - | - | is empty
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n | - | - | no readings
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,4,0\n | - | - | 1 probe(s)
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,0,0,0\n1,0,0,0,0\n | - | - | do not span
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,-4,0\n1,0.5,0,0,4\n | - | - | not a rolling contact
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n3,0,-0.5,4,0\n9,0.5,0,0,40\n | - | - | probe 9: a shift of 40
+probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n2,0,0.5,0,0\n | - | - | from u the contact did not move
+{"columns":["rotation_x_rad","rotation_y_rad","shift_u_mm","shift_v_mm"],"data":[[0,-0.5,4,0],[0.5,0,4]]}\n | - | :2 | 3 values for 4 columns
+{"columns":["rotation_x_rad","rotation_y_rad","shift_u_mm","shift_u_mm"],"data":[[0,-0.5,4,0],[0.5,0,0,4]]}\n | - | :1 | column `shift_u_mm` occurs twice
+[3] | - | :1 | a list of objects is needed, or an object per line
+{"probe": 1,\n"x": 2}\n | - | :1 | is no JSON object: EOF
+{"probe": 1,\n"a": [{"x": 1}, {"x": 1,\n"x": 2}]}\n | - | :2 | the key `x` occurs twice
+{}\n | - | :1 | is empty; its keys must name the columns
+{"a.b": 1, "a": {"b": 2}}\n | - | :1 | the file has `a.b`, `a.b`
+{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1}\n{"shift_u":1}\n | - | - | 1 probe(s)
+{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":true}\n | - | :1 | `true` is not a number
+{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1e999}\n | - | :1 | out of range
+"#;
 /// Tables with semicolons as delimiters that contain a wrong number. Each row has the format of `refuses`.
-const DECIMALS: &str = include_str!("tables/decimals.txt");
+const DECIMALS: &str = r#"
+rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1,234;0\n1;0;0;2,345\n | - | :2 | `1,234` may be 1.234 or 1234
+-1 => -1,5 | - | :2 | one decimal sign
+1.5 => 1,234.5 | - | :2 | separator of thousands
+1.5 => 1,234,567 | - | :2 | `1,234,567`
+"#;
 
-const NO_GLIDES: &str = include_str!("tables/glides.txt");
+const NO_GLIDES: &str = r#"
+finger,x_mm,y_mm\n0,1,2 | - | :1 | no column `z`
+finger,x,y,z,normal_x,normal_y\n0,1,2,3,0,0\n | - | :1 | no column `normal_z`
+Test 5, ball\nDate;2026\nx,y,z\n0,1,2\n | - | :1 | line 3 names columns: write # before the lines above it
+x,y,z\nwidth,depth,height\n0,1,2\n | - | :2 | write # before a line without numbers
+t,x,y,z,x.1,y.1\n0,1,2,3,4,5\n | - | :1 | finger `1` has no column `z`, but finger `0` has one
+finger,x,y,z\n0,,1,2\n1,-,NA,nan\n | - | :2 | column `x`: `` is no number
+finger,x,y,z\n0.5,1,2,3\n | - | :2 | column `finger`: must be a whole number
+finger,x,y,z\n0,1,2,3\n | - | - | 1 contact(s) give 1 equation(s)
+finger,x,y,z\n0,1,1,1\n0,2,2,2\n0,3,3,3\n0,4,4,4\n0,5,5,5\n0,6,6,6\n | - | - | on a line
+"#;
 
-const NO_PRESSES: &str = include_str!("tables/presses.txt");
+const NO_PRESSES: &str = r#"
+x_mm,normal_displacement_mm\n0,1\n | - | :1 | no column `y`
+x,y,normal_displacement,tangential_x\n0,1,2,3\n | - | :1 | no column `tangential_y`
+x0,y0,un,ux,uy\n0,1,2,3,4\n | - | :1 | 'x=x0,y=y0,normal_displacement=un,tangential_x=ux,tangential_y=uy'
+radial_position,normal_displacement,y,x\n0,1,2,3\n | - | :1 | both places x, y and radial_position
+x,y,normal_displacement,tangential_x,tangential_y\n0,0,0,0,NaN\n | - | :2 | column `tangential_y`
+x,y,normal_displacement\n0,0,1\n1,1,1e200\n2,2,1\n3,1,1\n4,1,1\n | - | :3 | marker 1
+x,y,normal_displacement\n0,0,0\n9,0,0\n0,9,0\n9,9,0\n4,4,0\n4,0,0\n | - | - | no contact
+"#;
 
 #[test]
 fn invalid_tables_are_refused_with_the_line() {
