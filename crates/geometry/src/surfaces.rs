@@ -22,7 +22,7 @@ use crate::{
     ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
 };
 
-/// A surface of any of the types in [`crate::surfaces`].
+/// A surface of any type of this crate.
 #[derive(Clone, Debug, IntoStaticStr)]
 #[strum(serialize_all = "kebab-case")]
 #[allow(missing_docs, reason = "each variant is the surface of the same name")]

@@ -33,7 +33,7 @@ const MAX_DISTANCE: f64 = 1e150;
 /// An object and a fingertip that touches it.
 ///
 /// ```
-/// use palpate_geometry::{Shape, surfaces::Sphere};
+/// use palpate_geometry::{Shape, Sphere};
 /// use palpate_rolling::{Fingertip, Glider};
 ///
 /// // A tip of radius 1 beside the top of a ball of radius 3: its centre lies on a sphere of radius 4.

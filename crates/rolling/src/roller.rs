@@ -56,7 +56,7 @@ impl<S: Surface> Bodies<'_, S> {
 /// A probe on an object, with a first contact and the model that computes its rolls.
 ///
 /// ```
-/// use palpate_geometry::{Shape, surfaces::Sphere};
+/// use palpate_geometry::{Shape, Sphere};
 /// use palpate_rolling::{Model, Motion, Roller, Rolls};
 ///
 /// // A probe of radius 1 rolls by 0.1 rad along x on a ball of radius 3.

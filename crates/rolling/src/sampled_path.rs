@@ -42,7 +42,7 @@ impl Roller {
     ///
     /// ```
     /// use nalgebra::Vector2;
-    /// use palpate_geometry::{Shape, surfaces::Sphere};
+    /// use palpate_geometry::{Shape, Sphere};
     /// use palpate_rolling::{Model, Motion, Roller, Rolls};
     ///
     /// // A probe of radius 1 rolls with 0.1 rad/s along x on a ball of radius 3.

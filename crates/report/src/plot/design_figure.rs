@@ -168,7 +168,7 @@ const MIN_LOG_RATIO: f64 = 8.0;
 /// ];
 /// let point = |x: f64| CurvePoint { x, y: 0.1 * x, std: 0.001, is_of_survivors: false };
 /// let curve = DesignCurve {
-///     statistic: Label::in_percent("rms relative error", "%"),
+///     statistic: Label { words: "rms relative error".to_owned(), unit: "%".to_owned(), factor: 100.0 },
 ///     limit: (0.05, "5 %".to_owned()),
 ///     lines: vec![CurveLine { label: String::new(), points: [0.1, 0.2, 0.5, 1.0].map(point).to_vec() }],
 ///     runs: runs(1.0),
