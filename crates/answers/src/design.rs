@@ -41,7 +41,7 @@ const REFINEMENTS: usize = 3;
 ///
 /// ```
 /// use std::time::Instant;
-/// use palpate_answers::{Extreme, Question, Side, Sought, design};
+/// use palpate_answers::{Answer, Extreme, Question, Side, Sought, design};
 /// use palpate_study::config::parse;
 /// use palpate_sweep::{RunOptions, Runner};
 ///

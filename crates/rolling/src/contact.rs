@@ -8,14 +8,16 @@ use palpate_geometry::{Surface, SurfaceError};
 ///
 /// ```
 /// use nalgebra::Point3;
-/// use palpate_geometry::Sphere;
-/// use palpate_rolling::Contact;
+/// use palpate_geometry::{Shape, Sphere};
+/// use palpate_rolling::{Model, Motion, Roller, Rolls};
 ///
-/// let contact = Contact::first(&Sphere::new(2.0)?, 0.0, 0.0)?;
+/// // A probe of radius 1 rests with its lowest point on a ball of radius 2.
+/// let (probe, ball) = (Sphere::new(1.0)?, Shape::Sphere(Sphere::new(2.0)?));
+/// let rolls = [vec![Motion::rolling(0.0, 0.1, 1.0)]];
+/// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls::exact(&rolls))?;
+/// let contact = roller.first_contact();
 /// assert_eq!(contact.on_object, Point3::new(0.0, 0.0, 2.0));
-/// // A probe of radius 1 rests on it with its lowest point.
-/// let lowest = Point3::new(0.0, 0.0, -1.0);
-/// assert!((contact.on_probe(1.0) - lowest).norm() < 1e-14);
+/// assert!((contact.on_probe(1.0) - Point3::new(0.0, 0.0, -1.0)).norm() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
