@@ -261,7 +261,8 @@ impl IndependentFit {
         let fingers: Vec<_> = fingers.iter().cloned().collect();
         let is_stroke = |contacts: &Vec<Contact>| stroke_curvature(contacts, outward).is_some();
         let are_two = |strokes: &Vec<_>| strokes.len() == 2 && strokes.iter().all(is_stroke);
-        [fingers, by_gap].iter().any(are_two)
+        // The noise of a single stroke may leave a gap between contacts on both sides of it.
+        [fingers, by_gap].iter().any(are_two) && !is_stroke(&self.contacts)
     }
 
     /// The axis of the patch across the strokes, and the contacts of each stroke. Gaps across the strokes separate

@@ -1,18 +1,22 @@
 //! Curvature along a single stroke, whose contacts lie on one curve. The curvature across the curve is not determined.
 
 use nalgebra::{
-    Cholesky, Const, Matrix4, Point3, SMatrix, SVector, SymmetricEigen, Vector3, Vector4,
+    Cholesky, Const, DMatrix, DVector, Point3, SMatrix, SVector, SymmetricEigen, Vector3,
 };
 use palpate_statistics::student_half_width;
 
 use crate::Contact;
 use crate::effective_readings::{correlation_time, distinct_contacts};
 
-/// Number of fitted parameters: height, slope, and the derivatives of order 2 to 6 along the stroke.
-const UNKNOWNS: usize = 7;
-const CURVATURE: usize = 2;
-/// Degrees of freedom that the fit removes from the residuals. The prior nearly fixes the derivatives of order 5 and 6.
-const FITTED: f64 = 5.0;
+/// Highest order of the derivatives of the surface that are fitted.
+const ORDER: usize = 6;
+/// Number of fitted parameters: the height of the surface in the middle of the stroke, and its derivatives up to
+/// [`ORDER`] along the stroke and across it.
+const UNKNOWNS: usize = (ORDER + 1) * (ORDER + 2) / 2;
+/// Lowest and highest degree of the polynomial that describes the path of the stroke in the plane of the patch.
+const DEGREES: [usize; 2] = [3, 9];
+/// Smallest number of contacts per coefficient of this polynomial, if its degree is above the lowest one.
+const CONTACTS_PER_COEFFICIENT: usize = 3;
 const MIN_CONTACTS: usize = 8;
 const PROBABILITY: f64 = 0.95;
 /// The contacts form a single stroke only if the ratio of their scatter across the stroke to their noise is at most
@@ -21,6 +25,9 @@ const MAX_SPREAD_RATIO: f64 = 2.5;
 /// Assumed standard deviation of the error of the stated outward direction (rad). The error is a rotation about the
 /// direction of the stroke.
 const OUTWARD_STD: f64 = 0.1;
+/// Assumed standard deviation of the second derivatives across the stroke, for half of the stroke's length as the unit.
+/// A single straight stroke does not determine them.
+const ACROSS_STD: f64 = 1.0;
 /// Largest root-mean-square distance of the contacts from the fitted curve, relative to half of the stroke's length.
 const MAX_SPREAD: f64 = 0.1;
 /// Smallest standard deviation that is assumed for slopes, and for heights relative to half of the stroke's length.
@@ -28,7 +35,11 @@ const MIN_STD: f64 = 1e-6;
 /// Additional standard error of the curvature, divided by the curvature. It accounts for derivatives of order 7 and
 /// higher, which the fit neglects.
 const MODEL_ERROR: f64 = 1e-3;
-const ITERATIONS: usize = 5;
+const ITERATIONS: usize = 6;
+/// Degrees of freedom that the fit removes from the residuals along the stroke.
+const FITTED: f64 = 5.0;
+/// Orders of the derivatives along and across the stroke that the contacts contain: heights, and two slopes.
+const OBSERVED: [[usize; 2]; 3] = [[0, 0], [1, 0], [0, 1]];
 
 type Row = SVector<f64, UNKNOWNS>;
 type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
@@ -48,7 +59,7 @@ pub struct StrokeCurvature {
     /// Rotation of the normal about the direction of the stroke, per length along the stroke (1/length); 0 for contacts
     /// without normals.
     pub twist: f64,
-    /// Unit vector along the stroke; the opposite vector is equivalent.
+    /// Unit vector along the stroke in its middle; the opposite vector is equivalent.
     pub direction: Vector3<f64>,
 }
 
@@ -133,7 +144,8 @@ struct Stroke {
     places: Vec<Vector3<f64>>,
     slopes: Vec<[f64; 2]>,
     half_length: f64,
-    direction: Vector3<f64>,
+    /// Unit vectors of the frame, as columns.
+    axes: SMatrix<f64, 3, 3>,
 }
 
 impl Stroke {
@@ -165,11 +177,10 @@ impl Stroke {
         };
         let up = up.try_normalize(0.0)?;
         let up = (up - along * along.dot(&up)).try_normalize(1e-3)?;
-        let axes = [along, up.cross(&along), up].map(|axis| axis.transpose());
-        let frame = SMatrix::<f64, 3, 3>::from_rows(&axes);
-        let turned: Vec<Vector3<f64>> = places.iter().map(|place| frame * place).collect();
+        let axes = SMatrix::<f64, 3, 3>::from_columns(&[along, up.cross(&along), up]);
+        let turned: Vec<Vector3<f64>> = places.iter().map(|place| axes.tr_mul(place)).collect();
         let half_length = turned.iter().map(|place| place.x.abs()).fold(0.0, f64::max);
-        let slopes = normals.iter().map(|normal| frame * normal);
+        let slopes = normals.iter().map(|normal| axes.tr_mul(normal));
         let slopes = slopes.map(|normal| {
             let height = normal.z.max(0.1);
             [-normal.x / height, -normal.y / height]
@@ -178,134 +189,171 @@ impl Stroke {
             places: turned.iter().map(|place| place / half_length).collect(),
             slopes: slopes.collect(),
             half_length,
-            direction: along,
+            axes,
         })
     }
 
     fn curvature(&self) -> Option<StrokeCurvature> {
         let count = self.places.len() as f64;
-        let path = self.cubic(self.places.iter().map(|place| place.y))?;
-        let spread = self
-            .places
-            .iter()
-            .map(|place| place.y - path.dot(&powers(place.x)));
-        let spread = (spread.map(|one| one * one).sum::<f64>() / (count - 4.0)).sqrt();
+        let (path, [spread, turn_std]) = self.path()?;
         if spread > MAX_SPREAD {
             return None;
         }
-        // If the surface slopes across the stroke, a bend of the path also changes the heights along the stroke. `tilt`
-        // describes this slope.
-        let tilt = match self.slopes.is_empty() {
-            true => Vector4::zeros(),
-            false => self.cubic(self.slopes.iter().map(|slope| slope[1]))?,
+        // Noise moves a contact across the path, but its height does not follow the surface there. Therefore the place
+        // of a contact across the path is that of the path.
+        let places = self.places.iter().map(|place| {
+            let across: f64 = path.iter().rev().fold(0.0, |sum, one| sum * place.x + one);
+            [place.x, across - path[0]].map(scaled_powers)
+        });
+        let places: Vec<[[f64; ORDER + 1]; 2]> = places.collect();
+        let observed = |kind: usize| {
+            places
+                .iter()
+                .enumerate()
+                .filter_map(move |(index, powers)| {
+                    let value = match kind {
+                        0 => self.places[index].z,
+                        _ => self.slopes.get(index)?[kind - 1],
+                    };
+                    Some((derivative(powers, OBSERVED[kind]), value))
+                })
         };
-        let [turn, bend] = [path[1], 2.0 * path[2]];
-        let slope = |index: usize, x: f64| {
-            let turn = path[1] + 2.0 * path[2] * x + 3.0 * path[3] * x * x;
-            self.slopes
-                .get(index)
-                .map(|slope| slope[0] + slope[1] * turn)
-        };
-        // If the path turns sideways on the surface, and the surface slopes across the path, this slope changes the
-        // higher derivatives of the heights along the path. `of_path` is an upper bound of this change.
-        let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
-        let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
-        let of_path = (steepest * bend.abs()).max(1e-3);
+        let sums = [0, 1, 2].map(|kind| {
+            let (mut gram, mut right) = (Gram::zeros(), Row::zeros());
+            for (row, value) in observed(kind) {
+                gram.ger(1.0, &row, &row, 1.0);
+                right += row * value;
+            }
+            (gram, right)
+        });
+        let has_normals = !self.slopes.is_empty();
         let floor = MIN_STD * MIN_STD;
-        let mut variances = [(spread * spread).max(floor), 1e-4];
-        let mut prior: f64 = 1.0;
+        let mut variances = [(spread * spread).max(floor), 1e-4, 1e-4];
+        let (mut prior, mut height_std, mut longest): (f64, f64, f64) = (1.0, 0.0, 1.0);
         let mut found = None;
         for _ in 0..ITERATIONS {
             let (mut gram, mut right) = (Gram::zeros(), Row::zeros());
-            for (index, place) in self.places.iter().enumerate() {
-                let row = derivatives(place.x);
-                gram += row * row.transpose() / variances[0];
-                right += row * (place.z / variances[0]);
-                if let Some(slope) = slope(index, place.x) {
-                    let row = shifted(&row);
-                    gram += row * row.transpose() / variances[1];
-                    right += row * (slope / variances[1]);
-                }
+            for (sums, variance) in sums.iter().zip(variances) {
+                gram += sums.0 / variance;
+                right += sums.1 / variance;
             }
-            for unknown in CURVATURE + 1..UNKNOWNS {
-                gram[(unknown, unknown)] += (prior * prior).recip();
+            for (place, [along, across]) in terms().enumerate() {
+                let std = match (along + across, across) {
+                    (1, 1) if !has_normals => OUTWARD_STD,
+                    (0 | 1, _) | (2, 0) => continue,
+                    (2, _) => ACROSS_STD,
+                    _ => prior,
+                };
+                gram[(place, place)] += (std * std).recip();
             }
             let factor: Cholesky<f64, Const<UNKNOWNS>> = gram.cholesky()?;
-            let solved = factor.solve(&right);
-            let mut residuals = [const { Vec::new() }; 2];
-            for (index, place) in self.places.iter().enumerate() {
-                let row = derivatives(place.x);
-                residuals[0].push(place.z - row.dot(&solved));
-                let slope = slope(index, place.x);
-                residuals[1].extend(slope.map(|slope| slope - shifted(&row).dot(&solved)));
+            let (solved, inverse) = (factor.solve(&right), factor.inverse());
+            longest = 1.0;
+            for kind in 0..3 {
+                let residuals = observed(kind).map(|(row, value)| value - row.dot(&solved));
+                let residuals: Vec<f64> = residuals.collect();
+                let fitted = inverse.component_mul(&sums[kind].0).sum() / variances[kind];
+                let left = (residuals.len() as f64 - fitted).max(1.0);
+                let square = residuals.iter().map(|one| one * one).sum::<f64>() / left;
+                if kind == 0 {
+                    height_std = square.max(floor).sqrt();
+                }
+                // If the noise is correlated along the stroke, this number of consecutive contacts counts as one.
+                let time = correlation_time(&[residuals], fitted as usize);
+                variances[kind] = (time * square).max(floor);
+                longest = longest.max(time);
             }
-            variances = residuals.each_ref().map(|all| {
-                let square: f64 = all.iter().map(|one| one * one).sum();
-                (square / (count - FITTED)).max(floor)
-            });
-            prior = solved[CURVATURE].abs().max(of_path);
-            found = Some((solved, factor.inverse()[(CURVATURE, CURVATURE)], residuals));
+            let bends = terms().zip(&solved);
+            let bends = bends.filter(|(term, _)| term[0] + term[1] == 2 || *term == [3, 0]);
+            prior = bends.fold(1e-3, |most, (_, one)| one.abs().max(most));
+            found = Some((solved, inverse));
         }
-        let (solved, variance, residuals) = found?;
-        let height_std = variances[0].sqrt();
-        let is_one = height_std <= MAX_SPREAD
-            && spread <= (MAX_SPREAD_RATIO * height_std).max(2.0 * MIN_STD);
-        if !is_one {
+        let (solved, inverse) = found?;
+        if height_std > MAX_SPREAD || spread > (MAX_SPREAD_RATIO * height_std).max(2.0 * MIN_STD) {
             return None;
         }
-        // If the noise is correlated along the stroke, this number of consecutive contacts counts as one.
-        let times = residuals.map(|all| correlation_time(&[all], FITTED as usize));
-        let time = times[0].max(times[1]);
-        // `stretch` is the square of the length along the surface per unit of length along u.
-        let stretch = 1.0 + turn * turn + solved[1] * solved[1];
-        let scale = (stretch * self.half_length).recip();
-        let of_tilt = match self.slopes.is_empty() {
-            true => OUTWARD_STD * OUTWARD_STD,
-            false => variances[1] / count,
-        };
-        let std = scale * (time * variance.max(0.0) + bend * bend * of_tilt).sqrt();
-        let value = scale * (bend * tilt[0] - solved[CURVATURE]);
+        // The tangent of the path in the middle of the stroke, and the derivatives of the surface there.
+        let turn = path[1];
+        let [_, p, q, uu, uv, vv] = std::array::from_fn(|place| solved[place]);
+        let rise = p + q * turn;
+        let stretch = 1.0 + turn * turn + rise * rise;
+        let scale = (stretch * (1.0 + p * p + q * q).sqrt() * self.half_length).recip();
+        let mut weights = Row::zeros();
+        (weights[3], weights[4], weights[5]) = (-scale, -2.0 * turn * scale, -turn * turn * scale);
+        let value = weights.dot(&solved);
+        let std = weights.dot(&(inverse * weights)).max(0.0).sqrt();
         let std = std.hypot(MODEL_ERROR * value);
-        let freedom = (count / time - FITTED).max(1.0);
+        // If the tangent turns by an angle, the curvature along it changes by twice the twist per angle.
+        let twist = scale * ((1.0 - turn * turn) * uv + turn * (vv - uu));
+        let std = std.hypot(2.0 * twist * turn_std / (1.0 + turn * turn));
+        let freedom = (count / longest - FITTED).max(1.0);
         let half = student_half_width(PROBABILITY, freedom as usize) * std;
+        let tangent = Vector3::new(1.0, turn, rise);
         let curvature = StrokeCurvature {
             value,
             std: Some(std),
             interval95: [value - half, value + half],
-            bend: scale * bend,
-            twist: scale * tilt[1],
-            direction: self.direction,
+            bend: 2.0 * path[2] / (stretch * self.half_length),
+            twist: if has_normals { twist } else { 0.0 },
+            direction: (self.axes * tangent).normalize(),
         };
         (curvature.value.is_finite() && std.is_finite()).then_some(curvature)
     }
 
-    fn cubic(&self, values: impl Iterator<Item = f64>) -> Option<Vector4<f64>> {
-        let (mut gram, mut right) = (Matrix4::zeros(), Vector4::zeros());
-        for (place, value) in self.places.iter().zip(values) {
-            let row = powers(place.x);
-            gram += row * row.transpose();
-            right += row * value;
+    /// The path of the stroke: the coefficients of a polynomial v(u), whose degree has the least Akaike information
+    /// criterion. The other results are the root-mean-square distance of the contacts from the path, and the standard
+    /// error of its slope at u = 0.
+    fn path(&self) -> Option<(Vec<f64>, [f64; 2])> {
+        let count = self.places.len();
+        let most = (count / CONTACTS_PER_COEFFICIENT).clamp(DEGREES[0] + 1, DEGREES[1] + 1);
+        let (mut gram, mut right) = (DMatrix::zeros(most, most), DVector::zeros(most));
+        let mut square = 0.0;
+        for place in &self.places {
+            let row = DVector::from_fn(most, |power, _| place.x.powi(power as i32));
+            gram.ger(1.0, &row, &row, 1.0);
+            right.axpy(place.y, &row, 1.0);
+            square += place.y * place.y;
         }
-        Some(gram.cholesky()?.solve(&right))
+        let polynomial = |size: usize| {
+            let factor = gram.view((0, 0), (size, size)).into_owned().cholesky()?;
+            let right = right.rows(0, size);
+            let path = factor.solve(&right);
+            let left = (square - path.dot(&right)).max(f64::EPSILON * square);
+            let criterion = count as f64 * libm::log(left) + 2.0 * size as f64;
+            let spread = (left / (count - size) as f64).sqrt();
+            let turn_std = spread * factor.inverse()[(1, 1)].sqrt();
+            let path = (path.as_slice().to_vec(), [spread, turn_std]);
+            Some((criterion, path))
+        };
+        let paths = (DEGREES[0] + 1..=most).filter_map(polynomial);
+        Some(paths.min_by(|one, other| one.0.total_cmp(&other.0))?.1)
     }
 }
 
-fn powers(u: f64) -> Vector4<f64> {
-    Vector4::new(1.0, u, u * u, u * u * u)
+/// The orders of the fitted derivatives along u and along v.
+fn terms() -> impl Iterator<Item = [usize; 2]> {
+    (0..=ORDER).flat_map(|order| (0..=order).map(move |across| [order - across, across]))
 }
 
-/// The height at u is a linear function of the fitted parameters: the height and its derivatives in the middle of the
-/// stroke. Returns the coefficients of this function.
-fn derivatives(u: f64) -> Row {
-    let mut row = Row::from_element(1.0);
-    for order in 1..UNKNOWNS {
-        row[order] = row[order - 1] * u / order as f64;
+/// The values u^k / k! for k = 0 to [`ORDER`].
+fn scaled_powers(u: f64) -> [f64; ORDER + 1] {
+    let mut powers = [1.0; ORDER + 1];
+    for order in 1..=ORDER {
+        powers[order] = powers[order - 1] * u / order as f64;
+    }
+    powers
+}
+
+/// A derivative of the surface is a linear function of the fitted parameters. Returns the coefficients of this function.
+/// `order` contains the orders of the derivative along u and along v.
+fn derivative(powers: &[[f64; ORDER + 1]; 2], order: [usize; 2]) -> Row {
+    let mut row = Row::zeros();
+    for (place, term) in terms().enumerate() {
+        let factors = [0, 1].map(|axis| {
+            let left = term[axis].checked_sub(order[axis]);
+            left.map_or(0.0, |left| powers[axis][left])
+        });
+        row[place] = factors[0] * factors[1];
     }
     row
-}
-
-/// The slope at u is a linear function of the fitted parameters. Returns the coefficients of this function. `row`
-/// contains the coefficients for the height at u.
-fn shifted(row: &Row) -> Row {
-    Row::from_fn(|order, _| if order == 0 { 0.0 } else { row[order - 1] })
 }

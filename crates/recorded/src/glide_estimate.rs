@@ -140,7 +140,10 @@ impl<'r> GlideFitResult<'r> {
                     .widen_to_shape(&outward, is_quadric)
                     .map_err(refused)?;
                 let fit = &fitted.fit;
-                let stroke = single.or_else(|| stroke_of(&fitted.contacts));
+                // The means of a stroke with correlated noise may be too few to recognise it.
+                let stroke = single
+                    .or_else(|| stroke_of(&fitted.contacts))
+                    .or_else(|| stroke_of(&contacts));
                 let centre = fit.centre().map_err(refused)?;
                 let sides = fit
                     .domain

@@ -284,17 +284,24 @@ fn a_saddle_is_no_simple_shape_and_has_open_curvatures() {
 
 #[test]
 fn a_single_stroke_is_not_resolved_across() {
-    let mut text = "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z\n".to_owned();
-    for row in 0..21 {
-        let x = f64::from(row) - 10.0;
-        let [y, error] = [5.3, 7.1].map(|rate| 0.05 * libm::sin(rate * f64::from(row * row)));
-        let z = (625.0 - x * x).sqrt();
-        text += &format!("0,{x},{y},{},{x},0,{z}\n", z + error);
-    }
+    let log = |bend: f64| {
+        let mut text = "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z\n".to_owned();
+        for row in 0..21 {
+            let x = f64::from(row) - 10.0;
+            let [noise, error] =
+                [5.3, 7.1].map(|rate| 0.05 * libm::sin(rate * f64::from(row * row)));
+            let y = bend * libm::sin(0.3 * x);
+            let z = (625.0 - x * x - y * y).sqrt();
+            text += &format!("0,{x},{},{},{x},{y},{z}\n", y + noise, z + error);
+        }
+        text
+    };
     let methods = ["penalised", "quadric", "shape"].map(|method| (method, 0.0, 0.04));
-    for (method, tip_radius, truth) in methods.into_iter().chain([("shape", 5.0, 0.05)]) {
+    let straight = methods.into_iter().chain([("shape", 5.0, 0.05)]);
+    let straight = straight.map(|case| (0.0, case));
+    for (bend, (method, tip_radius, truth)) in straight.chain([(2.0, ("quadric", 0.0, 0.04))]) {
         let given = json!({ "kind": method, "tip_radius": tip_radius, "reports": "centre" });
-        let stroke = estimate_with(&text, &given).unwrap();
+        let stroke = estimate_with(&log(bend), &given).unwrap();
         let [low, high] = [0, 1].map(|end| &stroke["stroke"]["curvature_along"]["interval95"][end]);
         assert!(
             low.as_f64() < Some(truth) && high.as_f64() > Some(truth),
