@@ -1,12 +1,9 @@
 //! Tests the estimates of the penalised spline and their standard errors on surfaces whose curvature is given by a
 //! formula.
 
-use crate::samples::{DETAILED, QUADRIC_LIKE, Surface, Sweep, Truth, Waves, grid};
+use crate::samples::{QUADRIC_LIKE, Surface, Sweep, TORUS, Truth, Waves, grid};
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{
-    Contact, Criterion, Curvature, Method, Noise, Patch, Penalised, Quadric, TwoPass,
-};
-use palpate_geometry::ShapeThresholds;
+use palpate_ep2::{Contact, Criterion, Curvature, Method, Noise, Patch, Penalised, Quadric};
 
 /// For each grid point, the estimated curvature and the true curvature.
 fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
@@ -70,7 +67,7 @@ fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
     // Balls and cylinders are implicit quadrics, but a torus is not. So the estimates on the torus have a larger
     // tolerance.
     let exact_shapes = QUADRIC_LIKE.iter().map(|surface| (surface, 1e-5));
-    for (surface, largest) in exact_shapes.chain([(&DETAILED[0], 2e-3)]) {
+    for (surface, largest) in exact_shapes.chain([(&TORUS, 2e-3)]) {
         let [gaussian, mean] = errors(&Penalised::default(), surface, &exact, 1);
         assert!(
             gaussian < largest && mean < largest,
@@ -130,26 +127,6 @@ fn many_contacts_of_few_fingers_do_not_cause_steps() {
     };
     let [gaussian, mean] = errors(&Penalised::default(), &steep, &sweep, 10);
     assert!(gaussian < 0.005 && mean < 0.005, "{gaussian} {mean}");
-}
-
-#[test]
-fn most_classes_are_correct_at_the_noise_of_the_paper() {
-    let thresholds = ShapeThresholds::new(0.005, 0.03).unwrap();
-    for (noise, least) in [(0.1, 0.98), (0.2, 0.9)] {
-        for surface in &QUADRIC_LIKE {
-            let all: Vec<_> = (0..40)
-                .flat_map(|trial| {
-                    found(&Penalised::default(), surface, &Sweep::paper(noise), trial)
-                })
-                .collect();
-            let right = all
-                .iter()
-                .filter(|[one, truth]| one.class(&thresholds) == truth.class(&thresholds))
-                .count();
-            let share = right as f64 / all.len() as f64;
-            assert!(share >= least, "{} at {noise}: {share}", surface.name);
-        }
-    }
 }
 
 /// Coverage of the 95 % intervals: the share of all grid points and trials in which the true curvature is within 1.96
@@ -214,34 +191,6 @@ fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
             assert!(
                 shares.iter().all(is_held),
                 "{} {noise} {shares:?}",
-                surface.name
-            );
-        }
-    }
-}
-
-#[test]
-fn errors_on_detailed_surfaces_are_smaller_than_with_two_passes() {
-    let sweep = Sweep {
-        fingers: 7,
-        contacts_per_finger: 20,
-        ..Sweep::paper(0.1)
-    };
-    // The required sums of squared residuals match the noise: each point contributes (w σ)², with the weight w and the
-    // standard deviation σ of the noise.
-    let matched = TwoPass {
-        smoothing: 140.0 * 100.0,
-        second_smoothing: 420.0 * 100.0,
-        unit_length: Some(1.0),
-        ..TwoPass::default()
-    };
-    for surface in &DETAILED {
-        let penalised = errors(&Penalised::default(), surface, &sweep, 6);
-        let two_pass = errors(&matched, surface, &sweep, 6);
-        for (one, other) in penalised.iter().zip(two_pass) {
-            assert!(
-                *one <= 0.5 * other,
-                "{}: {penalised:?} {two_pass:?}",
                 surface.name
             );
         }

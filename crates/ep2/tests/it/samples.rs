@@ -122,37 +122,20 @@ pub(crate) const QUADRIC_LIKE: [Surface; 4] = [
     },
 ];
 
-/// Surfaces that are not quadrics: the top of a torus with the radii 3 and 2, and a bump.
-pub(crate) const DETAILED: [Surface; 2] = [
-    Surface {
-        name: "torus",
-        at: |x, y| {
-            let (x, centre) = (x + 3.0, 3.0);
-            let from_axis = libm::hypot(x, y);
-            let out = from_axis - centre;
-            let height = (4.0 - out * out).sqrt();
-            let normal = Vector3::new(out * x / from_axis, out * y / from_axis, height);
-            let around = out / (2.0 * from_axis);
-            let point = Point3::new(x - centre, y, height);
-            (point, normal, 0.5 * around, 0.5 * (0.5 + around))
-        },
+/// The top of a torus with the radii 3 and 2, which is not a quadric.
+pub(crate) const TORUS: Surface = Surface {
+    name: "torus",
+    at: |x, y| {
+        let (x, centre) = (x + 3.0, 3.0);
+        let from_axis = libm::hypot(x, y);
+        let out = from_axis - centre;
+        let height = (4.0 - out * out).sqrt();
+        let normal = Vector3::new(out * x / from_axis, out * y / from_axis, height);
+        let around = out / (2.0 * from_axis);
+        let point = Point3::new(x - centre, y, height);
+        (point, normal, 0.5 * around, 0.5 * (0.5 + around))
     },
-    Surface {
-        name: "bump",
-        at: |x, y| {
-            let z = 0.3 * libm::exp(-(x * x + y * y));
-            let jet = [
-                z,
-                -2.0 * x * z,
-                -2.0 * y * z,
-                (4.0 * x * x - 2.0) * z,
-                4.0 * x * y * z,
-                (4.0 * y * y - 2.0) * z,
-            ];
-            graph(x, y, jet)
-        },
-    },
-];
+};
 
 #[derive(Clone, Copy)]
 pub(crate) struct Sweep {
