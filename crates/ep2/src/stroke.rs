@@ -35,6 +35,8 @@ const MIN_STD: f64 = 1e-6;
 /// Additional standard error of the curvature, divided by the curvature. It accounts for derivatives of order 7 and
 /// higher, which the fit neglects.
 const MODEL_ERROR: f64 = 1e-3;
+/// Largest slope of the path in the plane of the patch. A path that turns back, like that of a raster, is steeper.
+const MAX_TURN: f64 = 4.0;
 const ITERATIONS: usize = 6;
 /// Degrees of freedom that the fit removes from the residuals along the stroke.
 const FITTED: f64 = 5.0;
@@ -196,15 +198,19 @@ impl Stroke {
     fn curvature(&self) -> Option<StrokeCurvature> {
         let count = self.places.len() as f64;
         let (path, [spread, turn_std]) = self.path()?;
-        if spread > MAX_SPREAD {
+        let slopes = path.iter().zip(0_u32..).skip(1);
+        let slopes = slopes.map(|(one, power)| one * f64::from(power));
+        let slopes: Vec<f64> = slopes.collect();
+        let mut turns = self.places.iter().map(|place| value_of(&slopes, place.x));
+        if spread > MAX_SPREAD || turns.any(|turn| turn.abs() > MAX_TURN) {
             return None;
         }
         // Noise moves a contact across the path, but its height does not follow the surface there. Therefore the place
         // of a contact across the path is that of the path.
-        let places = self.places.iter().map(|place| {
-            let across: f64 = path.iter().rev().fold(0.0, |sum, one| sum * place.x + one);
-            [place.x, across - path[0]].map(scaled_powers)
-        });
+        let places = self
+            .places
+            .iter()
+            .map(|place| [place.x, value_of(&path, place.x) - path[0]].map(scaled_powers));
         let places: Vec<[[f64; ORDER + 1]; 2]> = places.collect();
         let observed = |kind: usize| {
             places
@@ -316,14 +322,17 @@ impl Stroke {
         }
         let polynomial = |size: usize| {
             let factor = gram.view((0, 0), (size, size)).into_owned().cholesky()?;
-            let right = right.rows(0, size);
-            let path = factor.solve(&right);
-            let left = (square - path.dot(&right)).max(f64::EPSILON * square);
+            let path = factor.solve(&right.rows(0, size));
+            let path = path.as_slice().to_vec();
+            let left = self.places.iter().map(|place| {
+                let distance = place.y - value_of(&path, place.x);
+                distance * distance
+            });
+            let left = left.sum::<f64>().max(f64::EPSILON * square);
             let criterion = count as f64 * libm::log(left) + 2.0 * size as f64;
             let spread = (left / (count - size) as f64).sqrt();
             let turn_std = spread * factor.inverse()[(1, 1)].sqrt();
-            let path = (path.as_slice().to_vec(), [spread, turn_std]);
-            Some((criterion, path))
+            Some((criterion, (path, [spread, turn_std])))
         };
         let paths = (DEGREES[0] + 1..=most).filter_map(polynomial);
         Some(paths.min_by(|one, other| one.0.total_cmp(&other.0))?.1)
@@ -333,6 +342,14 @@ impl Stroke {
 /// The orders of the fitted derivatives along u and along v.
 fn terms() -> impl Iterator<Item = [usize; 2]> {
     (0..=ORDER).flat_map(|order| (0..=order).map(move |across| [order - across, across]))
+}
+
+/// Value of the polynomial with these coefficients, lowest power first.
+fn value_of(coefficients: &[f64], u: f64) -> f64 {
+    coefficients
+        .iter()
+        .rev()
+        .fold(0.0, |sum, one| sum * u + one)
 }
 
 /// The values u^k / k! for k = 0 to [`ORDER`].
