@@ -268,22 +268,6 @@ mod tests {
     }
 
     #[test]
-    fn form_and_curvature_agree() {
-        let (form, [along, across]) = form_and_basis(&JET);
-        let curvature = curvature(JET, None, 1.0);
-        assert_relative_eq!(
-            form.gaussian_curvature(),
-            curvature.gaussian,
-            epsilon = 1e-14
-        );
-        assert_relative_eq!(form.mean_curvature(), curvature.mean, epsilon = 1e-14);
-        assert_relative_eq!(along.norm(), 1.0, epsilon = 1e-15);
-        assert_relative_eq!(across.norm(), 1.0, epsilon = 1e-15);
-        let normal = nalgebra::Vector3::new(-JET.u, -JET.v, 1.0).normalize();
-        assert_relative_eq!(along.cross(&across), normal, epsilon = 1e-15);
-    }
-
-    #[test]
     fn a_small_covariance_is_carried_by_the_true_gradients() {
         let step = 1e-6;
         for index in 0..DERIVATIVES {

@@ -122,19 +122,4 @@ mod tests {
             assert_eq!(product(&a, &rest), few * &rest);
         }
     }
-
-    #[test]
-    fn rows_are_mapped_as_by_the_whole_matrix() {
-        let map = SparseMap::new(3, 2, vec![(0, 1, 2.0), (2, 1, -1.0), (1, 0, 4.0)]);
-        let whole = DMatrix::from_row_slice(3, 2, &[0.0, 2.0, 4.0, 0.0, 0.0, -1.0]);
-        let rows = DMatrix::from_fn(4, 3, |i, j| (i * i + 3 * j) as f64);
-        assert_eq!(map.apply_to_rows(&rows), &rows * &whole);
-        assert_eq!(map.matrix(), whole);
-        let back = map.apply_to_rows(&rows);
-        assert_eq!(
-            map.transposed().apply_to_rows(&back),
-            &back * whole.transpose()
-        );
-        assert_eq!(map.in_unit(2.0).apply_to_rows(&rows), rows * whole / 2.0);
-    }
 }

@@ -219,32 +219,3 @@ fn subtract(column: &mut [[f64; LANES]], factor: f64, pivot: &[[f64; LANES]]) {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_relative_eq;
-
-    #[test]
-    fn least_squares_of_a_small_band() {
-        let mut triangle = Triangle::new(3, 2);
-        let mut block = Block::new(2, 5);
-        block.push_row(&[1.0, 0.0], 1.0);
-        block.push_row(&[1.0, 1.0], 2.0);
-        block.push_row(&[1.0, -1.0], 3.0);
-        triangle.absorb(0, &mut block);
-        block.push_row(&[1.0, 1.0], 0.0);
-        block.push_row(&[0.0, 2.0], 2.0);
-        triangle.absorb(1, &mut block);
-        // For these rows, AᵀA = [[3,0,0],[0,3,1],[0,1,5]] and Aᵀb = [6,−1,4]. The solution of AᵀA x = Aᵀb is x = (2,
-        // −9/14, 13/14).
-        let solution = triangle.solve();
-        for (value, expected) in solution.iter().zip([2.0, -9.0 / 14.0, 13.0 / 14.0]) {
-            assert_relative_eq!(*value, expected, epsilon = 1e-14);
-        }
-        let [x, y, z] = [2.0, -9.0 / 14.0, 13.0 / 14.0];
-        let residuals = [x - 1.0, x + y - 2.0, x - y - 3.0, y + z, 2.0 * z - 2.0];
-        let sum: f64 = residuals.iter().map(|residual| residual * residual).sum();
-        assert_relative_eq!(triangle.residual_sum, sum, epsilon = 1e-14);
-    }
-}

@@ -112,28 +112,6 @@ fn the_noise_decides_the_number_of_knots() {
 }
 
 #[test]
-fn the_status_reports_exhausted_knots() {
-    let method = TwoPass {
-        unit_length: Some(1.0),
-        smoothing: 0.0,
-        ..TwoPass::default()
-    };
-    let mut contacts = contacts(saddle, true);
-    let mut noise = Stream::new(2, 0, Channel::Position);
-    for contact in &mut contacts {
-        contact.position.z += 0.1 * noise.standard_normal();
-    }
-    let two = method.fit(&patch(&contacts)).unwrap();
-    let method = TwoPass {
-        passes: Passes::One,
-        ..method
-    };
-    let one = method.fit(&patch(&contacts)).unwrap();
-    assert_eq!([one.status, two.status], [Some(Status::KnotsExhausted); 2]);
-    assert!(one.spline.coefficients.len() > 9);
-}
-
-#[test]
 fn the_default_unit_is_the_distance_between_fingers() {
     let contacts = contacts(saddle, true);
     let found = TwoPass::default().fit(&patch(&contacts)).unwrap();

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
+mod classes;
 mod drawn_shapes;
 mod logs;
 mod misfit;

@@ -40,23 +40,6 @@ fn errors(method: &dyn Method, surface: &Surface, sweep: &Sweep, trials: u64) ->
 }
 
 #[test]
-fn a_noiseless_quadric_is_estimated_to_rounding() {
-    let saddle = &QUADRIC_LIKE[3];
-    let exact = Sweep {
-        position_std: 0.0,
-        normal_std_rad: 0.0,
-        ..Sweep::paper(0.0)
-    };
-    // The mean normal of the patch is z except for rounding, so the saddle is also a quadric in the frame of the patch.
-    for method in [&Penalised::default() as &dyn Method, &Quadric::default()] {
-        for [one, truth] in found(method, saddle, &exact, 0) {
-            assert!((one.gaussian - truth.gaussian).abs() < 1e-11, "{one:?}");
-            assert!((one.mean - truth.mean).abs() < 1e-11, "{one:?}");
-        }
-    }
-}
-
-#[test]
 fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
     let exact = Sweep {
         fingers: 7,

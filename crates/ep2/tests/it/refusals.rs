@@ -98,13 +98,6 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
 }
 
 #[test]
-fn duplicate_contacts_are_fitted() {
-    let mut contacts = sphere();
-    contacts.extend(sphere());
-    assert_eq!(outcomes(&contacts), ["result"; 3]);
-}
-
-#[test]
 fn invalid_and_folded_normals_are_refused() {
     let changed = |normal: Option<Vector3<f64>>| {
         let mut contacts = sphere();
