@@ -1,6 +1,10 @@
 //! Noise of a patch's contacts: stated or estimated.
 
-use crate::{Ep2Error, Patch, PatchFrame};
+use nalgebra::Vector3;
+use palpate_statistics::evenly_spaced;
+
+use crate::patch::FingerMap;
+use crate::{Contact, Ep2Error, Patch, PatchFrame};
 
 /// Stated standard deviations of the contacts' errors. `None` means that the fit estimates the value from the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,6 +32,110 @@ const MIN_STD: f64 = 1e-12;
 /// Largest allowed ratio between the estimated variances of heights and of slopes, in either direction. If an estimated
 /// ratio is larger, the fit follows the heights or the slopes almost exactly by chance.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
+
+/// Largest number of contacts from which the steps of rounded coordinates are determined.
+const MAX_CONTACTS: usize = 5000;
+/// Coordinates count as equal if they differ by less than this share of their range.
+const LEVEL_TOLERANCE: f64 = 1e-6;
+/// A coordinate counts as rounded only if all differences between its values are multiples of one step. This constant is
+/// the largest accepted deviation from a multiple, divided by the step.
+const MAX_LEVEL_ERROR: f64 = 0.02;
+/// The smallest difference between values of a rounded coordinate may be a multiple of the step. This constant is the
+/// largest multiple that is tried.
+const MAX_MULTIPLE: u8 = 10;
+/// With at most this number of different values, all differences may be multiples of the step, because the values are
+/// those of a few strokes.
+const MAX_FEW_LEVELS: usize = 8;
+/// Contacts face one axis if the mean magnitude of their normals' components along this axis exceeds this value.
+const MIN_FACING: f64 = 0.7;
+
+/// Contacts with rounded coordinates are outliers only if their distance from the surface exceeds this multiple of the
+/// step.
+pub(crate) const MIN_OUTLIER_STEPS: f64 = 1.5;
+
+/// For each coordinate of contacts, the step between its values if they are rounded; otherwise 0.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Resolution(pub(crate) Vector3<f64>);
+
+impl Resolution {
+    pub(crate) fn new<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone) -> Self {
+        Self(Vector3::from_fn(|axis, _| step(contacts.clone(), axis)))
+    }
+
+    /// The steps that are assumed for contacts whose normals have components of the mean magnitudes `facing`. A
+    /// coordinate along the surface may be commanded exactly, such as the spacing of strokes. Its values then seem to be
+    /// rounded to large steps. Therefore the step of the coordinate that the contacts face is a limit for the others.
+    pub(crate) fn steps(&self, facing: &Vector3<f64>) -> Vector3<f64> {
+        let axis = facing.imax();
+        let mut sorted: [f64; 3] = self.0.into();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let limit = match facing[axis] > MIN_FACING {
+            true => self.0[axis],
+            false => sorted[1],
+        };
+        self.0.map(|step| step.min(limit))
+    }
+}
+
+/// The step between the values of a rounded coordinate; 0 if the coordinate is not rounded, or has a single value.
+fn step<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone, axis: usize) -> f64 {
+    let values = contacts.clone().map(|contact| contact.position[axis]);
+    let values: Vec<f64> = values.collect();
+    let selection = evenly_spaced(values.len(), MAX_CONTACTS);
+    let mut levels: Vec<f64> = selection.map(|contact| values[contact]).collect();
+    levels.sort_unstable_by(f64::total_cmp);
+    let [Some(&low), Some(&high)] = [levels.first(), levels.last()] else {
+        return 0.0;
+    };
+    levels.dedup_by(|one, other| (*one - *other).abs() <= LEVEL_TOLERANCE * (high - low));
+    let differences = levels.windows(2).map(|pair| pair[1] - pair[0]);
+    let least = differences.fold(f64::INFINITY, f64::min);
+    let is_step = |step: &f64| {
+        let mut numbers = levels.iter().map(|level| (level - low) / step);
+        numbers.all(|number| (number - libm::round(number)).abs() < MAX_LEVEL_ERROR)
+    };
+    let steps = (1..=MAX_MULTIPLE).map(|multiple| least / f64::from(multiple));
+    let Some(step) = steps.filter(|step| step.is_finite()).find(is_step) else {
+        return 0.0;
+    };
+    // Heights that are constant along each stroke differ only between the strokes, by any multiple of the step.
+    let mut last: FingerMap<Option<f64>> = FingerMap::default();
+    let [mut pairs, mut changes] = [0, 0];
+    for contact in contacts {
+        let value = contact.position[axis];
+        if let Some(before) = last.entry(contact.finger).replace(value) {
+            pairs += 1;
+            changes += usize::from(libm::round((value - before) / step).abs() == 1.0);
+        }
+    }
+    let are_strokes = 2 * pairs > values.len() && changes <= levels.len();
+    match are_strokes && levels.len() <= MAX_FEW_LEVELS {
+        true => round_step(step, low),
+        false => step,
+    }
+}
+
+/// The largest number 1, 2.5 or 5, multiplied by a power of ten, of which `value` and `difference` are multiples. If it
+/// is far smaller than `difference`, `value` has an offset and is not used. The result is 0 if `difference` is not a
+/// multiple either.
+fn round_step(difference: f64, value: f64) -> f64 {
+    let power = libm::floor(libm::log10(difference)) as i32;
+    let is_multiple = |value: f64, unit: f64| {
+        let ratio = value.abs() / unit;
+        (ratio - libm::round(ratio)).abs() < 1e-4 * ratio.max(1.0)
+    };
+    let find = |value: f64| {
+        let numbers = (0..3).flat_map(|lower| {
+            let unit = libm::pow(10.0, f64::from(power - lower));
+            [5.0, 2.5, 1.0].map(|number| number * unit)
+        });
+        let is_step = |&unit: &f64| {
+            unit < 1.01 * difference && is_multiple(difference, unit) && is_multiple(value, unit)
+        };
+        numbers.into_iter().find(is_step)
+    };
+    find(value).or_else(|| find(0.0)).unwrap_or(0.0)
+}
 
 impl Noise {
     /// Whether the noise of all kinds of readings in the patch (positions, normals) is stated.

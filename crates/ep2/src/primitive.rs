@@ -20,8 +20,10 @@ use thiserror::Error;
 use crate::effective_readings::EffectiveReadings;
 use crate::error::LARGEST;
 use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
+use crate::noise::Resolution;
 use crate::patch::direction;
 use crate::{Contact, Ep2Error, Noise, NoiseEstimate};
+use cells::Rounding;
 use lack_of_fit::{LackOfFit, lack_of_fit};
 use pose::Cloud;
 use robust_fit::{RobustFit, Solution, StatedNoise, robust_fit, solve};
@@ -167,6 +169,11 @@ impl ShapeFit {
         self.radius.value.is_some()
     }
 
+    /// Whether the contacts do not determine the curvature. The curvature of a plane is 0.
+    pub fn is_open(&self) -> bool {
+        self.shape != Shape::Plane && !self.is_resolved()
+    }
+
     /// Number of fitted parameters of the shape.
     pub const fn unknowns(&self) -> usize {
         match self.shape {
@@ -205,7 +212,7 @@ struct Scaled {
 }
 
 impl Scaled {
-    fn new(contacts: &[Contact]) -> Result<Self, Ep2Error> {
+    fn new(contacts: &[Contact], resolution: Resolution) -> Result<Self, Ep2Error> {
         let anchor = contacts
             .first()
             .map_or(Point3::origin(), |one| one.position);
@@ -231,6 +238,8 @@ impl Scaled {
             cloud: Cloud {
                 places: places.collect(),
                 normals: normals.collect(),
+                resolution: Resolution(resolution.0 / scale),
+                rounding_variance: 0.0,
             },
             fingers: contacts.iter().map(|one| one.finger).collect(),
             centre,
@@ -268,33 +277,40 @@ impl ShapeSettings {
         let all = &sound.distinct.contacts;
         self.enough(all)?;
         if self.shape.is_some() || all.len() <= MAX_COMPARED {
-            return self.fit_sound(contacts.len(), sound);
+            return self.fit_sound(contacts, sound);
         }
         let selection: Vec<Contact> = evenly_spaced(all.len(), MAX_COMPARED)
             .map(|contact| all[contact])
             .collect();
         // If the fit to the selection fails, fit all contacts, so that the error refers to all contacts.
         let Ok(chosen) = self.fit(&selection) else {
-            return self.fit_sound(contacts.len(), sound);
+            return self.fit_sound(contacts, sound);
         };
         let stated = Self {
             shape: Some(chosen.shape),
             ..*self
         };
         Ok(stated
-            .fit_sound(contacts.len(), sound)?
+            .fit_sound(contacts, sound)?
             .with_probabilities(chosen.probabilities))
     }
 
     /// Fits the stated shape or, if none is stated, the most probable shape to `sound`, the contacts without gross
-    /// outliers. `count` is the number of contacts including the gross outliers.
-    fn fit_sound(&self, count: usize, sound: SoundContacts) -> Result<ShapeFit, ShapeError> {
+    /// outliers. `contacts` also contains the gross outliers.
+    fn fit_sound(
+        &self,
+        contacts: &[Contact],
+        sound: SoundContacts,
+    ) -> Result<ShapeFit, ShapeError> {
+        let count = contacts.len();
         let SoundContacts {
             mut outliers,
             rows,
             distinct,
         } = sound;
-        let scaled = Scaled::new(&distinct.contacts)?;
+        // The means of merged contacts are not rounded, so use the contacts before merging.
+        let resolution = Resolution::new(rows.iter().map(|&row| &contacts[row]));
+        let scaled = Scaled::new(&distinct.contacts, resolution)?;
         let stated = self.stated(scaled.scale)?;
         let cloud = &scaled.cloud;
         let shapes = match &self.shape {
@@ -315,12 +331,12 @@ impl ShapeSettings {
                 outliers: left.collect(),
             });
         }
-        let by_noise = fits.iter().map(|fit| fit.solution.variances[0]);
-        let (best, _) = by_noise
-            .enumerate()
-            .min_by(|(_, one), (_, other)| one.total_cmp(other))
-            .unwrap_or_default();
-        let is_used = fits[best].is_used.clone();
+        let by_noise = |one: &&RobustFit, other: &&RobustFit| {
+            let [one, other] = [one, other].map(|fit| fit.solution.variances[0]);
+            one.total_cmp(&other)
+        };
+        let best = fits.iter().min_by(by_noise).unwrap_or(&fits[0]);
+        let (best, is_used) = (best.solution, best.is_used.clone());
         let runs = distinct.run_of_row.iter().zip(&rows);
         let misfits = runs.filter(|(run, _)| !is_used[**run]);
         outliers.extend(misfits.map(|(_, row)| Outlier {
@@ -329,19 +345,23 @@ impl ShapeSettings {
         }));
         outliers.sort_by_key(|outlier| outlier.contact);
         let outliers = within_share(outliers, count)?;
-        let used = cloud.selected(&is_used);
+        let mut used = cloud.selected(&is_used);
         let fingers = scaled.fingers.iter().zip(&is_used);
         let fingers: Vec<usize> = fingers
             .filter_map(|(one, used)| used.then_some(*one))
             .collect();
+        let rounding = Rounding::new(&best, &used, &fingers);
+        used.rounding_variance = rounding.variance;
         let mut candidates: Vec<Candidate> = fits
             .drain(..)
             .map(|fit| {
-                let solution = match fit.is_used == is_used && stated == [None; 2] {
-                    true => fit.solution,
-                    false => solve(fit.solution.pose, &used, stated, [1.0; 2], ITERATIONS),
-                };
-                let lack = lack_of_fit(&solution, &used, &fingers);
+                let solution =
+                    match fit.is_used == is_used && stated == [None; 2] && rounding.variance == 0.0
+                    {
+                        true => fit.solution,
+                        false => solve(fit.solution.pose, &used, stated, [1.0; 2], ITERATIONS),
+                    };
+                let lack = lack_of_fit(&solution, &used, &fingers, &rounding);
                 let solution = match lack.correlations == [1.0; 2] {
                     true => solution,
                     false => solve(solution.pose, &used, stated, lack.correlations, ITERATIONS),
@@ -355,14 +375,15 @@ impl ShapeSettings {
         };
         let candidate = &mut candidates[chosen];
         candidate.solution.pose = candidate.solution.within_noise();
+        let [position_correlation, normal_correlation] = candidate.lack.with_rounding;
         let readings = EffectiveReadings {
             contacts: count - outliers.len(),
             distinct: used.places.len(),
-            position_correlation: candidate.lack.correlations[0],
-            normal_correlation: candidate.lack.correlations[1],
+            position_correlation,
+            normal_correlation,
         };
         let outward = direction(&self.outward)?.normalize();
-        let fit = self.reported(candidate, &scaled, &used, outward);
+        let fit = self.reported(candidate, &scaled, &used, &rounding, outward);
         let fit = ShapeFit {
             readings,
             outliers,

@@ -12,6 +12,7 @@ use palpate_statistics::evenly_spaced;
 
 use crate::chebyshev::{count, products};
 use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
+use crate::noise::{MIN_OUTLIER_STEPS, Resolution};
 use crate::patch::{FingerMap, Sample, sample};
 use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
@@ -86,9 +87,10 @@ impl SoundContacts {
         for &run in &self.distinct.run_of_row {
             counts[run] += 1;
         }
+        let resolution = Resolution::new(self.rows.iter().map(|&row| &contacts[row]));
         let all = &self.distinct.contacts;
         let is_beside_path = beside_paths(all);
-        let mut is_outlier = outliers(all, &counts, &is_beside_path, outward);
+        let mut is_outlier = outliers(all, &counts, &is_beside_path, &resolution, outward);
         let pairs = is_outlier.iter().zip(&is_beside_path);
         let on_path: Vec<bool> = pairs.map(|(one, is_beside)| *one && !is_beside).collect();
         if on_path.contains(&true) && !are_scattered(all, &on_path, outward) {
@@ -214,6 +216,7 @@ fn outliers(
     contacts: &[Contact],
     counts: &[usize],
     is_beside_path: &[bool],
+    resolution: &Resolution,
     outward: &Vector3<f64>,
 ) -> Vec<bool> {
     let none = vec![false; contacts.len()];
@@ -225,7 +228,8 @@ fn outliers(
     let weighted = contacts.iter().zip(repeats);
     let weighted = weighted.flat_map(|(contact, repeats)| std::iter::repeat_n(contact, repeats));
     let patch = Patch::new(&selected(weighted), outward).ok();
-    let Some(mut is_outlier) = patch.and_then(|patch| suspects(&patch, contacts)) else {
+    let Some(mut is_outlier) = patch.and_then(|patch| suspects(&patch, contacts, resolution))
+    else {
         return none;
     };
     let suspects = is_outlier.iter_mut().zip(is_beside_path);
@@ -270,7 +274,7 @@ fn selected<'a>(contacts: impl Iterator<Item = &'a Contact>) -> Vec<Contact> {
 
 /// Whether each contact may be an outlier. `patch` contains a selection of the contacts. `None` if the selection has
 /// too few contacts.
-fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
+fn suspects(patch: &Patch, contacts: &[Contact], resolution: &Resolution) -> Option<Vec<bool>> {
     let count_of_fitted = patch.samples.len();
     if count_of_fitted < MIN_CONTACTS {
         return None;
@@ -313,10 +317,16 @@ fn suspects(patch: &Patch, contacts: &[Contact]) -> Option<Vec<bool>> {
         }
     };
     let typical = [median(deviations.collect()), slopes(0), slopes(1)];
+    let normal = patch.frame.direction_in_world(&Vector3::z());
+    let step = resolution.steps(&normal.abs()).amax() / patch.frame.scale();
+    let rounding = MIN_OUTLIER_STEPS * step;
     let limits: [f64; 3] = std::array::from_fn(|kind| {
         let of_kind = of_fitted.iter().map(|residuals| residuals[kind]);
         let limit = SUSPECT * std(of_kind.collect(), coefficients.len());
-        limit.max(MIN_RELATIVE_RESIDUAL * typical[kind])
+        let of_rounding = if kind == 0 { rounding } else { 0.0 };
+        limit
+            .max(MIN_RELATIVE_RESIDUAL * typical[kind])
+            .max(of_rounding)
     });
     let is_suspect = |contact: &Contact| {
         let residuals = sample(&patch.frame, 0, contact).map(|sample| residuals(&sample));

@@ -2,27 +2,182 @@
 //! sign, the shape does not fit the contacts, and the residuals are not only noise.
 
 use nalgebra::Vector3;
-use palpate_statistics::ratio_tail;
+use palpate_statistics::{chi_squared_tail, ratio_tail};
 
 use super::pose::{Cloud, Equations, Gram, Pose, Row};
-use super::robust_fit::{MIN_STD, Solution};
+use super::robust_fit::Solution;
+use crate::patch::FingerMap;
 
 const MAX_CELLS: usize = 32;
 const MIN_CONTACTS: usize = 5;
 const MIN_CELLS: usize = 12;
-/// Rounded coordinates of a scan have only a few values, called levels. They are searched in at most this number of
-/// contacts.
-const LEVEL_CONTACTS: usize = 2000;
-/// Rounded coordinates of a scan have only a few values, called levels. Two coordinates belong to the same level if
-/// they differ by less than this share of the contacts' spread.
-const LEVEL_TOLERANCE: f64 = 1e-6;
-/// Rounded coordinates of a scan have only a few values, called levels. A coordinate counts as rounded only if all its
-/// values are close to levels. This constant is the largest accepted difference between a value and the nearest level,
-/// divided by the step between levels.
-const MAX_LEVEL_ERROR: f64 = 0.05;
 /// A coordinate counts as rounded only if the contacts' distances from the shape are about as large as the rounding
 /// errors. This constant is the largest accepted ratio of the larger to the smaller of these two standard deviations.
 const MAX_ROUNDING_RATIO: f64 = 2.0;
+
+/// The assumed steps of a coordinate are wrong if two conditions are true: the contacts' mean square distance from the
+/// shape is below this share of the variance of the rounding errors, and the probability of such a small distance is
+/// below [`MIN_ROUNDING_P_VALUE`].
+const MIN_ROUNDING_SHARE: f64 = 0.25;
+const MIN_ROUNDING_P_VALUE: f64 = 0.01;
+
+/// Errors of rounded coordinates. Contacts of a finger with the same value of a coordinate may have the same error. Such
+/// errors do not contribute to the residuals if the fit can follow them, such as the heights of a few straight strokes.
+#[derive(Debug, Default)]
+pub(super) struct Rounding {
+    /// Variance of the distances from the shape, if all errors were caused by rounding.
+    pub(super) variance: f64,
+    /// Number of consecutive positions that count as one, if all errors were caused by rounding.
+    run_length: f64,
+    axes: Vec<RoundedAxis>,
+}
+
+/// Rounding errors of the coordinate `axis`. Contacts with the same error have the same number in `run_of`.
+#[derive(Debug)]
+struct RoundedAxis {
+    axis: usize,
+    variance: f64,
+    /// Mean variance of the distances from the shape, if all errors were caused by the rounding of this coordinate.
+    of_distances: f64,
+    step: f64,
+    run_of: Vec<Option<usize>>,
+    lengths: Vec<f64>,
+}
+
+impl Rounding {
+    pub(super) fn new(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> Self {
+        let (variances, steps) = cloud.rounding(&solution.pose);
+        let count = cloud.places.len() as f64;
+        let found = solution.equations.squares[0] / count;
+        let mut all = Self::default();
+        for axis in (0..3).filter(|&axis| steps[axis] > 0.0) {
+            let (run_of, lengths) = runs(cloud, fingers, axis, steps[axis]);
+            let independent = count - lengths.iter().map(|one| one - 1.0).sum::<f64>();
+            let expected = variances[axis];
+            let share = found / expected;
+            let freedom = independent as usize;
+            let freedom = freedom.saturating_sub(solution.pose.unknowns());
+            let is_wrong = share < MIN_ROUNDING_SHARE
+                && freedom > 0
+                && 1.0 - chi_squared_tail(share * independent, freedom) < MIN_ROUNDING_P_VALUE;
+            if is_wrong {
+                continue;
+            }
+            all.variance += expected;
+            let excess: f64 = lengths.iter().map(|one| one * (one - 1.0)).sum();
+            all.run_length += expected * (1.0 + excess / count);
+            all.axes.push(RoundedAxis {
+                axis,
+                variance: steps[axis] * steps[axis] / 12.0,
+                of_distances: expected,
+                step: steps[axis],
+                run_of,
+                lengths,
+            });
+        }
+        all.run_length = match all.variance > 0.0 {
+            true => all.run_length / all.variance,
+            false => 1.0,
+        };
+        all
+    }
+
+    /// Number of consecutive positions of the fit `solution` that count as one, because they have the same rounding
+    /// error.
+    pub(super) fn correlation(&self, solution: &Solution) -> f64 {
+        1.0 + (self.run_length - 1.0) * (self.variance / solution.variances[0]).min(1.0)
+    }
+
+    /// Divides contacts by the values of the rounded coordinate along which the shape's normals mainly point, such as the
+    /// heights of a scan whose voxels are larger than its noise. `None` if the distances from the shape are not about as
+    /// large as the rounding errors.
+    pub(super) fn levels(&self, solution: &Solution, cloud: &Cloud) -> Option<Cells> {
+        let largest = |one: &&RoundedAxis, other: &&RoundedAxis| {
+            one.of_distances.total_cmp(&other.of_distances)
+        };
+        let RoundedAxis {
+            axis,
+            of_distances,
+            step,
+            ..
+        } = self.axes.iter().max_by(largest)?;
+        let share = (solution.variances[0] / of_distances).sqrt();
+        let values = cloud.places.iter().map(|place| place[*axis]);
+        let lowest = values.clone().fold(f64::INFINITY, f64::min);
+        let cell_of: Vec<usize> = values
+            .map(|value| libm::round((value - lowest) / step) as usize)
+            .collect();
+        let count = cell_of.iter().max()? + 1;
+        let are_levels = (1.0 / MAX_ROUNDING_RATIO..=MAX_ROUNDING_RATIO).contains(&share)
+            && count * MIN_CONTACTS <= cell_of.len();
+        are_levels.then_some(Cells { cell_of, count })
+    }
+
+    /// Covariance of the fitted parameters that is caused by equal errors of different contacts.
+    pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> Gram {
+        let weights = solution.weights();
+        let mut spread = Gram::zeros();
+        for one in &self.axes {
+            let mut sums = vec![Row::zeros(); one.lengths.len()];
+            for (place, run) in cloud.places.iter().zip(&one.run_of) {
+                if let Some(run) = *run {
+                    let part = solution.pose.normal_at(place)[one.axis] * weights[0];
+                    sums[run] += solution.pose.deviation(place, false).distance_row * part;
+                }
+            }
+            // The variance of the distances contains the errors of single contacts. Therefore only the products of
+            // different contacts are added.
+            for (sum, length) in sums.iter().zip(&one.lengths) {
+                spread += sum * sum.transpose() * (one.variance * (1.0 - 1.0 / length));
+            }
+        }
+        solution.inverse * spread * solution.inverse
+    }
+}
+
+/// Runs of consecutive contacts of a finger whose rounded coordinate has the same value. Returns the index of the run of
+/// each contact, and the number of contacts in each run. If the coordinate passes from one value through the next to
+/// the one after, the errors of the middle run have all values between plus and minus half a step and nearly cancel.
+/// Such contacts have no run.
+fn runs(
+    cloud: &Cloud,
+    fingers: &[usize],
+    axis: usize,
+    step: f64,
+) -> (Vec<Option<usize>>, Vec<f64>) {
+    let first = cloud.places.first().map_or(0.0, |place| place[axis]);
+    let mut open: FingerMap<Option<(usize, i64)>> = FingerMap::default();
+    let mut run_of = Vec::with_capacity(cloud.places.len());
+    let mut lengths: Vec<f64> = Vec::new();
+    let mut changes: Vec<[i64; 2]> = Vec::new();
+    for (place, &finger) in cloud.places.iter().zip(fingers) {
+        let level = libm::round((place[axis] - first) / step) as i64;
+        let last = open.entry(finger);
+        let run = match *last {
+            Some((run, before)) if before == level => run,
+            before => {
+                let change = before.map_or(0, |(run, before)| {
+                    changes[run][1] = level - before;
+                    level - before
+                });
+                changes.push([change, 0]);
+                lengths.push(0.0);
+                lengths.len() - 1
+            }
+        };
+        *last = Some((run, level));
+        lengths[run] += 1.0;
+        run_of.push(Some(run));
+    }
+    let passes = |run: usize| changes[run][0].abs() == 1 && changes[run][0] == changes[run][1];
+    for run in &mut run_of {
+        *run = run.filter(|&run| !passes(run));
+    }
+    (0..lengths.len())
+        .filter(|&run| passes(run))
+        .for_each(|run| lengths[run] = 1.0);
+    (run_of, lengths)
+}
 
 /// A division of contacts into cells. `cell_of` contains the cell index of each contact.
 pub(super) struct Cells {
@@ -57,7 +212,7 @@ impl Cells {
     /// `values` contains one value per contact, such as the distance from the shape. Returns the p-value of the cells'
     /// mean values: the probability that noise alone causes mean values of at least this size. `correlation` is the
     /// number of consecutive values that count as one because their errors are correlated.
-    pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
+    pub(super) fn p_value(&self, values: &[f64], solution: &Solution, correlation: f64) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         for (value, &cell) in values.iter().zip(&self.cell_of) {
             sums[cell].0 += value;
@@ -65,51 +220,15 @@ impl Cells {
         }
         let between: f64 = sums.iter().map(|(sum, count)| sum * sum / count).sum();
         let total: f64 = values.iter().map(|value| value * value).sum();
-        let within = (total - between).max(MIN_STD * MIN_STD * values.len() as f64);
+        let within = (total - between).max(solution.least_variance * values.len() as f64);
         let freedom = (values.len() - self.count) as f64 / correlation;
-        let of_cells = self.count.saturating_sub(unknowns);
+        let of_cells = self.count.saturating_sub(solution.pose.unknowns());
         ratio_tail(
             between / correlation,
             of_cells,
             within / correlation,
             freedom.max(1.0) as usize,
         )
-    }
-
-    /// Divides contacts by the levels of a rounded coordinate, such as the heights of a scan whose voxels are larger
-    /// than its noise. The coordinate is the one along which the shape's normals mainly point. `None` if this
-    /// coordinate was not rounded, or if the distances from the shape are not about as large as the rounding errors.
-    pub(super) fn of_levels(solution: &Solution, cloud: &Cloud) -> Option<Self> {
-        let thinned = cloud.thinned(LEVEL_CONTACTS);
-        let normals = thinned
-            .places
-            .iter()
-            .map(|place| solution.pose.normal_at(place).abs());
-        let facing = normals.sum::<Vector3<f64>>() / thinned.places.len() as f64;
-        let axis = facing.imax();
-        let mut levels: Vec<f64> = thinned.places.iter().map(|place| place[axis]).collect();
-        levels.sort_unstable_by(f64::total_cmp);
-        levels.dedup_by(|one, other| (*one - *other).abs() < LEVEL_TOLERANCE);
-        let steps = levels.windows(2).map(|pair| pair[1] - pair[0]);
-        let step = steps.reduce(f64::min)?;
-        let number = |place: &Vector3<f64>| (place[axis] - levels[0]) / step;
-        let is_level = |place: &Vector3<f64>| {
-            let number = number(place);
-            (number - libm::round(number)).abs() < MAX_LEVEL_ERROR
-        };
-        let of_rounding = step * facing[axis] / 12.0_f64.sqrt();
-        let share = solution.variances[0].sqrt() / of_rounding;
-        let are_levels = levels.len() * MIN_CONTACTS <= thinned.places.len()
-            && (1.0 / MAX_ROUNDING_RATIO..=MAX_ROUNDING_RATIO).contains(&share)
-            && cloud.places.iter().all(is_level);
-        let lowest = cloud.places.iter().map(&number).fold(0.0, f64::min);
-        let cell = |place| libm::round(number(place) - lowest) as usize;
-        let cells = cloud.places.iter().map(&number).fold(0.0, f64::max) - lowest;
-        (are_levels && cells < cloud.places.len() as f64).then(|| {
-            let cell_of: Vec<usize> = cloud.places.iter().map(cell).collect();
-            let count = cell_of.iter().max().map_or(0, |last| last + 1);
-            Self { cell_of, count }
-        })
     }
 
     /// Number of cells minus the number of fitted parameters, but at least 1.

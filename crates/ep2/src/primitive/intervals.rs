@@ -2,7 +2,7 @@
 
 use palpate_statistics::student_half_width;
 
-use super::cells::Cells;
+use super::cells::{Cells, Rounding};
 use super::lack_of_fit::LackOfFit;
 use super::pose::{CURVATURE, Cloud, Gram};
 use super::robust_fit::Solution;
@@ -32,6 +32,7 @@ pub(super) fn curvature_interval(
     solution: &Solution,
     cloud: &Cloud,
     lack: &LackOfFit,
+    rounding: &Rounding,
 ) -> Option<CurvatureInterval> {
     let freedom = solution.freedom?;
     let grams = &solution.equations.grams;
@@ -40,7 +41,8 @@ pub(super) fn curvature_interval(
         grams[kind] * (lack.correlations[kind] * weights[kind].powi(2) * solution.variances[kind])
     });
     let spread = distances + normals;
-    let mut covariance = solution.inverse * spread * solution.inverse;
+    let mut covariance =
+        solution.inverse * spread * solution.inverse + rounding.covariance(solution, cloud);
     let mut half_width = student_half_width(PROBABILITY, freedom.clamp(1.0, 1e6) as usize);
     let mut widen = |other: Gram, wide: f64| {
         let variance = |covariance: &Gram| covariance[(CURVATURE, CURVATURE)];
@@ -60,7 +62,7 @@ pub(super) fn curvature_interval(
     // between plus and minus half a step. Therefore they nearly cancel in sums, except at the edge of the patch. These
     // errors are not a random sample. Therefore use the number of contacts, and not the number of levels, as degrees of
     // freedom.
-    if let Some(levels) = Cells::of_levels(solution, cloud) {
+    if let Some(levels) = rounding.levels(solution, cloud) {
         let wide = student_half_width(PROBABILITY, cloud.places.len());
         widen(levels.covariance(solution, cloud), wide);
     }

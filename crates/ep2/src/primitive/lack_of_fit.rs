@@ -6,9 +6,9 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector, Vector3};
 use palpate_statistics::{evenly_spaced, ratio_tail};
 
-use super::cells::Cells;
+use super::cells::{Cells, Rounding};
 use super::pose::{Cloud, Pose, UNKNOWNS};
-use super::robust_fit::{MIN_STD, Solution};
+use super::robust_fit::Solution;
 use super::wave_tests;
 use crate::effective_readings::correlation_time;
 
@@ -47,6 +47,8 @@ pub(super) struct LackOfFit {
     /// One number for positions and one for normals: the number of consecutive values that count as one, because their
     /// errors are correlated.
     pub(super) correlations: [f64; 2],
+    /// The same numbers, including the correlation of the positions' rounding errors.
+    pub(super) with_rounding: [f64; 2],
 }
 
 /// The monomials whose weighted sum is the smooth deviation. Their variables are the coordinates of the points of the
@@ -165,9 +167,17 @@ impl Rows<'_> {
 }
 
 /// Tests the residuals of a fit. `fingers` contains the number of the finger of each contact.
-pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> LackOfFit {
-    let mut first = tested(solution, cloud, fingers, [1.0; 2]);
-    let found = first.correlations;
+pub(super) fn lack_of_fit(
+    solution: &Solution,
+    cloud: &Cloud,
+    fingers: &[usize],
+    rounding: &Rounding,
+) -> LackOfFit {
+    let (p_value, mut found) = tested(solution, cloud, fingers, [1.0; 2]);
+    // Residuals that are smaller than rounding errors do not show whether the errors are correlated.
+    if solution.variances[0] <= solution.least_variance {
+        found[0] = 1.0;
+    }
     // Correlated errors of the positions along a curved surface cause correlated errors of the normals. In the
     // estimated correlation of the normals, the noise of the normals hides these errors. Their sum over many contacts
     // is not small, so compute their correlation from the positions.
@@ -175,27 +185,36 @@ pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize])
         true => 1.0,
         false => 1.0 + solution.bending_share() * (found[0] - 1.0),
     };
-    first.correlations[1] = found[1].max(of_bending);
-    if first.correlations == [1.0; 2] {
-        return first;
-    }
-    let again = tested(solution, cloud, fingers, first.correlations);
-    let slopes = match found[0] > 1.0 && found[1] > of_bending {
-        true => wave_tests::of_slopes(&solution.pose, cloud, fingers),
-        false => 1.0,
+    let correlations = [found[0], found[1].max(of_bending)];
+    let with_rounding = [
+        found[0].max(rounding.correlation(solution)),
+        correlations[1],
+    ];
+    let p_value = match with_rounding == [1.0; 2] {
+        true => p_value,
+        false => {
+            let (again, _) = tested(solution, cloud, fingers, with_rounding);
+            let slopes = match found[0] > 1.0 && found[1] > of_bending {
+                true => wave_tests::of_slopes(&solution.pose, cloud, fingers),
+                false => 1.0,
+            };
+            again.min(2.0 * slopes)
+        }
     };
     LackOfFit {
-        p_value: again.p_value.min(2.0 * slopes),
-        ..first
+        p_value,
+        correlations,
+        with_rounding,
     }
 }
 
+/// The p-value of the fit for the given correlations, and the correlations that the residuals have.
 fn tested(
     solution: &Solution,
     cloud: &Cloud,
     fingers: &[usize],
     correlations: [f64; 2],
-) -> LackOfFit {
+) -> (f64, [f64; 2]) {
     let pose = &solution.pose;
     let counts = solution.equations.counts;
     // If the contacts lie on one line, errors of their positions across the line change the normals of the fitted
@@ -271,7 +290,7 @@ fn tested(
     let freedom = equations * used / cloud.places.len() as f64 - rank as f64;
     let mut left = (total - explained - of_unknowns).max(0.0);
     // The residuals of exact contacts are rounding errors, which are far below the smallest variance.
-    if solution.variances[0] <= MIN_STD * MIN_STD {
+    if solution.variances[0] <= solution.least_variance {
         left = left.max(freedom);
     }
     let by_series = match extra > 0 && freedom >= 1.0 {
@@ -318,16 +337,9 @@ fn tested(
     let thinned = cloud.thinned(MAX_CONTACTS);
     let by_cells = Cells::new(pose, &thinned).map_or(1.0, |cells| {
         let values = thinned.places.iter().map(|place| pose.distance(place));
-        cells.p_value(
-            &values.collect::<Vec<f64>>(),
-            pose.unknowns(),
-            correlations[0],
-        )
+        cells.p_value(&values.collect::<Vec<f64>>(), solution, correlations[0])
     });
-    LackOfFit {
-        p_value: (2.0 * by_series.min(by_cells)).min(1.0),
-        correlations: found,
-    }
+    ((2.0 * by_series.min(by_cells)).min(1.0), found)
 }
 
 /// Cholesky factor of normal equations, computed column by column. Columns that are almost a linear combination of

@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use palpate_statistics::evenly_spaced;
 
 use crate::Shape;
+use crate::noise::Resolution;
 
 /// Number of fitted parameters: rotations about the axes a and b and the normal n, a shift along n, and the curvature.
 pub(super) const UNKNOWNS: usize = 5;
@@ -23,32 +24,55 @@ pub(super) struct Cloud {
     pub(super) places: Vec<Vector3<f64>>,
     /// Unit normal of each contact; empty if the contacts have no normals.
     pub(super) normals: Vec<Vector3<f64>>,
+    /// Steps between the values of the coordinates, if these are rounded.
+    pub(super) resolution: Resolution,
+    /// Variance of the distances from the shape that rounding causes. Smaller residuals do not show the noise.
+    pub(super) rounding_variance: f64,
 }
+
+/// Largest number of contacts from which the mean direction of the normals is computed.
+const MAX_FACING_CONTACTS: usize = 600;
 
 impl Cloud {
     /// An evenly spaced selection of at most `most` contacts.
     pub(super) fn thinned(&self, most: usize) -> Self {
-        let select = |all: &[Vector3<f64>]| {
+        self.part(|all| {
             let selection = evenly_spaced(all.len(), most);
             selection.map(|contact| all[contact]).collect()
-        };
-        Self {
-            places: select(&self.places),
-            normals: select(&self.normals),
-        }
+        })
     }
 
     pub(super) fn selected(&self, is_used: &[bool]) -> Self {
-        let select = |all: &[Vector3<f64>]| {
+        self.part(|all| {
             let pairs = all.iter().zip(is_used);
             pairs
                 .filter_map(|(one, used)| used.then_some(*one))
                 .collect()
-        };
+        })
+    }
+
+    fn part(&self, select: impl Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>) -> Self {
         Self {
             places: select(&self.places),
             normals: select(&self.normals),
+            ..*self
         }
+    }
+
+    /// For each coordinate, the variance of the distances from the fitted shape that rounding causes, and the step of
+    /// rounding that is assumed.
+    pub(super) fn rounding(&self, pose: &Pose) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut squares, mut facing) = (Vector3::zeros(), Vector3::zeros());
+        let thinned = self.thinned(MAX_FACING_CONTACTS);
+        let share = 1.0 / thinned.places.len() as f64;
+        for place in &thinned.places {
+            let normal = pose.normal_at(place).abs();
+            facing += normal * share;
+            squares += normal.component_mul(&normal) * share;
+        }
+        let steps = self.resolution.steps(&facing);
+        let variances = squares.component_mul(&steps).component_mul(&steps) / 12.0;
+        (variances, steps)
     }
 }
 

@@ -9,6 +9,7 @@ use super::pose::{CURVATURE, Cloud, Equations, Gram, Pose, Row, UNKNOWNS};
 use super::start::{middle, starts};
 use crate::Shape;
 use crate::gross_outliers::{MAX_OUTLIER_SHARE, OUTLIER_PROBABILITY};
+use crate::noise::MIN_OUTLIER_STEPS;
 
 const ITERATIONS: usize = 20;
 const VARIANCE_ITERATIONS: usize = 8;
@@ -63,6 +64,8 @@ pub(super) struct Solution {
     pub(super) equations: Equations,
     /// Variances of the errors of positions and of normals.
     pub(super) variances: [f64; 2],
+    /// Smallest variance of positions that was assumed.
+    pub(super) least_variance: f64,
     pub(super) inverse: Gram,
     /// Degrees of freedom of the estimated variances; `None` if the contacts do not determine the variances.
     pub(super) freedom: Option<f64>,
@@ -209,6 +212,7 @@ pub(super) fn solve(
     correlations: [f64; 2],
     iterations: usize,
 ) -> Solution {
+    let least_variances = [cloud.rounding_variance, 0.0].map(|one| one.max(MIN_STD * MIN_STD));
     let mut variances = first_variances(&start, cloud, stated);
     let mut pose = start;
     let mut last = None;
@@ -238,7 +242,7 @@ pub(super) fn solve(
                 None if left[kind] >= 0.5 => equations.squares[kind] / left[kind],
                 None => variances[kind],
             }
-            .max(MIN_STD * MIN_STD);
+            .max(least_variances[kind]);
         }
         if !cloud.normals.is_empty() {
             variances[0] = variances[0].max(variances[1] / MAX_VARIANCE_RATIO);
@@ -261,6 +265,7 @@ pub(super) fn solve(
             pose,
             equations,
             variances,
+            least_variance: least_variances[0],
             inverse: self::inverse(&gram),
             freedom: is_complete.then_some(freedom),
         });
@@ -312,6 +317,7 @@ impl Solution {
             pose,
             equations: Equations::new(&pose, &Cloud::default()),
             variances: [1.0; 2],
+            least_variance: MIN_STD * MIN_STD,
             inverse: Gram::identity(),
             freedom: None,
         }
@@ -352,13 +358,13 @@ impl Solution {
     /// −2 ln(likelihood) of the fit, without an additive constant. Variances that are not stated have their most
     /// probable values.
     pub(super) fn deviance(&self, stated: StatedNoise, correlations: [f64; 2]) -> f64 {
-        let floor = MIN_STD * MIN_STD;
+        let floors = [self.least_variance, MIN_STD * MIN_STD];
         let parts = (0..2).map(|kind| {
             let (count, square) = (self.equations.counts[kind], self.equations.squares[kind]);
             let deviance = match stated[kind] {
                 _ if count == 0.0 => 0.0,
                 Some(_) => square / self.variances[kind],
-                None => count * libm::log((square / count).max(floor)),
+                None => count * libm::log((square / count).max(floors[kind])),
             };
             deviance / correlations[kind]
         });
@@ -431,7 +437,11 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud) -> RobustFit {
         ..plain.solution
     };
     let from_subset = grown(from_subset, cloud);
-    let variances = [&from_subset, &plain].map(|fit| fit.solution.variances[0]);
+    // Errors of rounded coordinates may not contribute to the residuals, so a smaller variance means nothing.
+    let variances = [&from_subset, &plain].map(|fit| {
+        let of_rounding = cloud.rounding(&fit.solution.pose).0.sum();
+        fit.solution.variances[0].max(of_rounding)
+    });
     if from_subset.leaves_out_too_many() {
         let is_clear = variances[0] < MAX_FEW_VARIANCE_SHARE * variances[1];
         plain.fit_to_few = is_clear.then_some((from_subset.solution.pose, from_subset.limits));
@@ -513,9 +523,10 @@ impl Limits {
     /// fitted to the selected contacts.
     fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
         let [distances, normals] = residuals(pose, cloud);
+        let most = self.0[0].max(MIN_OUTLIER_STEPS * cloud.rounding(pose).1.amax());
         let is_near = |(index, distance): (usize, &f64)| {
             let normal = normals.get(index).copied().unwrap_or(0.0);
-            *distance <= self.0[0] && normal <= 1.1 * self.0[1]
+            *distance <= most && normal <= 1.1 * self.0[1]
         };
         RobustFit {
             solution: Solution::of(*pose),

@@ -36,7 +36,7 @@ pub(super) fn choose(
     used: &Cloud,
 ) -> (usize, Option<[f64; 4]>) {
     let correlations = [0, 1].map(|kind| {
-        let all = candidates.iter().map(|one| one.lack.correlations[kind]);
+        let all = candidates.iter().map(|one| one.lack.with_rounding[kind]);
         all.fold(f64::INFINITY, f64::min)
     });
     let criterion = |one: &Candidate| {
@@ -64,7 +64,7 @@ pub(super) fn choose(
         .map(|one| libm::exp(0.5 * (least - one)))
         .collect();
     let Candidate { solution, lack } = &candidates[chosen];
-    let of_wave = wave_tests::of_distances(&solution.pose, used, lack.correlations[0]);
+    let of_wave = wave_tests::of_distances(solution, used, lack.with_rounding[0]);
     let none = NONE_P_VALUE / lack.p_value.min(of_wave).max(f64::MIN_POSITIVE);
     let total = weights.iter().sum::<f64>() + none;
     let shares = weights.iter().map(|weight| weight / total);

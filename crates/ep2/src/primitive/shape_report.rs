@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
+use super::cells::Rounding;
 use super::intervals::{CurvatureInterval, curvature_interval};
 use super::pose::{CURVATURE, Cloud, Pose, UNKNOWNS};
 use super::robust_fit::slope;
@@ -23,11 +24,12 @@ impl ShapeSettings {
         candidate: &Candidate,
         scaled: &Scaled,
         used: &Cloud,
+        rounding: &Rounding,
         outward: Vector3<f64>,
     ) -> Option<ShapeFit> {
         let Candidate { solution, lack } = candidate;
         let scale = scaled.scale;
-        let interval = curvature_interval(solution, used, lack);
+        let interval = curvature_interval(solution, used, lack, rounding);
         let outside = match used.normals.is_empty() {
             true => outside(&solution.pose, used, &outward),
             false => Some(true),

@@ -6,7 +6,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use palpate_statistics::ratio_tail;
 
 use super::pose::{Cloud, Pose};
-use super::robust_fit::MIN_STD;
+use super::robust_fit::Solution;
 use crate::patch::FingerMap;
 
 /// Largest number of contacts from which the wave is fitted.
@@ -27,7 +27,8 @@ const MIN_PAIRS: usize = 6;
 
 /// P-value of the best wave: the probability that for noise alone, one of the tried waves fits the distances at least
 /// as well. `correlation` is the number of consecutive contacts that count as one because their errors are correlated.
-pub(super) fn of_distances(pose: &Pose, cloud: &Cloud, correlation: f64) -> f64 {
+pub(super) fn of_distances(solution: &Solution, cloud: &Cloud, correlation: f64) -> f64 {
+    let pose = &solution.pose;
     let thinned = cloud.thinned(MAX_CONTACTS);
     let independent = (cloud.places.len() as f64 / correlation).min(thinned.places.len() as f64);
     let freedom = independent - (pose.unknowns() + PARAMETERS) as f64;
@@ -87,7 +88,7 @@ pub(super) fn of_distances(pose: &Pose, cloud: &Cloud, correlation: f64) -> f64 
         return 1.0;
     }
     // On exact contacts, the distances are rounding errors, which may follow a wave.
-    let left = (total - best.0).max(MIN_STD * MIN_STD * distances.len() as f64);
+    let left = (total - best.0).max(solution.least_variance * distances.len() as f64);
     let tail = ratio_tail(best.0, PARAMETERS, left, freedom as usize);
     (f64::from(waves) * tail).min(1.0)
 }

@@ -228,6 +228,34 @@ fn intervals_of_rounded_heights_hold_the_radius() {
     assert!(held >= 36, "{held}");
 }
 
+/// Strokes along a pipe, with coordinates that are rounded to steps larger than the noise. All contacts of a stroke may
+/// have the same rounding error, so the residuals do not show these errors.
+#[test]
+fn intervals_of_rounded_strokes_along_a_pipe_hold_the_radius() {
+    let held = (0..60).filter(|case| {
+        let random = &mut Random::new(48_000 + case);
+        let (radius, width) = (random.between(20.0, 50.0), random.between(0.5, 0.8));
+        let [step, noise] = [
+            [0.1, 0.25, 0.5][*case as usize % 3],
+            random.between(0.0, 0.3),
+        ];
+        let phase = random.vector();
+        let contacts = (0..180).map(|row| {
+            let [x, y] = [row % 60, row / 60].map(f64::from);
+            let y = (y - 1.0) * 0.5 * width * radius;
+            let place = Vector3::new(0.5 * x, y, (radius * radius - y * y).sqrt());
+            let place = place + (phase + random.vector() * noise) * step;
+            let rounded = place.map(|one| (one / step).round() * step);
+            Contact::new(row as usize / 60, Point3::from(rounded), None)
+        });
+        let fit = fit(None, &contacts.collect::<Vec<_>>()).unwrap();
+        assert_eq!((fit.shape, fit.outliers.len()), (Shape::Cylinder, 0));
+        holds(&fit, radius)
+    });
+    let held = held.count();
+    assert!(held >= 55, "{held}");
+}
+
 /// An error tangential to a ball moves a contact away from the ball's centre, whatever the direction of the error. A
 /// fit to many contacts must correct this bias of the radius.
 #[test]
