@@ -10,7 +10,7 @@ use crate::effective_readings::{
 use crate::patch::{FingerMap, check};
 use crate::{
     Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Penalised, Shape, ShapeFit,
-    ShapeSettings, stroke_curvature,
+    ShapeSettings, StrokeCurvature, stroke_curvature,
 };
 
 /// Smallest number of contacts of a finger from which the correlation of its noise is estimated.
@@ -236,6 +236,16 @@ impl IndependentFit {
         });
         self.widen(factors.fold(of_strokes, f64::max));
         Ok(())
+    }
+
+    /// Replaces the noise by that of the contacts of `stroke`, if the fit used the normals of
+    /// [`StrokeCurvature::with_normals`].
+    pub fn without_normals(&mut self, stroke: &StrokeCurvature) {
+        self.readings.position_correlation = stroke.correlation;
+        self.readings.normal_correlation = 1.0;
+        if let Some(noise) = &mut self.fit.noise {
+            noise.normal_std_rad = None;
+        }
     }
 
     /// Multiplies the standard errors by `factor` if it is greater than 1.

@@ -61,6 +61,8 @@ pub struct StrokeCurvature {
     /// Rotation of the normal about the direction of the stroke, per length along the stroke (1/length); 0 for contacts
     /// without normals.
     pub twist: f64,
+    /// Number of consecutive positions that count as one, because their noise is correlated.
+    pub correlation: f64,
     /// Unit vector along the stroke in its middle; the opposite vector is equivalent.
     pub direction: Vector3<f64>,
 }
@@ -235,7 +237,7 @@ impl Stroke {
         let has_normals = !self.slopes.is_empty();
         let floor = MIN_STD * MIN_STD;
         let mut variances = [(spread * spread).max(floor), 1e-4, 1e-4];
-        let (mut prior, mut height_std, mut longest): (f64, f64, f64) = (1.0, 0.0, 1.0);
+        let (mut prior, mut height_std, mut times): (f64, f64, [f64; 3]) = (1.0, 0.0, [1.0; 3]);
         let mut found = None;
         for _ in 0..ITERATIONS {
             let (mut gram, mut right) = (Gram::zeros(), Row::zeros());
@@ -254,7 +256,6 @@ impl Stroke {
             }
             let factor: Cholesky<f64, Const<UNKNOWNS>> = gram.cholesky()?;
             let (solved, inverse) = (factor.solve(&right), factor.inverse());
-            longest = 1.0;
             for kind in 0..3 {
                 let residuals = observed(kind).map(|(row, value)| value - row.dot(&solved));
                 let residuals: Vec<f64> = residuals.collect();
@@ -265,9 +266,8 @@ impl Stroke {
                     height_std = square.max(floor).sqrt();
                 }
                 // If the noise is correlated along the stroke, this number of consecutive contacts counts as one.
-                let time = correlation_time(&[residuals], fitted as usize);
-                variances[kind] = (time * square).max(floor);
-                longest = longest.max(time);
+                times[kind] = correlation_time(&[residuals], fitted as usize);
+                variances[kind] = (times[kind] * square).max(floor);
             }
             let bends = terms().zip(&solved);
             let bends = bends.filter(|(term, _)| term[0] + term[1] == 2 || *term == [3, 0]);
@@ -292,6 +292,7 @@ impl Stroke {
         // If the tangent turns by an angle, the curvature along it changes by twice the twist per angle.
         let twist = scale * ((1.0 - turn * turn) * uv + turn * (vv - uu));
         let std = std.hypot(2.0 * twist * turn_std / (1.0 + turn * turn));
+        let longest = times.into_iter().fold(1.0, f64::max);
         let freedom = (count / longest - FITTED).max(1.0);
         let half = student_half_width(PROBABILITY, freedom as usize) * std;
         let tangent = Vector3::new(1.0, turn, rise);
@@ -301,6 +302,7 @@ impl Stroke {
             interval95: [value - half, value + half],
             bend: 2.0 * path[2] / (stretch * self.half_length),
             twist: if has_normals { twist } else { 0.0 },
+            correlation: times[0],
             direction: (self.axes * tangent).normalize(),
         };
         (curvature.value.is_finite() && std.is_finite()).then_some(curvature)

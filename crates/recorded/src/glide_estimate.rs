@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 use palpate_ep2::{
     Contact, Curvature, EffectiveReadings, Ep2Error, IndependentFit, MapPoint, Method, MisfitTest,
-    Outlier, Patch, Regions, RoundTip, Shape, ShapeError, ShapeFit, SoundContacts, Status,
+    Outlier, Patch, Regions, RoundTip, ShapeError, ShapeFit, SoundContacts, Status,
     StrokeCurvature, regions, stroke_curvature,
 };
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape};
@@ -139,6 +139,9 @@ impl<'r> GlideFitResult<'r> {
                 fitted
                     .widen_to_shape(&outward, is_quadric)
                     .map_err(refused)?;
+                if let Some(stroke) = single.as_ref().filter(|_| !recorded.has_normals()) {
+                    fitted.without_normals(stroke);
+                }
                 let fit = &fitted.fit;
                 // The means of a stroke with correlated noise may be too few to recognise it.
                 let stroke = single
@@ -169,8 +172,7 @@ impl<'r> GlideFitResult<'r> {
                 let stroke = stroke_of(&contacts);
                 // A single stroke determines the surface if its contacts have normals and the shape is stated.
                 let is_determined = settings.shape.is_some() && recorded.has_normals();
-                let is_plane = settings.shape == Some(Shape::Plane);
-                let stroke = stroke.filter(|_| !is_determined && !is_plane);
+                let stroke = stroke.filter(|_| !is_determined);
                 let tip_radius = tip.map_or(0.0, |tip| tip.radius);
                 let of_object = |stroke: StrokeCurvature| {
                     let turns = stroke.value.recip();
@@ -237,7 +239,7 @@ impl<'r> GlideFitResult<'r> {
     fn is_open(&self) -> bool {
         let is_unresolved = match &self.surface {
             Surface::Graph(_) => false,
-            Surface::Shape(fit) => fit.curvature.value.is_none() || fit.is_none_of_these(),
+            Surface::Shape(fit) => fit.is_open() || fit.is_none_of_these(),
         };
         self.stroke.is_some() || is_unresolved
     }
@@ -330,7 +332,10 @@ impl<'r> GlideFitResult<'r> {
         let misfits = misfit_warnings(misfits, directions.is_some(), source);
         let (of_graph, of_shape) = match &self.surface {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
-            Surface::Shape(fit) => (None, shape_warnings(fit, self.stroke.is_some(), unit)),
+            Surface::Shape(fit) => {
+                let is_stroke = self.stroke.is_some();
+                (None, shape_warnings(fit, contacts, is_stroke, unit))
+            }
         };
         // A missing uncertainty means that the noise is unknown. The exception is the method `two-pass`, which never
         // computes an uncertainty. Its fits are recognised by their status, which the fits of other methods do not
@@ -370,7 +375,8 @@ impl<'r> GlideFitResult<'r> {
             Surface::Graph(_) => None,
             Surface::Shape(fit) => Some(&**fit),
         };
-        let side = (!recorded.has_normals())
+        let has_side = stroke.is_some() || !self.is_open();
+        let side = (has_side && !recorded.has_normals())
             .then(|| assumed_side(shape, stroke, &self.centre.curvature, self.options.outward))
             .flatten();
         let (unused, other_tip) = match self.given.tip_radius {
@@ -383,7 +389,7 @@ impl<'r> GlideFitResult<'r> {
             .chain(side)
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
-            .chain(correlated(&used.readings))
+            .chain(correlated(&used.readings, recorded.has_normals()))
             .chain(two_groups(contacts, unit))
             .chain(self.stroke.map(|stroke| across(&stroke, unit)))
             .chain(of_shape)
@@ -478,7 +484,8 @@ impl<'r> GlideFitResult<'r> {
                     let names = ShapeClass::ALL.map(ShapeClass::name).into_iter();
                     names.zip(all).collect()
                 }),
-            sign_class: (!is_open).then(|| curvature.sign_class().name()),
+            sign_class: (!is_open && curvature.gaussian != 0.0)
+                .then(|| curvature.sign_class().name()),
             thresholds: Thresholds::new(limits, self.limits_from, unit),
             noise: noise.map(|noise| PatchNoise {
                 position_std: bare(noise.position_std, Unit::Length),

@@ -105,7 +105,8 @@ pub struct GlideEstimate {
     /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
     /// Class that follows from the signs of the estimated curvatures, without regard to their uncertainty; `null` if
-    /// the contacts form a single stroke, or if no simple shape fits.
+    /// the Gaussian curvature is exactly 0, if the contacts form a single stroke, if no simple shape fits, or if the
+    /// contacts do not determine the size of the shape.
     pub(super) sign_class: Option<&'static str>,
     pub(super) thresholds: Thresholds,
     /// Noise of the contacts; `null` if the method does not estimate noise.

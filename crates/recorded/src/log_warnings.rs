@@ -18,6 +18,12 @@ const MIN_CORRELATION: f64 = 1.5;
 const MIN_PROBABILITY: f64 = 0.9;
 /// If the p-value of the fit of a stated shape is below this value, there is a warning.
 const MIN_P_VALUE: f64 = 0.005;
+/// The distances of contacts from a shape are comparable with their extent if the ratio of the root mean squares of both
+/// exceeds this value.
+const MAX_RELATIVE_MISFIT: f64 = 0.2;
+/// The normals of contacts contradict a shape if the mean cosine of their angles to the normals of the shape is below
+/// this value.
+const MIN_MEAN_COSINE: f64 = 0.8;
 const GROUP_ITERATIONS: usize = 5;
 
 /// Two groups of contacts cause a warning only if the gap between them, divided by the width of the wider group, is
@@ -74,6 +80,8 @@ pub(super) fn assumed_side(
             return None;
         }
         "the contacts are of one stroke without normals, and its outer side is assumed to face +z: the interval of the curvature along the stroke is valid for any outer side within 90 degrees of +z; record normals, or state setting `outward`"
+    } else if surface.is_some_and(|fit| fit.is_side_assumed) && outward.is_some() {
+        "setting `outward` does not show which side of the object is outside, because it is nearly parallel to the surface, or because the contacts are all around the object; the object is assumed to be convex"
     } else if surface.is_some_and(|fit| fit.is_side_assumed) {
         "the contacts have no normals and do not show which side of the object is outside, so it is assumed to be convex: record normals, or state setting `outward` if all contacts are on one side"
     } else if outward.is_none() && curvature.mean + NORMAL_95 * std < 0.0 {
@@ -88,12 +96,16 @@ pub(super) fn assumed_side(
     Some(Warning::new("assumed-side", text, [numbers]))
 }
 
-pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
+pub(super) fn correlated(readings: &EffectiveReadings, has_normals: bool) -> Option<Warning> {
     let [position, normal] = [readings.position_correlation, readings.normal_correlation];
     (position.max(normal) > MIN_CORRELATION).then(|| {
         let [shown, tilts] = [position, normal].map(Number::rounded);
+        let of_normals = match has_normals {
+            true => format!(", and {tilts} normals"),
+            false => String::new(),
+        };
         let text = format!(
-            "the noise is correlated along the strokes: {shown} consecutive positions count as one, and {tilts} normals"
+            "the noise is correlated along the strokes: {shown} consecutive positions count as one{of_normals}"
         );
         let numbers = [("positions", position), ("normals", normal)];
         Warning::new("correlated-noise", text, numbers)
@@ -180,10 +192,15 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
 }
 
 /// Warnings about a fitted shape. A single stroke (`is_stroke`) does not bound the radius of the shape.
-pub(super) fn shape_warnings(fit: &ShapeFit, is_stroke: bool, unit: LengthUnit) -> Vec<Warning> {
+pub(super) fn shape_warnings(
+    fit: &ShapeFit,
+    contacts: &[Contact],
+    is_stroke: bool,
+    unit: LengthUnit,
+) -> Vec<Warning> {
     let (unit, name) = (unit.as_str(), fit.shape.name());
     let is_none = fit.is_none_of_these();
-    let is_open = fit.shape != Shape::Plane && !fit.is_resolved() && !is_none;
+    let is_open = fit.is_open() && !is_none;
     let least = fit.radius.interval95[0].filter(|_| !is_stroke);
     let open = is_open.then(|| match least.map(Number::rounded) {
         Some(least) => {
@@ -196,7 +213,21 @@ pub(super) fn shape_warnings(fit: &ShapeFit, is_stroke: bool, unit: LengthUnit) 
         format!("the contacts do not lie on a plane, sphere or cylinder: they deviate from the best fit, a {name}, by {misfit} {unit} (rms); method `penalised` or `quadric` estimates the curvatures")
     });
     let share = fit.probabilities.map(|all| all[fit.shape as usize]);
-    let is_unsure = share.is_some_and(|share| share < MIN_PROBABILITY) && none.is_none();
+    // If the contacts lie on a plane, a sphere fits them better, too. By chance, chi-squared of the sphere is up to 3.84
+    // smaller in 95 % of all logs. The criterion by which shapes are compared then gives a plane this probability.
+    let limit = match fit.shape {
+        Shape::Plane => {
+            let kinds = if contacts.iter().any(|one| one.normal.is_some()) {
+                3.0
+            } else {
+                1.0
+            };
+            let equations = kinds * fit.readings.effective();
+            MIN_PROBABILITY.min(1.0 / (1.0 + libm::exp(0.5 * 3.84) / equations.sqrt()))
+        }
+        Shape::Sphere | Shape::Cylinder => MIN_PROBABILITY,
+    };
+    let is_unsure = share.is_some_and(|share| share < limit) && none.is_none();
     let unsure = is_unsure.then(|| {
         let percent = Number::rounded(100.0 * share.unwrap_or_default());
         format!("the contacts do not determine the shape: it is a {name} with a probability of {percent} %")
@@ -210,11 +241,37 @@ pub(super) fn shape_warnings(fit: &ShapeFit, is_stroke: bool, unit: LengthUnit) 
     let mut warnings: Vec<Warning> = texts.into_iter().filter_map(warning).collect();
     // If the user stated the shape, it was not compared with other shapes. Therefore only its goodness of fit is
     // tested.
-    if fit.probabilities.is_none() && fit.p_value < MIN_P_VALUE {
-        let text = format!(
-            "the contacts deviate from the {name} by {misfit} {unit} (rms), which noise does not explain: they may be of another shape, and the intervals are not reliable"
-        );
-        warnings.push(Warning::new("poor-fit", text, [("p_value", fit.p_value)]));
-    }
+    let why = match () {
+        () if fit.probabilities.is_some() => return warnings,
+        () if !fit.is_open() && fit.rms_misfit > MAX_RELATIVE_MISFIT * spread(contacts) => {
+            "which is comparable with the extent of the contacts"
+        }
+        () if mean_cosine(fit, contacts) < MIN_MEAN_COSINE => "and their normals contradict it",
+        () if fit.p_value < MIN_P_VALUE => "which noise does not explain",
+        () => return warnings,
+    };
+    let text = format!(
+        "the contacts deviate from the {name} by {misfit} {unit} (rms), {why}: they may be of another shape, and the intervals are not reliable"
+    );
+    warnings.push(Warning::new("poor-fit", text, [("p_value", fit.p_value)]));
     warnings
+}
+
+/// Root mean square distance of the contacts from their mean.
+fn spread(contacts: &[Contact]) -> f64 {
+    let share = 1.0 / contacts.len() as f64;
+    let from = contacts[0].position;
+    let offsets = contacts.iter().map(|one| one.position - from);
+    let mean: Vector3<f64> = offsets.clone().sum::<Vector3<f64>>() * share;
+    let squares = offsets.map(|offset| (offset - mean).norm_squared() * share);
+    squares.sum::<f64>().sqrt()
+}
+
+/// Mean cosine of the angles between the normals of contacts and those of a shape; 1 without normals.
+fn mean_cosine(fit: &ShapeFit, contacts: &[Contact]) -> f64 {
+    let cosine = |one: &Contact| match one.normal.and_then(|normal| normal.try_normalize(0.0)) {
+        Some(normal) => normal.dot(&fit.point_at(&one.position).normal),
+        None => 1.0,
+    };
+    contacts.iter().map(cosine).sum::<f64>() / contacts.len() as f64
 }

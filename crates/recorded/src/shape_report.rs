@@ -89,6 +89,10 @@ impl ShapeReport {
     /// Report of the fitted shape. If `is_open` is true, the contacts do not determine the size of the shape, and its
     /// sizes are `null`.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
+        let curvature = match fit.is_open() {
+            true => of_radius(fit),
+            false => fit.curvature,
+        };
         let size = |size: &SizeEstimate, power: Unit| match is_open {
             true => Value::open(power, unit),
             false => Value {
@@ -113,7 +117,7 @@ impl ShapeReport {
             },
             shape_probabilities: fit.probabilities.map(|all| names.zip(all).collect()),
             radius: (!is_plane).then(|| size(&fit.radius, Unit::Length)),
-            curvature: size(&fit.curvature, Unit::PerLength),
+            curvature: size(&curvature, Unit::PerLength),
             centre: centre.map(|centre| tidy(&centre.coords)),
             centre_std: fit.place_std.filter(|_| centre.is_some()),
             axis: axis.as_ref().map(tidy),
@@ -121,5 +125,15 @@ impl ShapeReport {
             rms_misfit: Value::bare(fit.rms_misfit, Unit::Length.of(unit)),
             shape_p_value: fit.p_value,
         }
+    }
+}
+
+/// The curvature of a shape whose radius has only a lower bound.
+fn of_radius(fit: &ShapeFit) -> SizeEstimate {
+    let most = fit.radius.interval95[0].map(f64::recip);
+    SizeEstimate {
+        value: None,
+        std: None,
+        interval95: [most.map(|most| -most), most],
     }
 }

@@ -159,7 +159,7 @@ subjects! {
         "k_min": "Smallest normal curvature at a point; `direction_of_min` is its direction.";
         "k_max": "Largest normal curvature at a point; `direction_of_max` is its direction.";
         "class_probabilities": "Probability of each of the eight shape classes, from the uncertainty of K and H. In maps, each class has a column, such as `probability_peak`; `true_class` is the simulated class.";
-        "sign_class": "Class by the signs of the principal curvatures, without thresholds: convex, concave or saddle.";
+        "sign_class": "Class by the signs of the principal curvatures, without thresholds: convex, concave or saddle; `null` for a plane or a cylinder, which have a principal curvature of 0.";
         "regions": "Connected parts of a patch that have the same shape class; `region` is the number of a part in a map. Each part has its `area`, the averages of K and H over \
             the part, the average direction of largest curvature, and the coherence of the directions.";
         "status": "In the columns of markers, whether a marker was found. Otherwise the result of fitting a smoothing spline with the estimator `two-pass`. The curvature is usable unless the status is knots-exhausted or unsettled.";

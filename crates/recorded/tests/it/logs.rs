@@ -249,9 +249,18 @@ fn a_flat_log_bounds_the_radius() {
         "{open}"
     );
     assert_eq!(codes(&open), ["not-resolved"]);
+    assert!(open["mean_curvature"]["value"].is_null() && open["sign_class"].is_null());
     // A warning is expected if the user states a plane but the contacts lie on a ball.
     let ball = estimate(&ball(&|_| None), "plane").unwrap();
     assert_eq!(codes(&ball), ["poor-fit"]);
+    let all_round = (0..60).map(|row| {
+        let (sin, cos) = libm::sincos(2.4 * f64::from(row));
+        let z = 29.5 - f64::from(row);
+        let out = (900.0 - z * z).sqrt();
+        format!("{},{},{z}\n", out * cos, out * sin)
+    });
+    let text = format!("x_mm,y_mm,z_mm\n{}", all_round.collect::<String>());
+    assert!(codes(&estimate(&text, "plane").unwrap()).contains(&"poor-fit"));
     let plane = estimate(&flat, "shape").unwrap();
     assert_eq!(
         [&plane["shape"], &plane["radius"]],
@@ -336,6 +345,9 @@ fn a_stroke_without_normals_holds_for_any_outer_side() {
     let along = &stroke["stroke"]["curvature_along"];
     let [low, high] = [0, 1].map(|end| along["interval95"][end].as_f64().unwrap());
     assert!(low < 0.0 && 0.04 < high && high < 0.06, "{along}");
+    assert!(stroke["noise"]["normal_std_deg"].is_null(), "{stroke}");
+    let plane = estimate(&text, "plane").unwrap();
+    assert!(codes(&plane).contains(&"not-resolved-across"));
     assert!(along["std"].is_null() && codes(&stroke).contains(&"assumed-side"));
     let given = json!({ "kind": "sphere", "outward": [0, 0, 1] });
     let stated = estimate_with(&text, &given).unwrap();
