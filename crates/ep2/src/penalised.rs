@@ -91,6 +91,9 @@ pub(crate) struct Basis {
     pub(crate) rejected: Option<Curvature>,
 }
 
+/// Smallest component of the normal in the middle of a patch along the normal of the patch: the cosine of 60 degrees.
+const MIN_NORMAL: f64 = 0.5;
+
 impl Method for Penalised {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
         let (fit, basis) = self.estimated(patch)?;
@@ -174,9 +177,22 @@ impl Penalised {
             let is_too_coarse = self.intervals.is_none() && share > MAX_UNKNOWN_SHARE;
             match finer(intervals, patch) {
                 Some(finer) if is_too_coarse => intervals = finer,
+                _ if self.is_too_steep(&estimated.0, patch) => {
+                    let criterion = Criterion::Reml;
+                    return Self { criterion, ..*self }.estimated(patch);
+                }
                 _ => return Ok(estimated),
             }
         }
+    }
+
+    /// Whether the surface is too steep in the middle of the patch. Without normals, generalised cross-validation may
+    /// choose nearly no smoothing for heights on few strokes, between which the surface then rises steeply. Restricted
+    /// maximum likelihood does not have this error.
+    fn is_too_steep(&self, fit: &Fit, patch: &Patch) -> bool {
+        let normal = || Some(patch.frame.direction(&fit.centre().ok()?.normal).z);
+        let has_heights_only = !patch.has_normals() && self.criterion != Criterion::Reml;
+        has_heights_only && normal().is_none_or(|normal| normal < MIN_NORMAL)
     }
 
     fn estimated_with(
