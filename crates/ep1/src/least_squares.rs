@@ -282,11 +282,7 @@ impl LeastSquares {
         let direction = eigen.eigenvectors.column(index);
         // Two opposite directions describe the same movement, so use the direction whose angle is in (−π/2, π/2].
         let backward = direction.x < -1e-9 || (direction.x < 1e-9 && direction.y < 0.0);
-        let along = if backward {
-            -direction
-        } else {
-            direction.into_owned()
-        };
+        let along = direction * if backward { -1.0 } else { 1.0 };
         let direction_rad = libm::atan2(along.y, along.x);
         if smallest < -MIN_TRAVEL * eigen.eigenvalues.max().max(1.0) {
             let travel_per_radian = smallest * self.radius;
@@ -297,11 +293,9 @@ impl LeastSquares {
         }
         // In the direction of least motion, even the longest rotation moved the contact by less than the resolution.
         // This gives an upper bound on the object's radius of curvature.
-        let rotation = self
-            .rotations
-            .iter()
-            .map(|rotation| (rotation.x * along.y - rotation.y * along.x).abs())
-            .fold(0.0, f64::max);
+        let rotations = self.rotations.iter();
+        let rotations = rotations.map(|one| (one.x * along.y - one.y * along.x).abs());
+        let rotation = rotations.fold(0.0, f64::max);
         // On square pads, the contact can move furthest along a diagonal.
         let resolution = PadCell::square(self.noise.shift_resolution).chord(&along);
         let relative_above = rotation / resolution;
@@ -323,13 +317,9 @@ impl Estimate {
         if freedom == 0 {
             return (0.0, 0);
         }
-        let square: f64 = readings
-            .iter()
-            .map(|reading| {
-                let drive = Vector2::new(-reading.rotation.y, reading.rotation.x);
-                (reading.shift - self.mobility * drive).norm_squared()
-            })
-            .sum();
+        let apart = |one: &ProbeReading| one.shift - self.shift(&one.rotation);
+        let squares = readings.iter().map(|one| apart(one).norm_squared());
+        let square: f64 = squares.sum();
         ((square / freedom as f64).sqrt(), freedom)
     }
 }

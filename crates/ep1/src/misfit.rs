@@ -143,13 +143,10 @@ impl<'r> Refit<'r> {
         readings: &'r [ProbeReading],
     ) -> Option<Self> {
         let turned = readings.iter().map(|reading| reading.rotation.norm());
-        let sizes = readings
-            .iter()
-            .map(|reading| noise_sizes(&noise, estimate, reading));
-        let sizes = sizes.map(|[of_shift, of_rotation]| of_shift.max(of_rotation));
-        let least = sizes
-            .filter(|size| *size > 0.0)
-            .fold(f64::INFINITY, f64::min);
+        let size = |reading| noise_sizes(&noise, estimate, reading);
+        let sizes = readings.iter().map(|one| size(one)[0].max(size(one)[1]));
+        let sizes = sizes.filter(|size| *size > 0.0);
+        let least = sizes.fold(f64::INFINITY, f64::min);
         let mut refit = Self {
             noise,
             estimate,

@@ -138,9 +138,8 @@ pub(crate) fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>)
     let half = 0.5 * (mobility[(0, 0)] - mobility[(1, 1)]);
     let least = 0.5 * mobility.trace() - libm::hypot(half, mobility[(0, 1)]);
     let largest = covariance.diagonal().max().max(0.0).sqrt();
-    if least > 0.0 {
-        largest / least
-    } else {
-        f64::INFINITY
+    match least > 0.0 {
+        true => largest / least,
+        false => f64::INFINITY,
     }
 }

@@ -57,9 +57,8 @@ impl RollRecording {
             zeros.for_each(|loss| *loss = None);
         }
         let lost = losses.iter().enumerate();
-        let lost: Vec<(usize, Loss)> = lost
-            .filter_map(|(roll, loss)| Some((roll, (*loss)?)))
-            .collect();
+        let lost = lost.filter_map(|(roll, loss)| Some((roll, (*loss)?)));
+        let lost: Vec<(usize, Loss)> = lost.collect();
         if let Some(&(first, loss)) = lost.first()
             && lost.len() as f64 > MAX_SHARE * self.readings.len() as f64
         {
@@ -78,12 +77,8 @@ impl RollRecording {
             },
         });
         let left_out = left_out.collect();
-        let kept = losses.iter().enumerate();
-        let kept: Vec<usize> = kept
-            .filter(|(_, loss)| loss.is_none())
-            .map(|(roll, _)| roll)
-            .collect();
-        self.keep(&kept);
+        let kept = (0..losses.len()).filter(|&roll| losses[roll].is_none());
+        self.keep(&kept.collect::<Vec<_>>());
         Ok(left_out)
     }
 
@@ -92,10 +87,8 @@ impl RollRecording {
     /// predict shifts.
     fn accept_zeros(&self, losses: &mut [Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses.iter());
-        let sound: Vec<ProbeReading> = sound
-            .filter(|(_, loss)| loss.is_none())
-            .map(|(reading, _)| *reading)
-            .collect();
+        let sound = sound.filter(|(_, loss)| loss.is_none());
+        let sound: Vec<ProbeReading> = sound.map(|(reading, _)| *reading).collect();
         let radius = options.probe_radius;
         let exact = ReadingNoise::default();
         let single = |rolls: &[ProbeReading]| single_direction(rolls, radius, &exact).ok()?;
@@ -150,21 +143,16 @@ impl RollRecording {
 /// Pitch of square pads, found from the components of the contact shifts. It is the smallest component that is not 0,
 /// if all components are multiples of this component; otherwise 0.
 fn common_pitch(readings: &[ProbeReading]) -> f64 {
-    let components = readings
-        .iter()
-        .flat_map(|reading| [reading.shift.x, reading.shift.y]);
-    let lengths: Vec<f64> = components
-        .map(f64::abs)
-        .filter(|length| *length > 0.0)
-        .collect();
+    let shifts = readings.iter().map(|reading| reading.shift.abs());
+    let lengths = shifts.flat_map(|shift| [shift.x, shift.y]);
+    let lengths: Vec<f64> = lengths.filter(|length| *length > 0.0).collect();
     let pitch = lengths.iter().copied().fold(f64::INFINITY, f64::min);
     let is_multiple = |length: &f64| {
         let pitches = length / pitch;
         (pitches - pitches.round()).abs() <= ROUNDING * pitches
     };
-    if lengths.iter().all(is_multiple) {
-        pitch
-    } else {
-        0.0
+    match lengths.iter().all(is_multiple) {
+        true => pitch,
+        false => 0.0,
     }
 }

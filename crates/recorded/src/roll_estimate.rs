@@ -226,13 +226,8 @@ impl RollEstimate {
             None => SeriesEstimate::of_ends(&self.estimate, covariance, self.freedom)
                 .class_probabilities(thresholds),
         };
-        Some(
-            ShapeClass::ALL
-                .map(ShapeClass::name)
-                .into_iter()
-                .zip(all)
-                .collect(),
-        )
+        let names = ShapeClass::ALL.map(ShapeClass::name);
+        Some(names.into_iter().zip(all).collect())
     }
 
     /// p-value of the goodness of fit for the stated noise; `None` if no noise is stated.
@@ -240,10 +235,8 @@ impl RollEstimate {
         if let Some(series) = &self.series {
             return Some(series.estimate.goodness?.p_value);
         }
-        let goodness = self
-            .estimate
-            .goodness(self.options.noise, self.tested_readings());
-        goodness.map(|goodness| goodness.p_value)
+        let tested = self.tested_readings();
+        Some(self.estimate.goodness(self.options.noise, tested)?.p_value)
     }
 
     /// The readings for the test of the goodness of fit.
@@ -262,18 +255,15 @@ impl RollEstimate {
 impl Serialize for RollEstimate {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let values = self.values();
-        let limits = self.thresholds();
+        let (limits, series) = (self.thresholds(), self.series.as_ref());
         let report = RollReport {
             format_version: FORMAT_VERSION,
-            method: self
-                .series
-                .as_ref()
-                .map_or("least-squares", |series| series.method),
+            method: series.map_or("least-squares", |series| series.method),
             probes: self.probes,
             radius: Radius::of_mean(&values.mean_curvature, self.unit),
             values,
             std_from: self.std_from,
-            terms: self.series.as_ref().map(|series| series.estimate.terms),
+            terms: series.map(|series| series.estimate.terms),
             bounds: self.bounds(),
             class: limits.map(|limits| self.class(&limits).name()),
             class_probabilities: limits.and_then(|limits| self.class_probabilities(&limits)),
@@ -313,15 +303,13 @@ impl RollEstimate {
             let drive = Vector2::new(-reading.rotation.y, reading.rotation.x);
             let resolution = resolution * cell.chord(&drive.normalize()) / cell.pitch();
             let radius = 1.0 / (reading.rotation.norm() / resolution - 1.0 / options.probe_radius);
+            let row = recorded.rows.get(place);
             let is_bound = resolution > 0.0 && radius > 0.0 && radius.is_finite();
             UnresolvedProbe {
                 probe: recorded.probe(place),
                 radius_below: is_bound.then_some(radius),
                 unit: self.unit.as_str(),
-                columns: recorded
-                    .rows
-                    .get(place)
-                    .map_or_else(BTreeMap::new, |&row| recorded.extras.named(row)),
+                columns: row.map_or_else(BTreeMap::new, |&row| recorded.extras.named(row)),
             }
         };
         let readings = recorded.readings.iter().enumerate();
@@ -398,10 +386,7 @@ pub fn estimate_roll(
             Ep1Error::NotFinite { probe } => {
                 format!("probe {}: the reading is not finite", recorded.probe(probe))
             }
-            Ep1Error::Unresolved {
-                radius_below: Some(_),
-                ..
-            } => {
+            Ep1Error::Unresolved { radius_below, .. } if radius_below.is_some() => {
                 format!("{error} {}", unit.as_str())
             }
             _ => error.to_string(),
@@ -410,6 +395,7 @@ pub fn estimate_roll(
     };
 
     if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
+        let has_pads = recorded.series.as_ref().is_some_and(|one| one.has_pads);
         let estimate = series.estimate();
         return Ok(RollEstimate {
             options: options.clone(),
@@ -418,15 +404,9 @@ pub fn estimate_roll(
             residual: estimate.residual(readings).0,
             estimate,
             freedom: None,
-            std_from: match options.series.noise.is_exact() {
-                true if recorded
-                    .series
-                    .as_ref()
-                    .is_some_and(|readings| readings.has_pads) =>
-                {
-                    "the pads' edges"
-                }
-                true if options.series.contact_std == 0.0 => "the residuals",
+            std_from: match (options.series.noise.is_exact(), has_pads) {
+                (true, true) => "the pads' edges",
+                (true, false) if options.series.contact_std == 0.0 => "the residuals",
                 _ => "the stated noise",
             },
             repeated,

@@ -64,35 +64,6 @@ fn errors_of_measured_rotations_do_not_bias_the_curvature() {
 }
 
 #[test]
-fn the_isotropic_standard_error_matches_the_formula() {
-    // The relative standard error of a normal curvature is σ (1 + R₂/R₁)/√4. Here σ is the relative standard deviation
-    // of a rotation, and R₁ and R₂ are the radii of probe and object. The divisor is √4, because four of the eight
-    // probes measure each direction.
-    let noise = ReadingNoise {
-        relative_rotation_std: 0.01,
-        ..Default::default()
-    };
-    let exact = readings(1.0, &CurvatureForm::isotropic(0.2), &eight(0.1));
-    let estimate = LeastSquares::of(1.0, noise, &exact).unwrap();
-    let relative = estimate.normal_curvature_u.std.unwrap() / 0.2;
-    assert_relative_eq!(relative, 0.01 * 6.0 / 2.0, max_relative = 1e-12);
-}
-
-#[test]
-fn the_residual_increases_with_a_departure_from_the_model() {
-    let mut readings = readings(1.0, &FORM, &eight(0.1));
-    let fit = |readings: &[ProbeReading]| {
-        LeastSquares::of(1.0, ReadingNoise::default(), readings)
-            .unwrap()
-            .residual(readings)
-    };
-    let (clean, freedom) = fit(&readings);
-    assert!(clean < 1e-16 && freedom == 13);
-    readings[3].shift.x += 0.01;
-    assert!(fit(&readings).0 > 1e-3);
-}
-
-#[test]
 fn the_covariance_of_the_form_matches_finite_differences() {
     // To first order, the covariance follows from the change of the curvature form per unit error in each component of
     // each reading.
