@@ -205,16 +205,24 @@ impl<const N: usize> RollFit<N> {
             let at = &path[index];
             let place = frame.place(at);
             let by_drive = place.by_path * at.mobility;
+            // The relative error of the rotation about the contact normal grows along the roll, so it turns the contact's
+            // path by half of its value at the end. All readings of the roll share this error.
+            let turned = match roll.rotations.has_spin() {
+                true => noise.relative_roll_std * drive_of(&measured[index]).norm() * 0.5,
+                false => 0.0,
+            };
+            let turned = at.x.norm_squared() * turned * turned * roll.observations.len() as f64;
             let mut shared = Matrix2::zeros();
             let (residual, weight, rotation_error, rows) = match observation {
                 Observation::Crossing(crossing) => {
                     let residual = crossing.offset - crossing.normal.dot(&place.place);
                     let across = by_drive.tr_mul(&crossing.normal);
                     // An error of the rotation about the contact normal turns the contact's path about its start.
-                    let turned = crossing.normal.perp(&(place.by_path * at.x));
+                    let aside = crossing.normal.perp(&(place.by_path * at.x));
                     let variance =
-                        (across.norm_squared() + turned * turned) * crossing.std * crossing.std
-                            + crossing.gap * crossing.gap / 12.0;
+                        (across.norm_squared() + aside * aside) * crossing.std * crossing.std
+                            + crossing.gap * crossing.gap / 12.0
+                            + turned;
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
                     // Errors of measured rotations bias the estimate. At a crossing, the rotation error is so small
@@ -227,7 +235,9 @@ impl<const N: usize> RollFit<N> {
                         shared = by_drive * -drive_of(&measured[index]).norm();
                     }
                     let rounded = libm::hypot(MIN_STD, MIN_SHARE * noise.relative_roll_std);
-                    let own = noise.contact_std * noise.contact_std / samples + rounded * rounded;
+                    let own = noise.contact_std * noise.contact_std / samples
+                        + rounded * rounded
+                        + turned;
                     let square = by_drive * by_drive.transpose();
                     let (mut weight, mut error) = (Matrix2::zeros(), Vector2::zeros());
                     // The standard deviation of the noise is proportional to the true rotation, so the weight is
@@ -311,10 +321,8 @@ impl<const N: usize> RollFit<N> {
         self.chi_squared = chi_squared;
         self.freedom = count - if roll.is_start_known { 0 } else { count.min(2) };
         let size = |one: &&PathPoint| one.x.norm_squared();
-        if let Some(farthest) = path
-            .iter()
-            .max_by(|one, other| size(one).total_cmp(&size(other)))
-        {
+        let order = |one: &&PathPoint, other: &&PathPoint| size(one).total_cmp(&size(other));
+        if let Some(farthest) = path.iter().max_by(order) {
             self.end = farthest.x;
             let measured = measured.last().map(drive_of).unwrap_or_default();
             let size = measured.norm().max(f64::MIN_POSITIVE);

@@ -31,7 +31,7 @@ pub(crate) const fn coefficients(terms: usize) -> usize {
 }
 
 /// A polynomial model of the object near the common start of the rolls.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LocalShape {
     pub(crate) terms: usize,
     /// Entries of the symmetric tensors T₂, T₃, … one tensor after the other. The entry j (from 0) of a tensor has j
@@ -153,6 +153,11 @@ impl RollRotations {
         &self.rotations
     }
 
+    /// Whether the measured rotations about the contact normal are used.
+    pub(crate) fn has_spin(&self) -> bool {
+        !self.steps.is_empty()
+    }
+
     /// Computes the contacts at all samples and writes them to `path`. `error` is the error of the measured drive
     /// (rotation vector, turned by 90°), divided by the magnitude of the measured drive. `None` if the contact cannot
     /// follow the rotations, because it would not roll on this shape.
@@ -170,34 +175,21 @@ impl RollRotations {
             mobility: positive(shape.relative().try_inverse()?)?,
             spin: 0.0,
         };
-        let drive = |rotation: &Vector3<f64>| {
-            let measured = drive_of(rotation);
-            measured - error * measured.norm()
-        };
-        if !self.steps.is_empty() {
-            let corrected;
-            let steps = match *error == Vector2::zeros() {
-                true => &self.steps,
-                false => {
-                    let rotations = self.rotations.iter();
-                    corrected = steps(rotations.map(|rotation| {
-                        let drive = drive(rotation);
-                        Vector3::new(drive.y, -drive.x, rotation.z)
-                    }));
-                    &corrected
-                }
-            };
-            for step in steps {
+        let turned = Vector3::new(error.y, -error.x, 0.0);
+        let rotations = self.rotations.iter();
+        let rotations = rotations.map(|one| one - turned * drive_of(one).norm());
+        if self.has_spin() {
+            let corrected = (turned != Vector3::zeros()).then(|| steps(rotations.clone()));
+            for step in corrected.as_ref().unwrap_or(&self.steps) {
                 at = at.after(shape, &at.turn_of(step))?;
                 path.push(at);
             }
             return Some(());
         }
         let mut last = Vector3::zeros();
-        for rotation in &self.rotations {
-            let true_drive = drive(rotation);
-            let (turn, normal_part) = at.turn_without_spin(&last, &true_drive)?;
-            last = Vector3::new(true_drive.y, -true_drive.x, normal_part);
+        for rotation in rotations {
+            let (turn, normal_part) = at.turn_without_spin(&last, &rotation.xy())?;
+            last = rotation.xy().push(normal_part);
             at = at.after(shape, &turn)?;
             path.push(at);
         }
@@ -222,24 +214,28 @@ impl PathPoint {
     }
 
     /// Computes the next step of a roll without spin. The rotation vectors are counted from the start of the roll.
-    /// `last` is the rotation vector at the beginning of the step. `drive` is the tangential part of the rotation
-    /// vector at the end of the step, turned by 90° (see [`drive_of`]). Returns the rotation of the step in the contact
+    /// `last` is the rotation vector at the beginning of the step, and `tangential` its tangential part at the end of the
+    /// step. Returns the rotation of the step in the contact
     /// frame, and the normal component of the rotation vector at the end of the step.
     fn turn_without_spin(
         &self,
         last: &Vector3<f64>,
-        drive: &Vector2<f64>,
+        tangential: &Vector2<f64>,
     ) -> Option<(Vector3<f64>, f64)> {
-        let step = drive - drive_of(last);
-        let middle = last + Vector3::new(step.y, -step.x, 0.0) * 0.5;
-        let frame = self.frame * rolled(&(self.mobility * step * 0.5), 0.0);
+        let step = tangential - last.xy();
+        let frame =
+            self.frame * rolled(&(self.mobility * Vector2::new(-step.y, step.x) * 0.5), 0.0);
+        // Without spin, the normal component of the rotation vector follows from its tangential part. Its value at the
+        // middle of the step is needed to first order.
+        let turned = frame * step.push(0.0);
+        let mut middle = last + step.push(turned.z) * 0.5;
+        middle.z += 0.25 * middle.xy().perp(&turned.xy());
         // `slopes` is the derivative of the rotation vector with respect to a small rotation of the probe.
         let cross = middle.cross_matrix();
         let square = middle.norm_squared();
         let of_square = 1.0 / 12.0 + square * (1.0 / 720.0 + square / 30_240.0);
         let slopes = frame + cross * frame * 0.5 + cross * cross * frame * of_square;
-        let across = slopes.fixed_view::<2, 2>(0, 0).try_inverse()? * Vector2::new(step.y, -step.x);
-        let turn = Vector3::new(across.x, across.y, 0.0);
+        let turn = (slopes.fixed_view::<2, 2>(0, 0).try_inverse()? * step).push(0.0);
         Some((turn, last.z + slopes.row(2).transpose().dot(&turn)))
     }
 
@@ -335,23 +331,11 @@ fn sine_ratios(square: f64) -> (f64, f64) {
 /// The contact frame on the unit sphere after the contact has moved by `along` and the probe has spun by `spin`, relative
 /// to the contact frame before this movement.
 fn rolled(along: &Vector2<f64>, spin: f64) -> Matrix3<f64> {
-    let (u, v) = (along.x, along.y);
-    let square = u * u + v * v + spin * spin;
+    let turn = Vector3::new(-along.y, along.x, -spin);
+    let square = turn.norm_squared();
     let (per_sin, per_cos) = sine_ratios(square);
-    let cos = 1.0 - per_cos * square;
-    let [sin_u, sin_v, sin_spin] = [u, v, spin].map(|part| per_sin * part);
-    let [cos_u, cos_v, cos_spin] = [u, v, spin].map(|part| per_cos * part);
-    Matrix3::new(
-        cos + cos_v * v,
-        sin_spin - cos_u * v,
-        sin_u + cos_v * spin,
-        -sin_spin - cos_u * v,
-        cos + cos_u * u,
-        sin_v - cos_u * spin,
-        cos_v * spin - sin_u,
-        -sin_v - cos_u * spin,
-        cos + cos_spin * spin,
-    )
+    let frame = (turn * per_sin).cross_matrix() + turn * (turn * per_cos).transpose();
+    frame + Matrix3::from_diagonal_element(1.0 - per_cos * square)
 }
 
 /// The start of a roll on the unit sphere, and the axes of the pads at the start. The axes are parallel-transported to
