@@ -25,6 +25,10 @@ const MIN_STD: f64 = 1e-9;
 /// steadily.
 const PROBED: usize = 4;
 
+/// The path of the contact is nearly parallel to an edge if it moves across the edge by at most this share of its
+/// length.
+const NEARLY_PARALLEL: f64 = 0.1;
+
 /// A run: successive samples of a roll with the same active pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Run {
@@ -86,10 +90,8 @@ pub(crate) fn crossings(
         let [before, after] = [pair[0], pair[1]];
         let between = after.centre - before.centre;
         let pairs = cell.edges() / 2;
-        let furthest = cell.normals().take(pairs);
-        let furthest = furthest
-            .map(|normal| normal.dot(&between).abs())
-            .fold(0.0, f64::max);
+        let distances = cell.normals().map(|normal| normal.dot(&between));
+        let furthest = distances.fold(0.0, f64::max);
         for normal in cell.normals() {
             let distance = normal.dot(&between);
             // If two square pads lie in different columns, the contact must cross an edge between columns; if they lie
@@ -202,28 +204,36 @@ pub(crate) fn edge_samples(
     mobility: &Matrix2<f64>,
 ) -> Vec<(usize, f64, usize)> {
     let mut all: Vec<(usize, f64, usize, f64)> = Vec::with_capacity(4 * runs.len());
+    let turned = samples.last().map_or(Vector3::zeros(), |one| one.rotation);
     for (edge, normal) in cell.normals().enumerate() {
         let across = mobility * normal;
         let axis = Vector3::new(across.y, -across.x, 0.0);
-        let from = all.len();
-        for run in runs {
-            let offset = normal.dot(&run.centre) + 0.5 * pitch;
-            let mut furthest = (run.first, f64::NEG_INFINITY);
-            let length = run.last - run.first;
-            let intervals = length.clamp(1, PROBED);
-            for probed in 0..=intervals {
-                let sample = run.first + probed * length / intervals;
-                let along = axis.dot(&samples[sample].rotation);
-                if along > furthest.1 {
-                    furthest = (sample, along);
+        let tilt = Vector3::new(across.x, across.y, 0.0) * NEARLY_PARALLEL;
+        // If the path is nearly parallel to the edge, either end of a run may be nearest to the edge, because the
+        // mobility is not known exactly. So select a sample for each of two tilted edges.
+        let is_parallel = axis.dot(&turned).abs() <= tilt.dot(&turned).abs();
+        for tilt in [tilt, -tilt].iter().take(1 + usize::from(is_parallel)) {
+            let axis = if is_parallel { axis + tilt } else { axis };
+            let from = all.len();
+            for run in runs {
+                let offset = normal.dot(&run.centre) + 0.5 * pitch;
+                let mut furthest = (run.first, f64::NEG_INFINITY);
+                let length = run.last - run.first;
+                let intervals = length.clamp(1, PROBED);
+                for probed in 0..=intervals {
+                    let sample = run.first + probed * length / intervals;
+                    let along = axis.dot(&samples[sample].rotation);
+                    if along > furthest.1 {
+                        furthest = (sample, along);
+                    }
                 }
-            }
-            let is_same =
-                |one: &&mut (usize, f64, usize, f64)| (one.1 - offset).abs() < 1e-6 * pitch;
-            match all[from..].iter_mut().find(is_same) {
-                Some(one) if one.3 >= furthest.1 => {}
-                Some(one) => *one = (edge, offset, furthest.0, furthest.1),
-                None => all.push((edge, offset, furthest.0, furthest.1)),
+                let is_same =
+                    |one: &&mut (usize, f64, usize, f64)| (one.1 - offset).abs() < 1e-6 * pitch;
+                match all[from..].iter_mut().find(is_same) {
+                    Some(one) if one.3 >= furthest.1 => {}
+                    Some(one) => *one = (edge, offset, furthest.0, furthest.1),
+                    None => all.push((edge, offset, furthest.0, furthest.1)),
+                }
             }
         }
     }

@@ -195,7 +195,11 @@ pub(crate) fn furthest_change(
             }
             let corner = roll.start(&point, basis, &mut of_roll)?;
             if corner.point.z > START_TOLERANCE {
-                sums.push(roll.sum(&corner)?);
+                // Rounding errors may hide the violation in the sum. Then the sum would not change the point.
+                let (form, slack) = roll.sum(&corner)?;
+                if form.dot(&point) > slack + TOLERANCE {
+                    sums.push((form, slack));
+                }
             }
             all.push(corner.point.xy());
         }
@@ -234,15 +238,19 @@ impl RollRows {
     /// sum. `None` if the corner is on the bounding box.
     fn sum(&self, corner: &Corner) -> Option<Row> {
         let (mut form, mut slack) = (Vector3::zeros(), 0.0);
+        let mut normal = Vector2::zeros();
         for (row, share) in corner.shares {
             if let Some(row) = row {
                 form += self.rows[row].form * share;
+                normal += self.rows[row].normal * share;
                 slack += self.rows[row].slack * share;
             } else if share > 1e-9 {
                 return None;
             }
         }
-        Some(scaled(form, slack))
+        // The multipliers have small errors. Widen the bound by what these errors leave of the start, which is at most
+        // one radius of the probe.
+        Some(scaled(form, slack + normal.norm()))
     }
 
     /// Converts the bounds of the roll to bounds of the mobility alone, in the order of the pads' edges. `response` is

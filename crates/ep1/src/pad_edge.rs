@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use crate::crossings::{Run, edge_samples};
 use crate::feasible_set::{EdgeRow, OPEN, Programs, RollRows, distribution, furthest_change};
 use crate::roll_fit::slopes_at;
-use crate::rolled_path::{LocalShape, RollRotations, StartFrame, drive_of};
+use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::symmetric::largest_spread;
 use crate::{PadCell, Quantity, RollSample, RollSeries};
 
@@ -18,6 +18,10 @@ const PASSES: usize = 8;
 /// per radian). The value has converged if its last change is less than this fraction of its distance from the mean. An
 /// estimate of the next change is then added to the value.
 const CONVERGED: f64 = 0.03;
+/// The boundary of the set counts as curved if a linearisation changes an extreme value by more than this fraction of its
+/// distance from the mean. The linearisations may then alternate between corners of the set, or converge to a corner
+/// that is not the furthest, so the largest of their results is used.
+const CURVED: f64 = 0.3;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
 /// The set of possible mobilities (contact travels per radian) is assumed to be bounded if the standard deviation of
@@ -72,8 +76,7 @@ impl BoundedRoll {
         // The contact's path is computed at the sample of each bound. If the path bends, it is also computed at samples
         // in between, to limit the path's error.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
-        let spin = if series.has_spin { turned.z.abs() } else { 0.0 };
-        let bend = uneven * turned.norm() + sagitta(samples) + spin * drive_of(&turned).norm();
+        let bend = uneven * turned.norm() + sagitta(samples) + turned.z.abs() * turned.norm();
         let square = turned.norm_squared() * bend / 12.0;
         let largest = PATH_ERROR * turned.norm() / samples.len() as f64;
         let nodes = (square / largest.max(f64::MIN_POSITIVE)).sqrt();
@@ -320,8 +323,8 @@ impl PadEdgeSet {
         let mean = direction.dot(&self.mean);
         let (mut change, mut moved) = furthest_change(&self.rows, direction, programs)?;
         let mut starts: Vec<_> = self.rolls.iter().map(|roll| roll.start).collect();
-        let mut largest = f64::NEG_INFINITY;
-        for pass in 1..=PASSES {
+        let (mut largest, mut is_curved) = (direction.dot(&change), false);
+        for _ in 0..PASSES {
             if change.amax() > 0.9 * OPEN {
                 return None;
             }
@@ -337,16 +340,13 @@ impl PadEdgeSet {
             change += step;
             let found = direction.dot(&change);
             let (distance, apart) = ((found - mean).abs(), (found - last).abs());
+            // This pass changed the maximum by `apart`. The next pass is expected to change it by `apart` times the ratio
+            // of `apart` to the maximum's distance from the mean. Add this expected change.
+            let next = found.max(last) + apart * (apart / distance).min(1.0);
+            largest = largest.max(next);
+            is_curved |= apart > CURVED * distance;
             if apart < CONVERGED * distance + 1e-13 {
-                // This pass changed the maximum by `apart`. The next pass is expected to change it by `apart` times the
-                // ratio of `apart` to the maximum's distance from the mean. Add this expected change.
-                let next = apart * (apart / distance).min(1.0);
-                return Some(found.max(last) + next);
-            }
-            // Where the boundary of the set of mobilities is curved, successive passes alternately overestimate and
-            // underestimate the largest value. Therefore use the largest result of the later passes.
-            if pass > PASSES / 2 {
-                largest = largest.max(found.max(last) + apart * (apart / distance).min(1.0));
+                return Some(if is_curved { largest } else { next });
             }
         }
         Some(largest)
