@@ -212,6 +212,10 @@ fn all_on_lattice(
         return Ok(());
     };
     let is_hexagonal = *cell == PadCell::hexagonal(cell.pitch());
+    let lattice = match is_hexagonal {
+        true => "hexagonal pads lie in rows along u",
+        false => "square pads lie in rows along u and v",
+    };
     let error_of = |place: &Vector2<f64>| {
         let pitches = (place - first.place) / cell.pitch();
         // The rows of hexagonal pads lie along u. Neighbouring rows are √3/2 pitches apart along v, and are shifted by
@@ -233,11 +237,11 @@ fn all_on_lattice(
             if sample.place != last && error_of(&sample.place) > MAX_PAD_ERROR {
                 let [u, v] = sample.place.map(Number).into();
                 return Err(format!(
-                    "probe {} after {} s: there is no pad at ({u}, {v}) {}: pads lie at multiples of the pitch, {}, from each other",
+                    "probe {} after {} s: there is no pad at ({u}, {v}) {unit}: {lattice}, relative to the pad of the first sample, with the pitch {} {unit}",
                     recorded.probe(roll),
                     Number(sample.time_s),
-                    unit.as_str(),
-                    Number(cell.pitch())
+                    Number(cell.pitch()),
+                    unit = unit.as_str()
                 ));
             }
             last = sample.place;
