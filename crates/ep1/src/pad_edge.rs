@@ -109,6 +109,11 @@ impl BoundedRoll {
             rotations: RollRotations::new(rotations, series.has_spin),
         })
     }
+
+    /// Moves each edge of the pads outward by `width`, in radii of the probe.
+    pub(crate) fn widen(&mut self, width: f64) {
+        self.edges.iter_mut().for_each(|edge| edge.1 += width);
+    }
 }
 
 /// Estimates how far the rotation vectors of the samples deviate from a straight line: the largest distance of a few of

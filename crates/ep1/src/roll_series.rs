@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::SeriesError;
 use crate::crossings::{Run, without_chatter};
 use crate::roll_fit::Observation;
-use crate::rolled_path::drive_of;
+use crate::rolled_path::{LocalShape, drive_of};
 
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
 /// this number of groups, and the fit uses the mean of each group.
@@ -59,6 +59,12 @@ impl RollSeries {
         let size = |one: &RollSample| drive_of(&one.rotation).norm_squared();
         let order = |one: &&RollSample, other: &&RollSample| size(other).total_cmp(&size(one));
         self.samples.iter().rev().step_by(step).min_by(order)
+    }
+
+    /// Travel of the contact from the first to the farthest sample, and the drive of the farthest sample.
+    fn end(&self) -> Option<(Vector2<f64>, Vector2<f64>)> {
+        let last = self.farthest()?;
+        Some((last.place - self.samples[0].place, drive_of(&last.rotation)))
     }
 }
 
@@ -265,16 +271,6 @@ fn is_on_probe(radius: f64, place: &Vector2<f64>) -> bool {
     place.norm_squared() < (std::f64::consts::PI * radius).powi(2)
 }
 
-/// The range of the rotations about the contact normal (rad), among about 64 evenly spaced samples.
-pub(crate) fn spin_of(samples: &[RollSample]) -> f64 {
-    let step = samples.len().div_ceil(COMPARED).max(1);
-    let spins = samples.iter().rev().step_by(step).map(|one| one.rotation.z);
-    let [low, high] = spins.fold([0.0_f64; 2], |[low, high], spin| {
-        [low.min(spin), high.max(spin)]
-    });
-    high - low
-}
-
 /// Averages the rotations and contact points over groups of successive samples. Each result consists of the index of the
 /// middle sample, the mean rotation, and the mean contact point with the number of samples. There are [`GROUPS`] groups,
 /// or none for pads, and more if the probe spins by the angle `spin` (rad).
@@ -301,14 +297,31 @@ pub(crate) fn groups(
     (0..count).map(mean).collect()
 }
 
+/// A shape with constant curvature that follows from the first and the farthest samples of the rolls, by least squares.
+/// `None` if the rolls do not determine it.
+pub(crate) fn shape_of_ends(rolls: &[RollSeries], radius: f64) -> Option<LocalShape> {
+    let (drives, travels) = sums_of_ends(rolls);
+    let mobility = travels * drives.try_inverse()? / radius;
+    let mobility = (mobility + mobility.transpose()) * 0.5;
+    LocalShape::of_mobility(&mobility).filter(|_| mobility.determinant() > 0.0)
+}
+
+/// Sums of the products of the drive (rotation vector, turned by 90°) with itself, and of the contact's travel with the
+/// drive, over the farthest samples of the rolls.
+fn sums_of_ends(rolls: &[RollSeries]) -> (Matrix2<f64>, Matrix2<f64>) {
+    let mut sums = (Matrix2::zeros(), Matrix2::zeros());
+    for (travel, drive) in rolls.iter().filter_map(RollSeries::end) {
+        sums.0 += drive * drive.transpose();
+        sums.1 += travel * drive.transpose();
+    }
+    sums
+}
+
 /// Whether the contacts moved against the direction of the rolls, for example because the rotations have the wrong
 /// sign.
 pub(crate) fn are_reversed(rolls: &[RollSeries]) -> bool {
-    let ends = |roll: &RollSeries| Some((*roll.samples.first()?, *roll.farthest()?));
     let (mut along, mut travel) = (0.0, 0.0);
-    for (first, last) in rolls.iter().filter_map(ends) {
-        let moved = last.place - first.place;
-        let drive = drive_of(&last.rotation);
+    for (moved, drive) in rolls.iter().filter_map(RollSeries::end) {
         along += moved.dot(&drive) / drive.norm().max(f64::MIN_POSITIVE);
         travel += moved.norm();
     }
@@ -317,9 +330,7 @@ pub(crate) fn are_reversed(rolls: &[RollSeries]) -> bool {
 
 /// The error for rolls that do not determine the curvature. It contains the direction in which the rolls are shortest.
 pub(crate) fn undetermined(rolls: &[RollSeries]) -> SeriesError {
-    let drives = rolls.iter().filter_map(RollSeries::farthest);
-    let drives = drives.map(|last| drive_of(&last.rotation));
-    let gram: Matrix2<f64> = drives.map(|drive| drive * drive.transpose()).sum();
+    let (gram, _) = sums_of_ends(rolls);
     let direction_rad = 0.5 * libm::atan2(-2.0 * gram[(0, 1)], gram[(1, 1)] - gram[(0, 0)]);
     SeriesError::Undetermined { direction_rad }
 }

@@ -103,11 +103,7 @@ impl SeriesEstimate {
         const ORDER: [usize; 3] = [0, 2, 1];
         let scale = 1.0 / radius;
         Self {
-            curvature: CurvatureForm {
-                k_uu: (relative[(0, 0)] - 1.0) * scale,
-                k_uv: relative[(0, 1)] * scale,
-                k_vv: (relative[(1, 1)] - 1.0) * scale,
-            },
+            curvature: form_of(relative, radius),
             covariance: ORDER.map(|row| ORDER.map(|at| covariance[(row, at)] * scale * scale)),
             terms,
             rolls,
@@ -223,7 +219,7 @@ impl SeriesEstimate {
             }
             Quantity::Gaussian => self.gaussian_interval(),
         };
-        let Some(bounds) = self.bounds(quantity) else {
+        let Some(bounds) = self.range(quantity) else {
             return interval;
         };
         if self.has_few_crossings() {
@@ -247,8 +243,15 @@ impl SeriesEstimate {
     }
 
     /// The range of a quantity over all curvatures that agree with exact rotations and pads. An end is `None` if the
-    /// range is unbounded on this side. `None` if the rotations or the places have noise.
+    /// range is unbounded on this side. `None` if the rotations or the places have noise, or if a roll contradicts the
+    /// others: then the other rolls may also be wrong.
     pub fn bounds(&self, quantity: Quantity) -> Option<[Option<f64>; 2]> {
+        let is_out = |roll: &RollReport| roll.left_out == Some(Exclusion::Inconsistent);
+        self.range(quantity)
+            .filter(|_| !self.rolls.iter().any(is_out))
+    }
+
+    fn range(&self, quantity: Quantity) -> Option<[Option<f64>; 2]> {
         let Uncertainty::Set(set) = &self.uncertainty else {
             return None;
         };
@@ -260,12 +263,7 @@ impl SeriesEstimate {
         if !matches!(quantity, Quantity::PrincipalMin | Quantity::PrincipalMax) {
             return Some(set.ends(quantity).map(|end| Some(end? * scale)));
         }
-        let [min, max] = set.principal_ends();
-        let ends = if quantity == Quantity::PrincipalMin {
-            min
-        } else {
-            max
-        };
+        let ends = set.principal_ends()[usize::from(quantity == Quantity::PrincipalMax)];
         Some(ends.map(|end| end.is_finite().then_some(end * scale)))
     }
 
@@ -274,8 +272,8 @@ impl SeriesEstimate {
         let mut probabilities = [0.0; 8];
         let (mut count, radius) = (0.0, self.radius);
         for relative in self.draws().flatten() {
-            let gaussian = self.value(&relative, Quantity::Gaussian);
-            let mean = self.value(&relative, Quantity::Mean);
+            let form = form_of(&relative, radius);
+            let (gaussian, mean) = (form.gaussian_curvature(), form.mean_curvature());
             let class = match (gaussian * radius * radius).is_finite() && mean.is_finite() {
                 true => thresholds.classify(gaussian, mean),
                 false => ShapeClass::Peak,
@@ -284,22 +282,6 @@ impl SeriesEstimate {
             count += 1.0;
         }
         probabilities.map(|sum| sum / f64::max(count, 1.0))
-    }
-
-    fn value(&self, relative: &Matrix2<f64>, quantity: Quantity) -> f64 {
-        let scale = 1.0 / self.radius;
-        let form = CurvatureForm {
-            k_uu: (relative[(0, 0)] - 1.0) * scale,
-            k_uv: relative[(0, 1)] * scale,
-            k_vv: (relative[(1, 1)] - 1.0) * scale,
-        };
-        match quantity {
-            Quantity::Normal { angle_rad } => form.normal_curvature(angle_rad),
-            Quantity::Gaussian => form.gaussian_curvature(),
-            Quantity::Mean => form.mean_curvature(),
-            Quantity::PrincipalMin => form.principal().k_min,
-            Quantity::PrincipalMax => form.principal().k_max,
-        }
     }
 
     fn relative(&self) -> Matrix2<f64> {
@@ -383,9 +365,8 @@ impl SeriesEstimate {
             return [None, None];
         }
         let value = |relative: Option<Matrix2<f64>>| {
-            relative.map_or(f64::INFINITY, |relative| {
-                self.value(&relative, Quantity::Gaussian)
-            })
+            let form = relative.map(|relative| form_of(&relative, self.radius));
+            form.map_or(f64::INFINITY, |form| form.gaussian_curvature())
         };
         let mut all: Vec<f64> = self.draws().map(value).collect();
         all.sort_unstable_by(f64::total_cmp);
@@ -396,12 +377,18 @@ impl SeriesEstimate {
         // If the object may be flat, the interval of the Gaussian curvature must include 0. The quantiles of the
         // posterior draws may exclude 0, because the product of two small principal curvatures is seldom exactly 0.
         // Therefore extend the interval to 0.
-        let least = if is_flat {
-            at(0.025).min(0.0)
-        } else {
-            at(0.025)
-        };
-        [least, at(0.975)].map(|end| end.is_finite().then_some(end))
+        let largest = if is_flat { 0.0 } else { f64::INFINITY };
+        [at(0.025).min(largest), at(0.975)].map(|end| end.is_finite().then_some(end))
+    }
+}
+
+/// The curvature form `(relative − 1) / radius`.
+fn form_of(relative: &Matrix2<f64>, radius: f64) -> CurvatureForm {
+    let scale = 1.0 / radius;
+    CurvatureForm {
+        k_uu: (relative[(0, 0)] - 1.0) * scale,
+        k_uv: relative[(0, 1)] * scale,
+        k_vv: (relative[(1, 1)] - 1.0) * scale,
     }
 }
 

@@ -6,17 +6,20 @@ use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 use crate::crossings::{Crossing, Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
-use crate::roll_series::{are_reversed, check, groups, spin_of, undetermined};
+use crate::roll_series::{are_reversed, check, groups, shape_of_ends, undetermined};
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::symmetric::{inverse_slopes, largest_spread};
 use crate::{
-    Exclusion, PadCell, Places, RollReport, RollSeries, SeriesError, SeriesEstimate, SeriesMethod,
-    SeriesNoise,
+    Exclusion, PadCell, Places, RollReport, RollSample, RollSeries, SeriesError, SeriesEstimate,
+    SeriesMethod, SeriesNoise,
 };
 
 /// A roll is left out as an outlier if its p-value is below this value divided by the number of rolls.
 const OUTLIER_LEVEL: f64 = 1e-3;
+/// Readings are not exact if their p-value is below this value. The errors of exact crossings are uniformly distributed,
+/// so their p-value is very rarely so small.
+const EXACT_LEVEL: f64 = 0.05;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
@@ -100,7 +103,13 @@ impl Problem<'_> {
             let mut data = self.prepare(&Matrix2::identity());
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
-            let mut first = SeriesFit::<3>::weighted(&data, &noise, FLAT, tolerance);
+            let from = |shape| SeriesFit::<3>::weighted(&data, &noise, shape, tolerance);
+            let mut first = from(FLAT);
+            // If the object is far from flat, the fit may not converge. Then start it from the ends of the rolls.
+            if let (None, false, Some(shape)) = (&first, is_set, shape_of_ends(rolls, self.radius))
+            {
+                first = from(shape);
+            }
             // If the curvature changes, a fit of constant curvature to exact readings may not converge. Its result is
             // then still good enough as the start of fits with more terms.
             if is_exact && first.is_none() {
@@ -167,12 +176,18 @@ impl Problem<'_> {
         if data.len() < 2 {
             return Err(SeriesError::TooFewRolls { rolls: data.len() });
         }
-        if let Some(set) = self.set(cell, data, fit) {
+        if let Some(set) = self.set(cell, data, fit, 0.0) {
             return self.of_set(set);
         }
         let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
-        // No curvature agrees with all rolls. Try to leave out each roll in turn, first the roll whose crossings of pad
-        // edges contradict the other rolls most.
+        // No curvature agrees with all rolls. If active pads alternate at edges, the pads are not exact: move all edges
+        // outward by the largest distance over which pads alternate.
+        let width = self.chatter(&fit.shape);
+        if let (true, Some(set)) = (width > 0.0, self.set(cell, data, Some(fit), width)) {
+            return self.of_set(set);
+        }
+        // Try to leave out each roll in turn, first the roll whose crossings of pad edges contradict the other rolls
+        // most.
         self.p_values(data, fit);
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
@@ -180,13 +195,15 @@ impl Problem<'_> {
         let set_without = |left_out: &[usize]| {
             let kept = (0..data.len()).filter(|at| !left_out.contains(at));
             let data: Vec<_> = kept.map(|at| data[at].clone()).collect();
-            let fit = SeriesFit::new(&data, noise, fit.shape, ROUGH_TOLERANCE);
-            self.set(cell, &data, fit.as_ref())
+            let fit = SeriesFit::new(&data, noise, fit.shape, TOLERANCE)?;
+            // If the other rolls contradict each other too, but so little that the set is not quite empty, the readings
+            // are not exact.
+            let goodness = GoodnessOfFit::new(fit.chi_squared, fit.freedom);
+            let is_sound = width > 0.0 || goodness.p_value > EXACT_LEVEL;
+            is_sound.then(|| self.set(cell, &data, Some(&fit), width))?
         };
-        let tried = order.iter().take(MAX_TRIES);
-        let without = tried
-            .map(|&at| (at, set_without(&[at])))
-            .find_map(|(at, set)| Some((at, set?)));
+        let mut tried = order.iter().take(MAX_TRIES);
+        let without = tried.find_map(|&at| Some((at, set_without(&[at])?)));
         // If the rolls contradict each other even without as many of them as a fit may leave out, end the search.
         let most = (self.rolls.len() / ROLLS_PER_OUTLIER).min(order.len() - 1);
         let can_help = without.is_some() || set_without(&order[..most]).is_some();
@@ -194,24 +211,42 @@ impl Problem<'_> {
         if !can_help || !self.leaves_out(Some(roll)) {
             return Err(SeriesError::Contradiction { roll });
         }
-        for report in &mut self.reports {
-            if report.left_out.is_none() {
-                report.p_value = None;
-            }
-        }
+        let kept = self.reports.iter_mut();
+        let kept = kept.filter(|report| report.left_out.is_none());
+        kept.for_each(|report| report.p_value = None);
         match without {
             Some((_, set)) => self.of_set(set),
             None => self.estimate(),
         }
     }
 
-    /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`. `None` if there is no
-    /// such mobility.
+    /// The largest distance across an edge, in radii of the probe, over which the pads on both sides were active
+    /// alternately. `shape` is the shape of the object.
+    fn chatter(&self, shape: &LocalShape) -> f64 {
+        let mobility = shape.relative().try_inverse().unwrap_or_default();
+        let mut largest: f64 = 0.0;
+        for (runs, roll) in self.runs.iter().zip(self.rolls) {
+            for pair in runs
+                .windows(2)
+                .filter(|pair| pair[0].last + 1 < pair[1].first)
+            {
+                let [low, high] = [pair[0].last, pair[1].first].map(|at| roll.samples[at].rotation);
+                let across = pair[1].centre - pair[0].centre;
+                let moved = (mobility * drive_of(&(high - low))).dot(&across).abs();
+                largest = largest.max(moved / across.norm().max(f64::MIN_POSITIVE));
+            }
+        }
+        largest
+    }
+
+    /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`. All edges are moved
+    /// outward by `width`. `None` if there is no such mobility.
     fn set(
         &self,
         cell: &PadCell,
         data: &[RollData],
         fit: Option<&SeriesFit<3>>,
+        width: f64,
     ) -> Option<PadEdgeSet> {
         let shape = fit.map_or(FLAT, |fit| fit.shape);
         let mut rolls = Vec::with_capacity(data.len());
@@ -219,6 +254,7 @@ impl Problem<'_> {
             let series = &self.rolls[roll.roll];
             let runs = &self.runs[roll.roll];
             let mut bounded = BoundedRoll::new(series, runs, self.radius, cell, &shape)?;
+            bounded.widen(width);
             if let Some(fit) = fit {
                 bounded.start = fit.rolls[at].start;
                 bounded.response = fit.rolls[at].start_response();
@@ -239,17 +275,11 @@ impl Problem<'_> {
         if set.is_wide() && set.is_open() {
             return Err(undetermined(self.rolls));
         }
-        let lengths = self.rolls.iter().filter_map(RollSeries::farthest);
-        let lengths = lengths.map(|last| (mobility * drive_of(&last.rotation)).norm());
-        let lengths: Vec<f64> = lengths.collect();
-        Ok(self.result(
-            &shape,
-            covariance,
-            (true, 1),
-            &lengths,
-            None,
-            Uncertainty::Set(Box::new(set)),
-        ))
+        let ends = self.rolls.iter().filter_map(RollSeries::farthest);
+        let paths = ends.map(|last| (mobility * drive_of(&last.rotation)).norm());
+        let paths: Vec<f64> = paths.collect();
+        let set = Uncertainty::Set(Box::new(set));
+        Ok(self.result(&shape, covariance, (true, 1), &paths, None, set))
     }
 
     /// Leaves out the roll `roll` as an outlier, and returns `true`. Returns `false` if `roll` is `None`, or if too
@@ -275,24 +305,21 @@ impl Problem<'_> {
                 continue;
             }
             let samples = &series.samples;
-            report.left_out = match samples.last() {
-                None => Some(Exclusion::TooFewSamples),
-                Some(_) if samples.len() < 2 => Some(Exclusion::TooFewSamples),
-                Some(_)
-                    if samples
-                        .iter()
-                        .all(|one| drive_of(&one.rotation) == Vector2::zeros()) =>
-                {
-                    Some(Exclusion::NoRotation)
-                }
-                Some(_) => None,
+            let is_still = |one: &RollSample| drive_of(&one.rotation) == Vector2::zeros();
+            report.left_out = match samples.len() {
+                0 | 1 => Some(Exclusion::TooFewSamples),
+                _ => samples
+                    .iter()
+                    .all(is_still)
+                    .then_some(Exclusion::NoRotation),
             };
             if report.left_out.is_some() {
                 continue;
             }
             let guess = series.start.unwrap_or(samples[0].place) * scale;
             let has_spin = has_spin && series.has_spin;
-            let spin = if has_spin { spin_of(samples) } else { 0.0 };
+            let spin = series.farthest().filter(|_| has_spin);
+            let spin = spin.map_or(0.0, |last| last.rotation.z.abs());
             let (mut all, start_std) = match self.places {
                 Places::Pads(cell) => {
                     let pitch = cell.pitch() * scale;
@@ -328,15 +355,11 @@ impl Problem<'_> {
     }
 
     fn fit_noise(&self) -> FitNoise {
-        let contact_std = match self.places {
-            Places::Contacts { std } => std / self.radius,
-            Places::Pads(_) => 0.0,
-        };
         FitNoise {
-            contact_std: if self.is_noise_stated() {
-                contact_std
-            } else {
-                1.0
+            contact_std: match self.places {
+                Places::Contacts { std } if self.is_noise_stated() => std / self.radius,
+                Places::Contacts { .. } => 1.0,
+                Places::Pads(_) => 0.0,
             },
             rotation_std: self.noise.rotation_std_rad,
             relative_sample_std: self.noise.relative_sample_std,
@@ -370,11 +393,8 @@ impl Problem<'_> {
     /// Stores the p-value of each roll. Returns the roll that contradicts the other rolls most; `None` if no
     /// contradiction is significant.
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
-        let longest = fit
-            .rolls
-            .iter()
-            .map(|roll| roll.end.norm())
-            .fold(0.0, f64::max);
+        let lengths = fit.rolls.iter().map(|roll| roll.end.norm());
+        let longest = lengths.fold(0.0, f64::max);
         // If the noise is not stated and the residuals are very small, they are errors of the model and not noise. Then
         // no roll is an outlier.
         let is_small = |noise: EstimatedNoise| noise.mean_square.sqrt() < MIN_RESIDUAL * longest;
@@ -446,10 +466,8 @@ impl Problem<'_> {
         // terms. The criterion of the fit with the most terms is limited to 6, which is AIC's penalty for three
         // parameters. All these criteria are differences from the smallest criterion.
         if let Some(last) = all.pop() {
-            let best = all
-                .iter()
-                .map(|one| one.criterion)
-                .fold(last.criterion, f64::min);
+            let criteria = all.iter().map(|one| one.criterion);
+            let best = criteria.fold(last.criterion, f64::min);
             for one in &mut all {
                 let apart = one.estimate.distance_squared(&last.estimate);
                 one.criterion = (one.criterion - best).max(apart);
@@ -470,9 +488,8 @@ impl Problem<'_> {
             }
         }
         all.sort_by(|one, other| one.criterion.total_cmp(&other.criterion));
-        let weights = all
-            .iter()
-            .map(|one| libm::exp(0.5 * (all[0].criterion - one.criterion)));
+        let weight = |one: &Candidate| libm::exp(0.5 * (all[0].criterion - one.criterion));
+        let weights = all.iter().map(weight);
         let weighted: Vec<_> = weights.zip(all.iter().map(|one| &one.estimate)).collect();
         let mean = SeriesEstimate::mean(&weighted);
         (mean, all[0].worst)
@@ -505,10 +522,8 @@ impl Problem<'_> {
         // Widen the standard errors to account for the omitted terms. The omitted terms probably change the curvature
         // at the start less than the last two terms did. Therefore the widening is the change that the last two terms
         // caused, multiplied by a factor: the share of the last terms in the curvature at the end of a roll.
-        if let Some(before) = all
-            .iter()
-            .rfind(|one| one.estimate.terms + 2 == shape.terms)
-        {
+        let is_before = |one: &&Candidate| one.estimate.terms + 2 == shape.terms;
+        if let Some(before) = all.iter().rfind(is_before) {
             let ends = fit.rolls.iter().map(|roll| shape.last_share(&roll.end));
             let apart = one.estimate.entries() - before.estimate.entries();
             one.estimate.widen(apart * ends.fold(0.0, f64::max));
@@ -550,16 +565,9 @@ impl Problem<'_> {
         }
         let goodness = self.is_noise_stated();
         let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));
-        let lengths: Vec<f64> = fit.rolls.iter().map(|roll| roll.end.norm()).collect();
-        let terms = (terms == 1, terms);
-        self.result(
-            &fit.shape,
-            covariance,
-            terms,
-            &lengths,
-            goodness,
-            uncertainty,
-        )
+        let paths: Vec<f64> = fit.rolls.iter().map(|roll| roll.end.norm()).collect();
+        let (shape, terms) = (&fit.shape, (terms == 1, terms));
+        self.result(shape, covariance, terms, &paths, goodness, uncertainty)
     }
 
     /// The estimate for a shape. `covariance` is the covariance of the entries uu, uv, vv of the mobility if
@@ -569,7 +577,7 @@ impl Problem<'_> {
         shape: &LocalShape,
         covariance: Matrix3<f64>,
         (is_of_mobility, terms): (bool, usize),
-        lengths: &[f64],
+        paths: &[f64],
         goodness: Option<GoodnessOfFit>,
         uncertainty: Uncertainty,
     ) -> SeriesEstimate {
@@ -581,7 +589,7 @@ impl Problem<'_> {
             }
             false => covariance,
         };
-        let arc_length = self.radius * lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
+        let arc_length = self.radius * paths.iter().sum::<f64>() / paths.len().max(1) as f64;
         SeriesEstimate::new(
             self.radius,
             &relative,
