@@ -195,7 +195,8 @@ pub(crate) fn furthest_change(
             }
             let corner = roll.start(&point, basis, &mut of_roll)?;
             if corner.point.z > START_TOLERANCE {
-                // Rounding errors may hide the violation in the sum. Then the sum would not change the point.
+                // Add the summed bound only if `point` violates it. Rounding errors may hide the violation in the sum;
+                // such a bound would not change `point`.
                 let (form, slack) = roll.sum(&corner)?;
                 if form.dot(&point) > slack + TOLERANCE {
                     sums.push((form, slack));
@@ -248,8 +249,9 @@ impl RollRows {
                 return None;
             }
         }
-        // The multipliers have small errors. Widen the bound by what these errors leave of the start, which is at most
-        // one radius of the probe.
+        // The multipliers have small errors, so the start of the roll does not cancel exactly: the coefficient `normal`
+        // remains. The start is at most one radius of the probe, so its term is at most |normal|. Widen the bound by
+        // this value.
         Some(scaled(form, slack + normal.norm()))
     }
 

@@ -205,8 +205,9 @@ impl<const N: usize> RollFit<N> {
             let at = &path[index];
             let place = frame.place(at);
             let by_drive = place.by_path * at.mobility;
-            // The relative error of the rotation about the contact normal grows along the roll, so it turns the contact's
-            // path by half of its value at the end. All readings of the roll share this error.
+            // The error of the rotation about the contact normal is proportional to the rotation since the start of the
+            // roll. It therefore turns the contact's path from start to end by half of its final value. All readings of
+            // the roll share this error.
             let turned = match roll.rotations.has_spin() {
                 true => noise.relative_roll_std * drive_of(&measured[index]).norm() * 0.5,
                 false => 0.0,

@@ -1,10 +1,10 @@
 //! The path of the contact over the probe during a roll, for an object whose curvature changes along the path.
 //!
-//! Lengths are in radii of the probe. The contact frame is carried along the path on the object by parallel transport.
-//! So on the probe, it turns about the normal against the spin of the probe. In this frame, the object's curvature form
-//! is a polynomial in the contact's position x on the object. By the equations of Codazzi, the derivatives of the form
-//! are symmetric tensors. Therefore the drive g = (−Δθ_y, Δθ_x), which is the rotation vector, turned by 90° and summed
-//! over the path, is the gradient of one polynomial:
+//! Lengths are in radii of the probe. The contact frame moves along the path on the object by parallel transport, so it
+//! does not spin on the object. Relative to the probe, it turns about the contact normal by the negative of the probe's
+//! spin. In this frame, the object's curvature form is a polynomial in the contact's position x on the object. By the
+//! equations of Codazzi, the derivatives of the form are symmetric tensors. Therefore the drive g = (−Δθ_y, Δθ_x),
+//! which is the rotation vector, turned by 90° and summed over the path, is the gradient of one polynomial:
 //!
 //! ```text
 //! g(x) = x + Σ_m T_m x^(m−1) / (m−1)! ,   m = 2, 3, …
@@ -206,7 +206,8 @@ impl PathPoint {
             Vector3::new(-along.y, along.x, -turn.z)
         };
         let at_start = self.frame.tr_mul(step);
-        // To second order in the step, the frame turns as it does after one third of the step.
+        // The frame's rate of rotation changes during the step. To second order in the step, the mean over the step
+        // depends only on the rate at one third of the step.
         let at_third = at_start - turn_of_frame(&at_start).cross(&at_start) / 3.0;
         let turn = turn_of_frame(&at_third);
         let once = turn.cross(&at_start);

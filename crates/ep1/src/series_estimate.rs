@@ -242,9 +242,10 @@ impl SeriesEstimate {
         matches!(&self.uncertainty, Uncertainty::Set(set) if set.has_few_crossings())
     }
 
-    /// The range of a quantity over all curvatures that agree with exact rotations and pads. An end is `None` if the
-    /// range is unbounded on this side. `None` if the rotations or the places have noise, or if a roll contradicts the
-    /// others: then the other rolls may also be wrong.
+    /// The range of a quantity over all curvatures that agree with the readings, if the rotations and the pads are
+    /// exact. An end of the range is `None` if the range is unbounded on this side. The whole result is `None` if the
+    /// rotations or the places have noise, or if a roll was left out because it contradicts the others: then the other
+    /// rolls may also be wrong.
     pub fn bounds(&self, quantity: Quantity) -> Option<[Option<f64>; 2]> {
         let is_out = |roll: &RollReport| roll.left_out == Some(Exclusion::Inconsistent);
         self.range(quantity)

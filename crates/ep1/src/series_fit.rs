@@ -196,8 +196,8 @@ impl Problem<'_> {
             let kept = (0..data.len()).filter(|at| !left_out.contains(at));
             let data: Vec<_> = kept.map(|at| data[at].clone()).collect();
             let fit = SeriesFit::new(&data, noise, fit.shape, TOLERANCE)?;
-            // If the other rolls contradict each other too, but so little that the set is not quite empty, the readings
-            // are not exact.
+            // The other rolls may also contradict each other, but too little to make the set empty. A p-value of at
+            // most `EXACT_LEVEL` shows this: the readings are then not exact.
             let goodness = GoodnessOfFit::new(fit.chi_squared, fit.freedom);
             let is_sound = width > 0.0 || goodness.p_value > EXACT_LEVEL;
             is_sound.then(|| self.set(cell, &data, Some(&fit), width))?

@@ -238,8 +238,9 @@ impl IndependentFit {
         Ok(())
     }
 
-    /// Replaces the noise by that of the contacts of `stroke`, if the fit used the normals of
-    /// [`StrokeCurvature::with_normals`].
+    /// Removes the normals from the noise of this fit: uses the correlation of the positions from `stroke`, sets the
+    /// correlation of the normals to 1, and deletes their standard deviation. Call this if the fit used the normals of
+    /// [`StrokeCurvature::with_normals`], which are computed, not measured.
     pub fn without_normals(&mut self, stroke: &StrokeCurvature) {
         self.readings.position_correlation = stroke.correlation;
         self.readings.normal_correlation = 1.0;

@@ -115,9 +115,9 @@ fn step<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone, axis: usize) ->
     }
 }
 
-/// The largest number 1, 2.5 or 5, multiplied by a power of ten, of which `value` and `difference` are multiples. If it
-/// is far smaller than `difference`, `value` has an offset and is not used. The result is 0 if `difference` is not a
-/// multiple either.
+/// The largest step of the form 1, 2.5 or 5 times a power of ten that divides both `difference` and `value`. Steps that
+/// are far smaller than `difference` are not tried: if no larger step divides `value`, then `value` has an offset, and
+/// the step must divide `difference` alone. The result is 0 if there is no such step.
 fn round_step(difference: f64, value: f64) -> f64 {
     let power = libm::floor(libm::log10(difference)) as i32;
     let is_multiple = |value: f64, unit: f64| {

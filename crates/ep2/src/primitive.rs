@@ -169,7 +169,7 @@ impl ShapeFit {
         self.radius.value.is_some()
     }
 
-    /// Whether the contacts do not determine the curvature. The curvature of a plane is 0.
+    /// Whether the contacts leave the curvature undetermined. False for a plane, because its curvature is 0.
     pub fn is_open(&self) -> bool {
         self.shape != Shape::Plane && !self.is_resolved()
     }

@@ -207,8 +207,8 @@ impl Stroke {
         if spread > MAX_SPREAD || turns.any(|turn| turn.abs() > MAX_TURN) {
             return None;
         }
-        // Noise moves a contact across the path, but its height does not follow the surface there. Therefore the place
-        // of a contact across the path is that of the path.
+        // Noise changes the measured position across the path, but the height is still that of the true contact on the
+        // path. Therefore use the fitted path instead of the measured position across it.
         let places = self
             .places
             .iter()

@@ -213,8 +213,9 @@ pub(super) fn shape_warnings(
         format!("the contacts do not lie on a plane, sphere or cylinder: they deviate from the best fit, a {name}, by {misfit} {unit} (rms); method `penalised` or `quadric` estimates the curvatures")
     });
     let share = fit.probabilities.map(|all| all[fit.shape as usize]);
-    // If the contacts lie on a plane, a sphere fits them better, too. By chance, chi-squared of the sphere is up to 3.84
-    // smaller in 95 % of all logs. The criterion by which shapes are compared then gives a plane this probability.
+    // A sphere has one parameter more than a plane, so it fits even the contacts of a plane better by chance: in 95 %
+    // of all logs, its chi-squared is smaller by at most 3.84. At a difference of 3.84, the criterion that compares
+    // shapes gives the plane the probability below. Warn only if the probability is smaller.
     let limit = match fit.shape {
         Shape::Plane => {
             let kinds = if contacts.iter().any(|one| one.normal.is_some()) {

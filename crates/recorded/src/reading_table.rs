@@ -29,7 +29,8 @@ pub(super) struct ReadingTable {
     columns: usize,
     pub(super) unit: Option<LengthUnit>,
     pub(super) extras: ExtraColumns,
-    /// Error that names the first missing number, for readers that do not leave out such rows.
+    /// Error about the first row that is left out because a number is missing. Callers that must not leave out rows,
+    /// such as the calibration, return this error.
     pub(super) first_lost: Option<RecordedError>,
 }
 

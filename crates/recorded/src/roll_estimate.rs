@@ -26,7 +26,7 @@ use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
 /// Text in the output that states how the thresholds of the shape classes are computed.
-const THRESHOLDS_FROM: &str = "the mean arc length: the mean threshold of the 1996 paper on its patch of 3 x 3, scaled to twice this length, and its square";
+const THRESHOLDS_FROM: &str = "the mean arc length L: 0.03 * 3 / (2 L) for the mean curvature (the 1996 paper has 0.03 on its patch of 3 x 3), and the square of this threshold for the Gaussian curvature";
 
 /// A probe that rolled, but whose readings show no motion of the contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]

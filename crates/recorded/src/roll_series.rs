@@ -237,7 +237,7 @@ fn all_on_lattice(
             if sample.place != last && error_of(&sample.place) > MAX_PAD_ERROR {
                 let [u, v] = sample.place.map(Number).into();
                 return Err(format!(
-                    "probe {} after {} s: there is no pad at ({u}, {v}) {unit}: {lattice}, relative to the pad of the first sample, with the pitch {} {unit}",
+                    "probe {} after {} s: there is no pad at ({u}, {v}) {unit}: with a pitch of {} {unit}, counted from the pad of the first sample, {lattice}",
                     recorded.probe(roll),
                     Number(sample.time_s),
                     Number(cell.pitch()),

@@ -229,8 +229,9 @@ pub(super) fn has_common_rotation(readings: &[ProbeReading], residual: f64) -> O
     let misfit = residual * residual * (2 * rows).saturating_sub(3) as f64;
     let total: f64 = readings.iter().map(|one| one.shift.norm_squared()).sum();
     let share = misfit / total;
-    // The changed model is shift = A d + b, where d is the direction of rolling times the rotation, and A is a
-    // symmetric matrix. Without a change, b is 0. If the misfit is large, A may also contain a rotation.
+    // The tested model is shift = A d + b, where d is the direction of rolling times the rotation, A is a symmetric
+    // matrix, and b is the shift that a common rotation causes. Without a common rotation, b is 0. If the misfit is
+    // large, A may also have an antisymmetric part (sixth term).
     let terms = if share > MAX_TWIST * MAX_TWIST { 6 } else { 5 };
     let freedom = (2 * rows).checked_sub(terms)?;
     if !(share > MAX_MISFIT * MAX_MISFIT && freedom > 0) {

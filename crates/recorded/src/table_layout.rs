@@ -126,7 +126,7 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
         |place| place.to_string(),
         |place| (place + 1).to_string(),
     ];
-    // In `rxx` to `rzz`, letters number the elements.
+    // In the names `rxx` to `rzz`, the letters x, y, z stand for the indices 1, 2, 3.
     let numbered = |name: &String| {
         let (start, is_axis) = (name.len().saturating_sub(2), |one| "xyzXYZ".contains(one));
         let Some(axes) = name.get(start..).filter(|axes| axes.chars().all(is_axis)) else {

@@ -238,7 +238,8 @@ impl Pads {
     /// Centres of the active pads at all samples of one roll, and the position of the first contact. `contacts` are the
     /// displacements of the contact from the first contact. The results are great-circle displacements (length) from
     /// the pads' origin, the centre of the pad at the first contact; in these coordinates, the edges of square and
-    /// hexagonal pads are straight. For a uniform lattice, whose pads are neither, the centres are those of square pads.
+    /// hexagonal pads are straight. A uniform lattice has neither square nor hexagonal pads; this function returns the
+    /// centres of square pads for it.
     ///
     /// # Errors
     /// [`BeyondPads`] if a contact is outside of the cap.

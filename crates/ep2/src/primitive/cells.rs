@@ -125,8 +125,8 @@ impl Rounding {
                     sums[run] += solution.pose.deviation(place, false).distance_row * part;
                 }
             }
-            // The variance of the distances contains the errors of single contacts. Therefore only the products of
-            // different contacts are added.
+            // The variance of the distances already contains the squared error of each contact. Therefore add only the
+            // products of errors of different contacts of a run: the factor 1 − 1/length removes the squares.
             for (sum, length) in sums.iter().zip(&one.lengths) {
                 spread += sum * sum.transpose() * (one.variance * (1.0 - 1.0 / length));
             }
@@ -135,10 +135,10 @@ impl Rounding {
     }
 }
 
-/// Runs of consecutive contacts of a finger whose rounded coordinate has the same value. Returns the index of the run of
-/// each contact, and the number of contacts in each run. If the coordinate passes from one value through the next to
-/// the one after, the errors of the middle run have all values between plus and minus half a step and nearly cancel.
-/// Such contacts have no run.
+/// Runs of consecutive contacts of a finger whose rounded coordinate has the same value. Returns the index of the run
+/// of each contact, and the number of contacts in each run. If the value before a run is one step lower and the value
+/// after it one step higher (or the reverse), the coordinate crossed the whole rounding interval during this run. The
+/// errors of the run then nearly cancel, so its contacts get no index (`None`), and its length is set to 1.
 fn runs(
     cloud: &Cloud,
     fingers: &[usize],

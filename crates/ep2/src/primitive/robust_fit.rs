@@ -437,7 +437,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud) -> RobustFit {
         ..plain.solution
     };
     let from_subset = grown(from_subset, cloud);
-    // Errors of rounded coordinates may not contribute to the residuals, so a smaller variance means nothing.
+    // Rounding errors of coordinates may be absent from the residuals, because the fit can follow them. Differences
+    // between variances below that of rounding therefore mean nothing, so use at least the variance of rounding.
     let variances = [&from_subset, &plain].map(|fit| {
         let of_rounding = cloud.rounding(&fit.solution.pose).0.sum();
         fit.solution.variances[0].max(of_rounding)
