@@ -122,7 +122,7 @@ const ROLL_MISTAKES: &str = "
 1 2 | 1e-3 | in a smaller unit
 1 2 | 0.01745 | in rad although
 1 2 | 1e3 | or mrad
-1 2 | 0 | no probe turned
+1 2 | 0 | all rotations from the start to the end of a roll are 0
 3 4 | 1e-3 | the shifts in a larger unit
 3 4 | 1e3 | half of the probe's circumference
 ";
