@@ -36,7 +36,7 @@ fn interrupt_run(
     arguments: impl Fn(u32) -> String,
     stop: impl Fn(&Desk, &mut Child),
 ) -> (Desk, Child, String) {
-    for times in [1, 4, 16, 64] {
+    for times in [4, 16, 64, 256] {
         let desk = Desk::with(&slow_study(times));
         let arguments = arguments(times);
         let mut child = start_run(&desk, &arguments);
