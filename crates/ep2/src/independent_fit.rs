@@ -143,7 +143,11 @@ impl IndependentFit {
             distinct,
         };
         let has_normals = contacts.iter().all(|one| one.normal.is_some());
-        while !has_normals && log.spread_of_blocks(2 * log.block) < MAX_MEAN_RATIO.powi(2) {
+        let longest = log.strokes.iter().map(Vec::len).max().unwrap_or_default();
+        let has_enough = |block: usize| !has_normals && block * MIN_MEANS <= longest;
+        while has_enough(2 * log.block)
+            && log.spread_of_blocks(2 * log.block) < MAX_MEAN_RATIO.powi(2)
+        {
             log.block *= 2;
         }
         if log.block > 1 && log.spread_of_blocks(log.block) > MAX_BLOCK_RATIO * MAX_BLOCK_RATIO {
