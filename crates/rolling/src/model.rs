@@ -18,7 +18,7 @@ pub enum Model {
     /// scale, which is the smallest displacement of the contact per radian of rolling at the start.
     Auto {
         /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
-        /// [`Model::LARGEST_TOLERANCE`].
+        /// 0.1.
         tolerance: f64,
         /// Form of the contact equations that is used if the chosen model is an integrator.
         chart: Chart,
@@ -38,7 +38,7 @@ pub enum Model {
     /// The integrator DOP853, which adapts its steps to a tolerance.
     Dop853 {
         /// Tolerance for the error of a contact, relative to its length scale, from [`Model::SMALLEST_TOLERANCE`] to
-        /// [`Model::LARGEST_TOLERANCE`].
+        /// 0.1.
         tolerance: f64,
         /// Form of the contact equations that are integrated.
         chart: Chart,

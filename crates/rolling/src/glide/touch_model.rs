@@ -16,7 +16,7 @@ pub enum TouchModel {
     /// tolerance.
     Auto {
         /// Largest error of the contact's position, relative to the tip's radius, from [`Model::SMALLEST_TOLERANCE`] to
-        /// [`Model::LARGEST_TOLERANCE`].
+        /// 0.1.
         tolerance: f64,
     },
     /// Exact formulas for the contact point. They exist for point tips, and for round tips on planes, spheres, dishes
