@@ -1,12 +1,13 @@
-//! Answers to two questions about a study: which values of its fields meet a target, and which of its objects can be
-//! distinguished by trials.
+//! Answers to three questions about a study: which values of its fields meet a target, which of its objects can be
+//! distinguished by trials, and which field changes the error most.
 //!
 //! | question | answer |
 //! |---|---|
 //! | [`Question`]: which values of one or several fields meet a target? | [`design`] returns a [`Region`] |
 //! | how reliably do trials distinguish the swept objects? | [`distinguish`] returns a [`Discrimination`] |
+//! | which field changes the error most? | [`sensitivity()`] returns a [`Sensitivity`] |
 //!
-//! Both functions run trials on a [`Runner`](palpate_sweep::Runner), which distributes them among threads. Their
+//! The functions run trials on a [`Runner`](palpate_sweep::Runner), which distributes them among threads. Their
 //! results are [`Answer`]s, with sentences, tables, JSON and a figure. If values miss the target because too many trials
 //! fail, the answer names the most frequent kind of failure.
 

@@ -195,8 +195,9 @@ pub(crate) fn furthest_change(
             }
             let corner = roll.start(&point, basis, &mut of_roll)?;
             if corner.point.z > START_TOLERANCE {
-                // Add the summed bound only if `point` violates it. Rounding errors may hide the violation in the sum;
-                // such a bound would not change `point`.
+                // No start of the roll agrees with its bounds at `point`, so the sum of these bounds should be a bound
+                // that `point` violates. If rounding errors hide this violation, do not add the sum, because it would
+                // not change `point`.
                 let (form, slack) = roll.sum(&corner)?;
                 if form.dot(&point) > slack + TOLERANCE {
                     sums.push((form, slack));

@@ -43,6 +43,12 @@ pub(crate) struct LocalShape {
 pub(crate) type Basis = [[f64; 2]; MAX_COEFFICIENTS];
 
 impl LocalShape {
+    /// A flat object.
+    pub(crate) const FLAT: Self = Self {
+        terms: 1,
+        tensors: [0.0; MAX_COEFFICIENTS],
+    };
+
     pub(crate) fn of_mobility(mobility: &Matrix2<f64>) -> Option<Self> {
         let form = mobility.try_inverse()? - Matrix2::identity();
         let mut tensors = [0.0; MAX_COEFFICIENTS];

@@ -7,7 +7,7 @@ use crate::crossings::{Crossing, Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
 use crate::roll_series::{are_reversed, check, groups, shape_of_ends, undetermined};
-use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
+use crate::rolled_path::{LocalShape, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::symmetric::{inverse_slopes, largest_spread};
 use crate::{
@@ -38,11 +38,6 @@ const MAX_SPREAD: f64 = 0.25;
 /// If the errors of rotations grow with the rotation, the fit uses the rotations about the contact normal only if their
 /// root mean square exceeds their standard deviation by this factor.
 const MIN_SPIN: f64 = 2.0;
-/// A flat object.
-const FLAT: LocalShape = LocalShape {
-    terms: 1,
-    tensors: [0.0; MAX_COEFFICIENTS],
-};
 /// If the mobility (contact travel per radian) depends on the direction, the crossings of pad edges are located again.
 /// The mobility counts as dependent on the direction if the difference between its largest and its smallest value,
 /// divided by their sum, exceeds this limit.
@@ -104,7 +99,7 @@ impl Problem<'_> {
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
             let from = |shape| SeriesFit::<3>::weighted(&data, &noise, shape, tolerance);
-            let mut first = from(FLAT);
+            let mut first = from(LocalShape::FLAT);
             // If the object is far from flat, the fit may not converge. Then start it from the ends of the rolls.
             if let (None, false, Some(shape)) = (&first, is_set, shape_of_ends(rolls, self.radius))
             {
@@ -113,7 +108,7 @@ impl Problem<'_> {
             // If the curvature changes, a fit of constant curvature to exact readings may not converge. Its result is
             // then still good enough as the start of fits with more terms.
             if is_exact && first.is_none() {
-                first = SeriesFit::new(&data, &noise, FLAT, ROUGH_TOLERANCE);
+                first = SeriesFit::new(&data, &noise, LocalShape::FLAT, ROUGH_TOLERANCE);
             }
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
                 let is_determined = |fit: &&SeriesFit<3>| {
@@ -248,7 +243,7 @@ impl Problem<'_> {
         fit: Option<&SeriesFit<3>>,
         width: f64,
     ) -> Option<PadEdgeSet> {
-        let shape = fit.map_or(FLAT, |fit| fit.shape);
+        let shape = fit.map_or(LocalShape::FLAT, |fit| fit.shape);
         let mut rolls = Vec::with_capacity(data.len());
         for (at, roll) in data.iter().enumerate() {
             let series = &self.rolls[roll.roll];

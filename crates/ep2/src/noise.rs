@@ -77,7 +77,8 @@ impl Resolution {
     }
 }
 
-/// The step between the values of a rounded coordinate; 0 if the coordinate is not rounded, or has a single value.
+/// The step whose multiples are the differences between the values of a rounded coordinate; 0 if the coordinate is not
+/// rounded, or if all its values are equal.
 fn step<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone, axis: usize) -> f64 {
     let values = contacts.clone().map(|contact| contact.position[axis]);
     let values: Vec<f64> = values.collect();

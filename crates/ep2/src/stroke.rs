@@ -61,7 +61,8 @@ pub struct StrokeCurvature {
     /// Rotation of the normal about the direction of the stroke, per length along the stroke (1/length); 0 for contacts
     /// without normals.
     pub twist: f64,
-    /// Number of consecutive positions that count as one, because their noise is correlated.
+    /// Number of consecutive positions that count as one independent position, at least 1. It exceeds 1 if their noise
+    /// is correlated along the stroke.
     pub correlation: f64,
     /// Unit vector along the stroke in its middle; the opposite vector is equivalent.
     pub direction: Vector3<f64>,

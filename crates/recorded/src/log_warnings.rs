@@ -213,9 +213,10 @@ pub(super) fn shape_warnings(
         format!("the contacts do not lie on a plane, sphere or cylinder: they deviate from the best fit, a {name}, by {misfit} {unit} (rms); method `penalised` or `quadric` estimates the curvatures")
     });
     let share = fit.probabilities.map(|all| all[fit.shape as usize]);
-    // A sphere has one parameter more than a plane, so it fits even the contacts of a plane better by chance: in 95 %
-    // of all logs, its chi-squared is smaller by at most 3.84. At a difference of 3.84, the criterion that compares
-    // shapes gives the plane the probability below. Warn only if the probability is smaller.
+    // A sphere has one parameter more than a plane. So its chi-squared is smaller even if the object is a plane, in 95
+    // % of all logs by at most 3.84. At a difference of 3.84, the criterion that compares shapes gives the plane the
+    // probability 1 / (1 + exp(3.84 / 2) / √n), where n is the number of equations. Warn only if the plane's
+    // probability is below this value.
     let limit = match fit.shape {
         Shape::Plane => {
             let kinds = if contacts.iter().any(|one| one.normal.is_some()) {

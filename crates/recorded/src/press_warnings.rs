@@ -25,7 +25,7 @@ pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured,
     let std = INDENTATION_SHARE * value;
     let percent = 100.0 * INDENTATION_SHARE;
     let text = format!(
-        "the indentation is stated without a standard deviation, so {percent} % of it, {} {unit}, is assumed (setting `indentation_std`)",
+        "the indentation is stated without a standard deviation above 0, so a standard deviation of {} {unit} ({percent} % of the indentation) is assumed; setting `indentation_std` states it",
         Number::rounded(std)
     );
     let warning = Warning::new("assumed-indentation-std", text, [("std", std)]);

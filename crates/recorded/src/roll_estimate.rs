@@ -26,7 +26,7 @@ use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
 /// Text in the output that states how the thresholds of the shape classes are computed.
-const THRESHOLDS_FROM: &str = "the mean arc length L: 0.03 * 3 / (2 L) for the mean curvature (the 1996 paper has 0.03 on its patch of 3 x 3), and the square of this threshold for the Gaussian curvature";
+const THRESHOLDS_FROM: &str = "the mean arc length L of the contacts: the threshold of the mean curvature is 0.03 * 3 / (2 L), which is the 0.03 of the 1996 paper, scaled from its patch of 3 x 3 to a patch of 2 L x 2 L; the threshold of the Gaussian curvature is the square of this value";
 
 /// A probe that rolled, but whose readings show no motion of the contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]

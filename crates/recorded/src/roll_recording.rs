@@ -173,8 +173,9 @@ impl RollRecording {
         self.leave_out_repeated(series.rolls.iter().map(sums).collect(), 0.0)
     }
 
-    /// Leaves out each roll whose numbers in `rolls` repeat those of an earlier roll, if at least the share `share` of
-    /// all rolls is repeated and two rolls are left. Returns a warning; `None` if no roll was left out.
+    /// Leaves out each roll whose numbers in `rolls` equal those of an earlier roll, and returns a warning. No roll is
+    /// left out, and the result is `None`, in three cases: no roll is repeated, the repeated rolls are less than the
+    /// fraction `share` of all rolls, or only one roll would remain.
     fn leave_out_repeated<const N: usize>(
         &mut self,
         rolls: Vec<[f64; N]>,

@@ -157,8 +157,8 @@ fn largest_rotation(readings: &[ProbeReading]) -> f64 {
 }
 
 impl RollRecording {
-    /// Text about a likely mistake in the units of the readings, and whether the readings must be rejected; `None` if
-    /// there is no mistake.
+    /// Text about implausible rotations or shifts, which often have a wrong unit, and whether the readings must be
+    /// rejected; `None` if the readings are plausible.
     pub(super) fn units(
         &self,
         is_of_ends: bool,
@@ -178,7 +178,13 @@ impl RollRecording {
             let ratio = turn * probe_radius / shift;
             (ratio > 0.0 && ratio.is_finite()).then_some((ratio, turn, place))
         };
-        let mut ratios: Vec<_> = readings.iter().enumerate().filter_map(ratio).collect();
+        let ratios = readings.iter().enumerate().filter_map(ratio);
+        // Nearly always, all ratios are usual. Then their median is not needed.
+        let is_usual = |ratio: f64| (MIN_TURN_RATIO..=MAX_TURN_RATIO).contains(&ratio);
+        if most <= TAU && ratios.clone().all(|(ratio, ..)| is_usual(ratio)) {
+            return None;
+        }
+        let mut ratios: Vec<_> = ratios.collect();
         ratios.sort_by(|one, other| one.0.total_cmp(&other.0));
         let median = ratios.get(ratios.len() / 2).map_or(1.0, |one| one.0);
         let mut wrong = ratios

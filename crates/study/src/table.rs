@@ -154,7 +154,7 @@ pub struct Rows<R> {
 }
 
 impl<R: Read> Rows<R> {
-    /// Reads the rows of a text. `has_header` states whether its first line is a header.
+    /// Reader of the rows of the CSV table `csv`. `has_header` states whether the first line is a header.
     pub fn new(csv: R, has_header: bool) -> Self {
         let mut builder = ReaderBuilder::new();
         Self {

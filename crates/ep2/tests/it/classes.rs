@@ -35,8 +35,8 @@ fn a_flat_place_is_a_saddle_by_signs_and_no_mean_is_concave() {
 
 #[test]
 fn an_edge_halves_and_errors_apart_multiply() {
-    // K is far below zero, and H is exactly at its threshold of 0.05. So the classes saddle-ridge and minimal each
-    // have the probability ½.
+    // K is far below its threshold, and H is exactly at its threshold of 0.05. So the classes saddle-ridge and minimal
+    // each have the probability ½.
     let on_edge = curvature(-1.0, 0.05, [0.01, 0.002], 0.0);
     assert_relative_eq!(
         probability(&on_edge, ShapeClass::SaddleRidge),

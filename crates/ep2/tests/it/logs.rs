@@ -300,9 +300,11 @@ fn no_finger_of_a_large_log_is_an_outlier() {
     assert_eq!(SoundContacts::new(&log).unwrap().outliers, []);
 }
 
-/// A large log of many short strokes, three dense strokes with noise across them, a log of two strokes that one finger makes, and a log without an order.
+/// Many short strokes give the right mean curvature, and so do three strokes whose noise exceeds the spacing of their
+/// contacts. Two strokes of one finger give an error, because they do not determine the surface. If the contacts of one
+/// finger have random positions, their noise counts as uncorrelated.
 #[test]
-fn logs_of_any_order_give_the_right_curvature_or_an_error() {
+fn strokes_of_any_kind_give_the_right_curvature_or_an_error() {
     let up = Vector3::z();
     let mean = |log: &[Contact]| {
         let mut fit = IndependentFit::new(|_| Penalised::default(), log, None, &up)?;

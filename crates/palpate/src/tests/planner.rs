@@ -218,7 +218,7 @@ fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
         (0.1, None, 1e-1),
         (0.01, None, 1e-2),
         (0.01, Some(0.0), 1e-2),
-        // If there is an rms error, the contact model may shift an estimate by at most `share` × rms error.
+        // If the rms error is above 0, the contact model may shift an estimate by at most `share` × rms error.
         (0.01, Some(0.2), 1e-3),
         (1e-9, Some(0.2), 1e-5),
     ] {

@@ -331,7 +331,7 @@ fn edge() -> Claim {
         .bound(AtLeast(1.0))
         .in_one()
         .says("on the sharpest object the contact of every trial stays on its pad in {count} cells|, so that only a bound on the radius is known")
-        .headline("only a bound on the radius in {count} cells")
+        .headline("an edge gives only a bound in {count} cells")
         .values(|rows| match &by_size(rows)[..] {
             [sharpest, others @ ..] => {
                 let excess = |trials: &Trials<'_>| trials.share() - sharpest.share();

@@ -145,9 +145,10 @@ const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
 
-/// Draws the answer of `palpate design`. The background is blue where values meet the target, and grey where this is
-/// undecided. For one varied field, the figure shows the statistic with 95 % intervals, and the limit as a dashed line.
-/// For several varied fields, it shows the contour on which the target is just met.
+/// Draws the answer of `palpate design`. The background is blue at values of the searched field that meet the target,
+/// and white at values that miss it. It is grey where neither is certain. If only the searched field varies, the figure
+/// plots the statistic with 95 % intervals over this field, and the limit as a dashed line. If several fields vary, a
+/// contour connects the values at which the target is just met.
 ///
 /// ```
 /// use palpate_report::{
