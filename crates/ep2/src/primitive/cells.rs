@@ -20,6 +20,8 @@ const MAX_ROUNDING_RATIO: f64 = 2.0;
 /// below [`MIN_ROUNDING_P_VALUE`].
 const MIN_ROUNDING_SHARE: f64 = 0.25;
 const MIN_ROUNDING_P_VALUE: f64 = 0.01;
+/// Rounding is neglected if its share of the variance of means of contacts is below this value.
+const MIN_ROUNDING_EFFECT: f64 = 1e-4;
 
 /// Errors of rounded coordinates. Contacts of a finger with the same value of a coordinate may have the same error. Such
 /// errors do not contribute to the residuals if the fit can follow them, such as the heights of a few straight strokes.
@@ -60,12 +62,13 @@ impl Rounding {
             let is_wrong = share < MIN_ROUNDING_SHARE
                 && freedom > 0
                 && 1.0 - chi_squared_tail(share * independent, freedom) < MIN_ROUNDING_P_VALUE;
-            if is_wrong {
+            let excess: f64 = lengths.iter().map(|one| one * (one - 1.0)).sum();
+            let of_means = expected * (1.0 + excess / count);
+            if is_wrong || of_means < MIN_ROUNDING_EFFECT * found {
                 continue;
             }
             all.variance += expected;
-            let excess: f64 = lengths.iter().map(|one| one * (one - 1.0)).sum();
-            all.run_length += expected * (1.0 + excess / count);
+            all.run_length += of_means;
             all.axes.push(RoundedAxis {
                 axis,
                 variance: steps[axis] * steps[axis] / 12.0,
