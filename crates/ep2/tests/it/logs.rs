@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Contact, Ep2Error, IndependentFit, Penalised, SoundContacts};
+use palpate_ep2::{Contact, Ep2Error, IndependentFit, Penalised, SoundContacts, stroke_curvature};
 
 use super::drawn_shapes::{Random, Surface, ball_log, noisy};
 use super::shapes::{fit, half_width, holds, median, sphere};
@@ -324,6 +324,25 @@ fn strokes_of_any_kind_give_the_right_curvature_or_an_error() {
     let dense = Surface::Sphere(25.0).strokes(9.0, 3, 1500);
     let dense = mean(&noisy(&mut random, &dense, 1500, 0.05, None)).unwrap();
     assert!((dense - 0.04).abs() < 1e-3, "{dense}");
+
+    // In these logs, the strokes of a raster lie exactly at their places across the strokes. No bent path through all
+    // strokes is a single stroke, and no surface may rise steeply between them.
+    for _ in 0..12 {
+        let mut log = Vec::new();
+        for finger in 0..3 {
+            let y = 7.5 * finger as f64 - 7.5;
+            let mut along: Vec<f64> = (0..60).map(|_| random.between(-9.8, 9.8)).collect();
+            along.sort_by(f64::total_cmp);
+            log.extend(along.into_iter().map(|x| {
+                let z = (441.0 - x * x - y * y).sqrt();
+                let [x, z] = [x, z].map(|exact| exact + 0.15 * random.normal());
+                Contact::new(finger, Point3::new(x, y, z), None)
+            }));
+        }
+        assert_eq!(stroke_curvature(&log, &up), None);
+        let raster = mean(&log).unwrap();
+        assert!((raster - 1.0 / 21.0).abs() < 0.02, "{raster}");
+    }
 
     let two = Surface::Sphere(25.0).strokes(9.0, 2, 600);
     let error = mean(&noisy(&mut random, &two, 0, 0.1, None)).unwrap_err();
