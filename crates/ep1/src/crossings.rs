@@ -209,8 +209,9 @@ pub(crate) fn edge_samples(
         let across = mobility * normal;
         let axis = Vector3::new(across.y, -across.x, 0.0);
         let tilt = Vector3::new(across.x, across.y, 0.0) * NEARLY_PARALLEL;
-        // If the path is nearly parallel to the edge, either end of a run may be nearest to the edge, because the
-        // mobility is not known exactly. So select a sample for each of two tilted edges.
+        // If the path is nearly parallel to the edge, the contact nearest to the edge may be at either end of a run,
+        // because the direction of the path is not known exactly. So tilt the edge slightly to both sides, and select
+        // the nearest sample for each tilt.
         let is_parallel = axis.dot(&turned).abs() <= tilt.dot(&turned).abs();
         for tilt in [tilt, -tilt].iter().take(1 + usize::from(is_parallel)) {
             let axis = if is_parallel { axis + tilt } else { axis };

@@ -195,9 +195,9 @@ pub(crate) fn furthest_change(
             }
             let corner = roll.start(&point, basis, &mut of_roll)?;
             if corner.point.z > START_TOLERANCE {
-                // No start of the roll agrees with its bounds at `point`, so the sum of these bounds should be a bound
-                // that `point` violates. If rounding errors hide this violation, do not add the sum, because it would
-                // not change `point`.
+                // At `point`, no start of the roll fulfils all bounds of the roll. So their sum, in which the start
+                // cancels, should be a bound of the mobility that excludes `point`. If rounding errors hide this, do
+                // not add the sum, because the next `point` would be the same.
                 let (form, slack) = roll.sum(&corner)?;
                 if form.dot(&point) > slack + TOLERANCE {
                     sums.push((form, slack));
@@ -460,7 +460,7 @@ fn hexagon_area(slacks: &mut [f64; 6]) -> f64 {
 pub(crate) struct Node {
     pub(crate) node: Vector3<f64>,
     weight: f64,
-    /// The largest distance from the origin, of this node and the nodes before it.
+    /// The largest distance from the origin among this node and all nodes before it.
     radius: f64,
 }
 

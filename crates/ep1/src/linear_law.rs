@@ -77,8 +77,9 @@ impl Law {
         moments.lengths * self.per_probe
     }
 
-    /// Fits one set of readings without branches, so that many sets can be fitted together. `IS_MEASURED` states
-    /// whether the relative errors are errors of the measured rotations.
+    /// Fits one set of readings without branches, so that many sets can be fitted together. If `IS_STATED`, the noise
+    /// is stated, and standard errors are computed. If `IS_MEASURED`, the relative errors of the rotations are errors
+    /// of the measured values; otherwise they are deviations of the motion from the command, which cause no bias.
     #[inline(always)]
     pub(crate) fn solve<const IS_STATED: bool, const IS_MEASURED: bool>(
         self,

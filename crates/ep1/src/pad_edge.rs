@@ -18,9 +18,10 @@ const PASSES: usize = 8;
 /// per radian). The value has converged if its last change is less than this fraction of its distance from the mean. An
 /// estimate of the next change is then added to the value.
 const CONVERGED: f64 = 0.03;
-/// The boundary of the set counts as curved if a linearisation changes an extreme value by more than this fraction of its
-/// distance from the mean. The linearisations may then alternate between corners of the set, or converge to a corner
-/// that is not the furthest, so the largest of their results is used.
+/// If one linearisation changes the extreme value over the set of possible mobilities by more than this fraction of its
+/// distance from the mean, the boundary of the set counts as curved. The linearisations may then alternate between
+/// corners of the set, or converge to a corner that is not the furthest, so the largest of the values that they find is
+/// used.
 const CURVED: f64 = 0.3;
 /// Number of directions in which the bounds of principal curvatures are computed.
 const DIRECTIONS: usize = 12;
@@ -474,9 +475,10 @@ impl PadEdgeSet {
                     [own, low - own, high - own]
                 })
                 .collect();
-            // As a function of the direction θ, the normal curvature minus its value at the mean has the form m + r
-            // cos(2(θ − φ)). Let `larger` be the larger of two values in neighbouring directions. Between these
-            // directions, the function exceeds `larger` by at most `excess` times (`larger` − m).
+            // Take one mobility. In the direction θ, its normal curvature minus that of the mean mobility is m + r
+            // cos(2(θ − φ)), where m is the mean over all directions. Between two neighbouring directions of the grid,
+            // this difference exceeds the larger of its values at these two directions by at most `excess` × (larger
+            // value − m).
             let excess = 1.0 / libm::cos(step) - 1.0;
             let mean =
                 [1, 2].map(|end| all.iter().map(|one| one[end]).sum::<f64>() / DIRECTIONS as f64);

@@ -271,9 +271,10 @@ fn is_on_probe(radius: f64, place: &Vector2<f64>) -> bool {
     place.norm_squared() < (std::f64::consts::PI * radius).powi(2)
 }
 
-/// Averages the rotations and contact points over groups of successive samples. Each result consists of the index of the
-/// middle sample, the mean rotation, and the mean contact point with the number of samples. There are [`GROUPS`] groups,
-/// or none for pads, and more if the probe spins by the angle `spin` (rad).
+/// Averages the rotations and contact points over groups of successive samples. The number of groups is the angle
+/// `spin` (rad) by which the probe spins, divided by [`SPIN_OF_GROUP`], plus [`GROUPS`] if the samples have contact
+/// points (`has_contacts`; samples with pads have none). Each result contains the index of the group's middle sample,
+/// the mean rotation, and the mean contact point with the number of samples (`None` for pads).
 pub(crate) fn groups(
     samples: &[RollSample],
     scale: f64,

@@ -204,8 +204,8 @@ impl RollRotations {
 }
 
 impl PathPoint {
-    /// Mean of the rotation `step` of the probe over the step, expressed in the contact frame, which turns during the
-    /// step.
+    /// The rotation `step` of the probe between two samples, expressed in the contact frame. The contact frame turns
+    /// between the two samples, so the result is the mean over this time.
     fn turn_of(&self, step: &Vector3<f64>) -> Vector3<f64> {
         let turn_of_frame = |turn: &Vector3<f64>| {
             let along = self.mobility * drive_of(turn);
@@ -413,8 +413,9 @@ impl StartFrame {
             true => Vector2::x(),
             false => at.x / square.sqrt(),
         };
-        // If the probe spins, the displacement is summed over a frame that turns. On average, the frame has turned by half
-        // of the spin less than at the end.
+        // If the probe spins, the contact frame turns by the spin along the path. The mean of a vector that turns with
+        // the frame is this vector at half of the spin, times sin(h)/h, where h is half of the spin. `at.frame` is the
+        // frame at the end, so turn back by h.
         let half_spin = 0.5 * at.spin;
         let share = sine_ratios(half_spin * half_spin).0;
         let axes = self.frame * at.frame.fixed_columns::<2>(0) * share;

@@ -191,8 +191,8 @@ impl Problem<'_> {
             let kept = (0..data.len()).filter(|at| !left_out.contains(at));
             let data: Vec<_> = kept.map(|at| data[at].clone()).collect();
             let fit = SeriesFit::new(&data, noise, fit.shape, TOLERANCE)?;
-            // The other rolls may also contradict each other, but too little to make the set empty. A p-value of at
-            // most `EXACT_LEVEL` shows this: the readings are then not exact.
+            // The other rolls may also contradict each other, but too little to make the set of possible mobilities
+            // empty. A p-value of at most `EXACT_LEVEL` shows this: the readings are then not exact.
             let goodness = GoodnessOfFit::new(fit.chi_squared, fit.freedom);
             let is_sound = width > 0.0 || goodness.p_value > EXACT_LEVEL;
             is_sound.then(|| self.set(cell, &data, Some(&fit), width))?
@@ -234,8 +234,8 @@ impl Problem<'_> {
         largest
     }
 
-    /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`. All edges are moved
-    /// outward by `width`. `None` if there is no such mobility.
+    /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`, if the edges of all pads
+    /// are moved outward by `width` (radii of the probe). `None` if no mobility agrees with them.
     fn set(
         &self,
         cell: &PadCell,

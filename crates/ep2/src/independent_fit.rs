@@ -276,7 +276,8 @@ impl IndependentFit {
         let fingers: Vec<_> = fingers.iter().cloned().collect();
         let is_stroke = |contacts: &Vec<Contact>| stroke_curvature(contacts, outward).is_some();
         let are_two = |strokes: &Vec<_>| strokes.len() == 2 && strokes.iter().all(is_stroke);
-        // The noise of a single stroke may leave a gap between contacts on both sides of it.
+        // Noise may leave a gap in a single stroke, so that it seems to be two strokes side by side. Therefore all
+        // contacts together must not form one stroke.
         [fingers, by_gap].iter().any(are_two) && !is_stroke(&self.contacts)
     }
 

@@ -99,7 +99,9 @@ fn step<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone, axis: usize) ->
     let Some(step) = steps.filter(|step| step.is_finite()).find(is_step) else {
         return 0.0;
     };
-    // Heights that are constant along each stroke differ only between the strokes, by any multiple of the step.
+    // If the coordinate is constant along each stroke, it changes only between strokes. All these changes may be
+    // multiples of a number larger than the true step, and `step` is then too large. So find this case, and reduce
+    // `step` to a round number.
     let mut last: FingerMap<Option<f64>> = FingerMap::default();
     let [mut pairs, mut changes] = [0, 0];
     for contact in contacts {

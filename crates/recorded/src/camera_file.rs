@@ -21,7 +21,7 @@ pub struct CameraEstimate {
     pub place: [f64; 3],
     /// Standard errors of the camera's position `place` (length).
     pub place_std: [f64; 3],
-    /// Rotation of the camera (degrees) about three axes: the x and y axes of the skin at the apex, and the direction
+    /// Rotation vector of the camera (degrees). Its components are along the x and y axes of the skin at the apex, and
     /// toward the apex.
     pub turn_deg: [f64; 3],
     /// Standard errors of the camera's rotation `turn_deg`, degrees.

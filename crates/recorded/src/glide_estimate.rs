@@ -143,7 +143,8 @@ impl<'r> GlideFitResult<'r> {
                     fitted.without_normals(stroke);
                 }
                 let fit = &fitted.fit;
-                // The means of a stroke with correlated noise may be too few to recognise it.
+                // If the noise is correlated, `fitted.contacts` are means of consecutive contacts. The means may be too
+                // few to recognise a stroke, so also try all contacts.
                 let stroke = single
                     .or_else(|| stroke_of(&fitted.contacts))
                     .or_else(|| stroke_of(&contacts));

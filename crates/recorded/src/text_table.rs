@@ -15,7 +15,8 @@ use super::table_layout::{
 };
 
 const MAX_LINES: usize = 5_000_000;
-/// Largest number of lines of a title in which a header is searched for the hint in a message.
+/// If the first line of a file lacks columns, it may be a title. The error message then names the later line that looks
+/// like the header. This constant is the largest number of lines that are searched for it.
 const MAX_TITLE_LINES: usize = 100;
 
 pub(super) struct Record<'a> {

@@ -34,7 +34,7 @@ pub struct Order {
 /// with the required probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
-    /// The number of trials, estimated from the means of groups of trials.
+    /// The number of trials that must be averaged, estimated from the means of groups of trials.
     Found(u64),
     /// An approximate number of trials. Too few trials were run to form enough groups of this size, so the number is
     /// computed as if the means were normally distributed.

@@ -60,7 +60,7 @@ impl Layer {
         match (here.indentation / wanted - 1.0).abs() {
             off if off < 1e-12 => Ok(here),
             off => bail!(
-                "no contact radius gives the ratio {wanted:e} of indentation to relative curvature: the relative error of the nearest ratio is {off:e}"
+                "the search for the contact radius did not converge: the ratio of indentation to relative curvature should be {wanted:e} thickness², and the last ratio has the relative error {off:e}"
             ),
         }
     }

@@ -20,9 +20,9 @@ const INTERVALS: usize = 7;
 /// program does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
-/// Measures surface fits on all patches with few contacts. Every method is measured without standard errors, as in the
-/// peer program. The quadric is also measured with standard errors. The first pass of the method `two-pass` fits the
-/// same smoothing spline as the peer program.
+/// Measures the time and the error of surface fits on all patches with few contacts. As in the peer program, the
+/// measured time does not include the computation of standard errors; the quadric is also measured with it. The first
+/// pass of the method `two-pass` fits the same smoothing spline as the peer program.
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,

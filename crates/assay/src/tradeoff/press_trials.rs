@@ -107,21 +107,21 @@ estimator = $rung
 
 const ESTIMATOR_SCENES: [(&str, &str); 3] = [
     (
-        "half-space on a ball of radius 80 mm",
+        "probe that is a half-space, pressed onto a ball of radius 80 mm",
         r#"
 object = { kind = "sphere", radius = 80.0 }
 model = { kind = "half-space" }
 "#,
     ),
     (
-        "layer of thickness 10 mm on a plane",
+        "probe with a layer of thickness 10 mm, pressed onto a plane",
         r#"
 object = { kind = "plane" }
 model = { kind = "bonded-layer", thickness = 10.0 }
 "#,
     ),
     (
-        "layer of thickness 5 mm in a dish of radius 80 mm",
+        "probe with a layer of thickness 5 mm, pressed into a dish of radius 80 mm",
         r#"
 object = { kind = "dish", radius = 80.0 }
 model = { kind = "bonded-layer", thickness = 5.0 }

@@ -244,8 +244,8 @@ impl<S: Surface> Search<'_, S> {
         };
         let hidden = relief.summit() - height(&best);
         if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
-            // No contact was found near the highest place of the grid. So this place is at an edge of the object or on
-            // a spike.
+            // At the highest grid point, the centre of the tip is higher than at every contact that was found. So the
+            // object has an edge or a spike at this grid point.
             Err(match first {
                 Err(edge @ GlideError::Surface(_)) => edge,
                 _ => self.no_convergence(hidden),

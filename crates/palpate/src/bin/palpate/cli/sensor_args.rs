@@ -126,7 +126,7 @@ pub(crate) struct CalibrateArgs {
     /// size, the lens, and the nominal position and rotation of the camera.
     #[arg(long, value_name = "STUDY.toml", requires = "rest")]
     pub(crate) layout: Option<PathBuf>,
-    /// Number of the cell of the study --layout, counted from 0.
+    /// Index of the cell in the study that --layout names, counted from 0.
     #[arg(long, value_name = "I", default_value_t = 0, requires = "layout")]
     pub(crate) cell: usize,
     /// The calibration to write, a TOML file; - is standard output.
