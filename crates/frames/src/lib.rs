@@ -1,7 +1,7 @@
 //! Reads and writes image files: decodes camera frames, reports their lossy compression, and encodes images as PNG.
 //!
 //! The crate `image` has generic functions that process each pixel. They are compiled here, in the crate `frames`, with
-//! full optimisation.
+//! optimisation; the other code of `image` is not optimised.
 
 use std::io::Cursor;
 
