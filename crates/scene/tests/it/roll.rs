@@ -1,11 +1,10 @@
 //! Scenes of a roll: exact estimates, noise, sensors, motions, and rolls that are rejected.
 
-use palpate_scene::Scene;
-use palpate_scene::Scenes;
+use palpate_scene::{Arch, Scene, Scenes};
 use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
-use super::press::scene_of;
+use super::press::{outcomes, scene_of};
 
 /// Config of a roll: a probe with a radius of 1 rolls by 0.1 rad. `lines` contains additional fields of the scene.
 fn text(object: &str, lines: &str) -> String {
@@ -139,26 +138,102 @@ fn true_values_are_available_without_a_trial() {
     assert!((scene.truth(1).unwrap() - 0.2).abs() < 1e-12);
 }
 
+const NOISES: [&str; 3] = [
+    "",
+    NOISE,
+    r#"noise = { angular_velocity = { kind = "gaussian", fraction = 0.1 } }"#,
+];
+
+fn rolls_of(duration_s: f64, lines: &str) -> Scene {
+    let lines = format!("{lines}\nmotion.directions_deg = [0, 50, 120]");
+    let object = r#"{ kind = "cylinder", radius = 5.0, direction_deg = 20 }"#;
+    let duration = format!("duration_s = {duration_s:?}");
+    scene_of(&text(object, &lines).replace("duration_s = 1.0", &duration))
+}
+
 /// Tests that the estimates do not depend on the roll model: with equal random draws, all models compute the same
-/// rolls.
+/// rolls. The longest rolls end beyond half of the probe's circumference.
 #[test]
 fn models_share_draws_and_results() {
-    let object = r#"{ kind = "sphere", radius = 4 }"#;
-    let closed = scene(object, NOISE);
-    for model in [
-        r#"{ kind = "dop853", tolerance = 1e-13 }"#,
-        r#"{ kind = "dop853", tolerance = 1e-13, chart = "montana" }"#,
-        r#"{ kind = "rk4", steps = 20 }"#,
-    ] {
-        let other = scene(object, &format!("{NOISE}\nmodel = {model}"));
-        for number in 0..10 {
-            for ((a, _), (b, _)) in trial(&closed, number)
-                .into_iter()
-                .zip(trial(&other, number))
-            {
-                assert!((a - b).abs() < 1e-7, "{model}: {a}, {b}");
+    for noise in NOISES {
+        for duration_s in [1.0, 25.0, 40.0] {
+            let closed = rolls_of(duration_s, noise);
+            for model in [
+                r#"{ kind = "dop853", tolerance = 1e-13 }"#,
+                r#"{ kind = "dop853", tolerance = 1e-13, chart = "montana" }"#,
+                r#"{ kind = "rk4", steps = 200 }"#,
+            ] {
+                let other = rolls_of(duration_s, &format!("{noise}\nmodel = {model}"));
+                for number in 0..10 {
+                    match [&closed, &other].map(|scene| outcomes(scene, number)) {
+                        [Ok(closed), Ok(other)] => {
+                            for ((_, one), (name, two)) in closed.iter().zip(other) {
+                                let difference = (one.estimate - two.estimate).abs();
+                                let scale = 1.0 + one.estimate.abs();
+                                assert!(difference < 1e-7 * scale, "{model}, {name}: {one:?}");
+                            }
+                        }
+                        [closed, other] => assert_eq!(closed, other),
+                    }
+                }
             }
         }
+    }
+}
+
+#[test]
+fn side_by_side_is_one_by_one_to_the_last_bit() {
+    for noise in NOISES {
+        // Rolls of 31 s end about halfway around the probe. In some trials, they end beyond this point, and in other
+        // trials before it.
+        for duration_s in [1.0, 31.0] {
+            let Scene::Roll(scene) = rolls_of(duration_s, noise) else {
+                panic!("not a roll");
+            };
+            let (mut trial, mut together) = (0, 0);
+            while trial < 500 {
+                let mut first = trial;
+                let taken = scene.side_by_side(Arch::new(), trial..500, |observed| {
+                    let count = observed[0].estimates.len();
+                    for place in 0..count {
+                        let outcomes = scene.outcomes(first + place as u64).unwrap();
+                        for (side_by_side, outcome) in observed.iter().zip(outcomes) {
+                            assert_eq!(side_by_side.estimates[place], outcome.estimate);
+                            assert_eq!(side_by_side.truth, outcome.truth);
+                            assert_eq!(side_by_side.stds.map(|stds| stds[place]), outcome.std);
+                        }
+                    }
+                    first += count as u64;
+                    count
+                });
+                assert_eq!(first, trial + taken);
+                together += taken;
+                trial += taken.max(1);
+            }
+            let are_all = together == 500;
+            assert!(together > 0 && (are_all || duration_s > 1.0), "{noise}");
+        }
+    }
+}
+
+#[test]
+fn trials_that_are_long_or_not_accepted_do_not_count() {
+    let [short, long] = [1.0, 32.0].map(|duration_s| match rolls_of(duration_s, "") {
+        Scene::Roll(roll) => roll,
+        _ => panic!("not a roll"),
+    });
+    let mut offers = Vec::new();
+    let taken = short.side_by_side(Arch::new(), 3..1000, |observed| {
+        offers.push(observed[4].estimates.len());
+        if offers.len() < 3 { offers[0] } else { 5 }
+    });
+    assert_eq!(offers, [offers[0]; 3]);
+    assert_eq!(taken, 2 * offers[0] as u64 + 5);
+    for (scene, trials) in [(short, 3..3), (long, 3..1000)] {
+        assert_eq!(
+            scene.side_by_side(Arch::new(), trials, |_| panic!("none")),
+            0
+        );
     }
 }
 
