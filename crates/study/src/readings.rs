@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 use crate::config::LengthUnit;
+use crate::{Column as TableColumn, Unit};
 
 /// Physical quantity of the numbers in a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -309,6 +310,22 @@ pub const PRESS_ROW: [Column; 2] = [
     Column::of("radial_position", Measure::Length),
     Column::of("normal_displacement", Measure::Length),
 ];
+
+/// The columns `columns` of a table of readings that palpate writes, with lengths in `unit`. If the first column has no
+/// unit, it contains the numbers of probes or fingers.
+pub fn table_columns(columns: &[Column], unit: LengthUnit) -> Vec<TableColumn> {
+    let column = |(place, column): (usize, &Column)| match column.measure {
+        Measure::Length => {
+            let [length] = TableColumn::in_length([column.name], Unit::Length, unit);
+            length
+        }
+        Measure::Angle => TableColumn::number(column.name, "rad"),
+        Measure::Time => TableColumn::number("time_s", "s"),
+        _ if place == 0 => TableColumn::count(column.name),
+        _ => TableColumn::number(column.name, "1"),
+    };
+    columns.iter().enumerate().map(column).collect()
+}
 
 /// All columns that the readings of this kind of scene may have, without repetitions. The list is empty if the kind has
 /// no tables of readings.

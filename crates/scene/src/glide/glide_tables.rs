@@ -3,19 +3,18 @@
 use palpate_ep2::{Contact, ShapeError, regions};
 use palpate_estimators::push_map_point;
 use palpate_study::config::LengthUnit;
+use palpate_study::readings::{GLIDES, table_columns};
 use palpate_study::{Column, Table, Unit};
 
 use super::glide_trial::GlideScene;
 use crate::trace::{Trace, counted};
-
-const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 
 impl GlideScene {
     /// Records the true contacts and the readings of one glide. The readings have the noise of trial number `trial`;
     /// they have no noise if `trial` is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
         let tip = Column::in_length(["tip_x", "tip_y", "tip_z"], Unit::Length, unit);
-        let mut contacts = Table::new(places(unit).chain(Column::pure(NORMAL)).chain(tip));
+        let mut contacts = Table::new(table_columns(&GLIDES, unit).into_iter().chain(tip));
         for one in &self.touches {
             let touch = &one.touch;
             let row = touch.point.iter().chain(touch.normal.iter());
@@ -58,20 +57,18 @@ impl GlideScene {
 
 /// Readings of the contacts, as a table in the format of `palpate estimate glide`, one row per contact.
 fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
-    let with_normals = contacts
-        .first()
-        .is_some_and(|contact| contact.normal.is_some());
-    let normal = with_normals.then(|| Column::pure(NORMAL));
-    let mut table = Table::new(places(unit).chain(normal.into_iter().flatten()));
+    let first = contacts.first();
+    let columns = match first.and_then(|contact| contact.normal) {
+        Some(_) => &GLIDES[..],
+        None => &GLIDES[..4],
+    };
+    let mut table = Table::new(table_columns(columns, unit));
     for contact in contacts {
         let normal = contact.normal.iter().flat_map(|normal| normal.iter());
-        let row: Vec<f64> = contact.position.iter().chain(normal).copied().collect();
-        table.push(contact.finger, row);
+        table.push(
+            contact.finger,
+            contact.position.iter().chain(normal).copied(),
+        );
     }
     table
-}
-
-fn places(unit: LengthUnit) -> impl Iterator<Item = Column> {
-    let places = Column::in_length(["x", "y", "z"], Unit::Length, unit);
-    std::iter::once(Column::count("finger")).chain(places)
 }

@@ -3,6 +3,7 @@
 use palpate_estimators::tracks_table;
 use palpate_study::config::LengthUnit;
 use palpate_study::number::shortest;
+use palpate_study::readings::{PRESSES, table_columns};
 use palpate_study::{Column, Table, Unit};
 
 use super::PressFailure;
@@ -30,7 +31,7 @@ impl PressScene {
         let truths = Column::in_length(truths, Unit::Length, unit);
         let tangential = Column::in_length(["tangential_x", "tangential_y"], Unit::Length, unit);
         let columns = std::iter::once(Column::count("marker")).chain(truths);
-        let mut contacts = Table::new(columns.chain(tangential.clone()));
+        let mut contacts = Table::new(columns.chain(tangential));
         let distances = self.markers.distances(self.geometry.at);
         let rows = self.places.iter().zip(distances).zip(&truth.markers);
         for (marker, (([x, y], distance), moved)) in rows.enumerate() {
@@ -39,16 +40,12 @@ impl PressScene {
         }
 
         let reading = self.reading(trial)?;
-        let tangential = self.has_tangential.then_some(tangential);
-        let columns = Column::in_length(["x", "y", "normal_displacement"], Unit::Length, unit);
-        let mut readings = Table::new(columns.into_iter().chain(tangential.into_iter().flatten()));
+        let columns = if self.has_tangential { 5 } else { 3 };
+        let mut readings = Table::new(table_columns(&PRESSES[..columns], unit));
         for (marker, normal, tangential) in reading.markers() {
             let [x, y] = self.places[marker];
-            let mut row = vec![x, y, normal];
-            if self.has_tangential {
-                row.extend(tangential);
-            }
-            readings.push_numbers(row);
+            let row = [x, y, normal].into_iter().chain(tangential);
+            readings.push_numbers(row.take(columns));
         }
         let scale = sensor.camera().map_or_else(String::new, |sensor| {
             let px_per_rad = sensor.camera.optics.camera().px_per_rad();

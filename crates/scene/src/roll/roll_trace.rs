@@ -6,7 +6,7 @@ use super::motion_noise::{NoiseTrial, lasting};
 use super::roll_trial::RollScene;
 use crate::trace::{Trace, TraceError, counted};
 use palpate_study::config::{LengthUnit, Side};
-use palpate_study::readings::{self, CONTACTS, Measure, ROLL_SERIES, ROLLS, ROTATION_VECTOR};
+use palpate_study::readings::{ROLLS, table_columns};
 use palpate_study::{Column, Table, Unit};
 
 /// Number of samples of each roll in the table, in addition to the first contact.
@@ -26,7 +26,7 @@ impl RollScene {
         );
 
         let mut contacts = Table::new(columns(unit));
-        let mut readings = Vec::new();
+        let mut readings = Table::new(table_columns(&ROLLS, unit));
         let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
         for (probe, roll) in self.rolls.iter().enumerate() {
             let command = &roll.command;
@@ -63,23 +63,15 @@ impl RollScene {
                 Some(rotations) => rotations.read(rotation, command.duration_s),
                 None => rotation,
             };
-            readings.push([rotation.x, rotation.y, shift.x, shift.y]);
+            readings.push(probe, [rotation.x, rotation.y, shift.x, shift.y]);
         }
-        let probes = counted(readings.len(), "probe");
+        let probes = counted(readings.rows.len(), "probe");
         Ok(Trace {
             what: format!("{} of {probes}", counted(contacts.rows.len(), "contact")),
             contacts,
             readings: match &self.sampled {
-                Some(sampled) => {
-                    let rows = self.series_rows(sampled, trial)?;
-                    let spins = rows.iter().any(|(_, sample)| sample.rotation.z != 0.0);
-                    let rows = rows.into_iter().map(|(probe, sample)| {
-                        let [x, y, z] = sample.rotation.into();
-                        (probe, sample.time_s, [x, y, z], sample.place.into())
-                    });
-                    roll_series_table(rows, spins, sampled.has_pads(), unit)
-                }
-                None => roll_readings_table(readings, unit),
+                Some(sampled) => self.series_table(sampled, trial, unit)?,
+                None => readings,
             },
             camera: None,
         })
@@ -104,50 +96,6 @@ fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
     row.extend(contact.normal.iter());
     row.push(contact.arc_length);
     row
-}
-
-/// Table of roll readings with the columns [`ROLLS`] and one row per roll. A row contains the rotation of the probe
-/// (`Δθ_x`, `Δθ_y`) and the displacement of the contact on the probe (`Δp_u`, `Δp_v`).
-fn roll_readings_table(readings: impl IntoIterator<Item = [f64; 4]>, unit: LengthUnit) -> Table {
-    let mut table = empty_table(&ROLLS, unit);
-    for (probe, reading) in readings.into_iter().enumerate() {
-        table.push(probe, reading);
-    }
-    table
-}
-
-/// Table of rolls that are recorded as time series, with one row per sample. A row contains the number of the roll
-/// (column `probe`), the time, the rotation vector, and the position of the contact or of the active pad. The rotation
-/// about the normal is included if `spins` is true.
-fn roll_series_table(
-    samples: impl IntoIterator<Item = (usize, f64, [f64; 3], [f64; 2])>,
-    spins: bool,
-    has_pads: bool,
-    unit: LengthUnit,
-) -> Table {
-    let rotations = &ROTATION_VECTOR[..if spins { 3 } else { 2 }];
-    let places = if has_pads {
-        &ROLL_SERIES[4..]
-    } else {
-        &CONTACTS
-    };
-    let mut table = empty_table(&[&ROLL_SERIES[..2], rotations, places].concat(), unit);
-    for (probe, time_s, rotation, place) in samples {
-        let mut row = vec![time_s];
-        row.extend(&rotation[..rotations.len()]);
-        row.extend(place);
-        table.push(probe, row);
-    }
-    table
-}
-
-fn empty_table(columns: &[readings::Column], unit: LengthUnit) -> Table {
-    Table::new(columns.iter().flat_map(|column| match column.measure {
-        Measure::Length => Column::in_length([column.name], Unit::Length, unit),
-        Measure::Angle => [Column::number(column.name, "rad")],
-        Measure::Time => [Column::number("time_s", "s")],
-        _ => [Column::count(column.name)],
-    }))
 }
 
 /// Motions from the start of a roll to the time `t_s`. The motion that is in progress at this time is shortened.

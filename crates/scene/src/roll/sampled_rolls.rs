@@ -10,8 +10,9 @@ use palpate_ep1::{
 use palpate_rolling::{Motion, PathPoint, Roller};
 use palpate_sensing::BeyondPads;
 use palpate_statistics::HALF_WIDTHS;
-use palpate_study::FieldError;
-use palpate_study::config::{RollConfig, RollEstimatorConfig, RollStart, Side};
+use palpate_study::config::{LengthUnit, RollConfig, RollEstimatorConfig, RollStart, Side};
+use palpate_study::readings::{CONTACTS, ROLL_SERIES, ROTATION_VECTOR, table_columns};
+use palpate_study::{FieldError, Table};
 use palpate_sweep::Observation;
 
 use super::motion_noise::{NoiseTrial, Roll};
@@ -128,10 +129,6 @@ impl SampledRolls {
         }))
     }
 
-    pub(super) const fn has_pads(&self) -> bool {
-        matches!(self.places, Some(Places::Pads(_)))
-    }
-
     pub(super) fn samples(&self) -> usize {
         self.rolls.iter().map(|roll| roll.times_s.len()).sum()
     }
@@ -232,23 +229,37 @@ impl RollScene {
         Ok(all)
     }
 
-    /// Rows of the table of readings in a trace (record of one simulation). There is one row for each sample, with the
-    /// index of its roll.
-    pub(super) fn series_rows(
+    /// Table of the time series of all rolls, with one row per sample. A row contains the number of the roll (column
+    /// `probe`), the time, the rotation vector, and the position of the contact or of the active pad. The rotation
+    /// about the normal is included unless it is 0 in all samples.
+    pub(super) fn series_table(
         &self,
         sampled: &SampledRolls,
         trial: Option<u64>,
-    ) -> Result<Vec<(usize, RollSample)>, TraceError> {
+        unit: LengthUnit,
+    ) -> Result<Table, TraceError> {
         let rolls = self.series(sampled, trial);
         let rolls = rolls.map_err(|(probe, fault)| match fault {
             NoSeries::Roll(error) => TraceError::Roll { probe, error },
             NoSeries::Sensor(error) => TraceError::Sensor { probe, error },
         })?;
-        let rows = rolls
-            .into_iter()
-            .enumerate()
-            .flat_map(|(probe, roll)| roll.samples.into_iter().map(move |sample| (probe, sample)));
-        Ok(rows.collect())
+        let mut samples = rolls.iter().flat_map(|roll| &roll.samples);
+        let spins = samples.any(|sample| sample.rotation.z != 0.0);
+        let axes = if spins { 3 } else { 2 };
+        let places = match sampled.places {
+            Some(Places::Pads(_)) => &ROLL_SERIES[4..],
+            _ => &CONTACTS,
+        };
+        let columns = [&ROLL_SERIES[..2], &ROTATION_VECTOR[..axes], places].concat();
+        let mut table = Table::new(table_columns(&columns, unit));
+        for (probe, roll) in rolls.iter().enumerate() {
+            for sample in &roll.samples {
+                let rotation = sample.rotation.iter().take(axes);
+                let numbers = rotation.chain(&sample.place).copied();
+                table.push(probe, std::iter::once(sample.time_s).chain(numbers));
+            }
+        }
+        Ok(table)
     }
 }
 
