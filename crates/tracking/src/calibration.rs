@@ -113,6 +113,84 @@ impl Calibration {
     }
 }
 
+/// Known displacements of a marker in a press, and the change of its image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CalibrationPoint {
+    /// Index of the marker.
+    pub marker: usize,
+    /// Displacement of the marker into the skin (length).
+    pub normal: f64,
+    /// Displacement of the marker along the skin (length).
+    pub tangential: [f64; 2],
+    /// Change of the marker's image from rest to the press.
+    pub change: Change,
+}
+
+impl Calibration {
+    /// Fits a calibration to the markers of several presses. All markers are used for tangential displacements. For
+    /// normal displacements, only the marker with the index `only` is used; all markers if `only` is `None`. They are
+    /// computed from the feature `from` of the images.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] if the points do not determine a slope, or if a number is not finite.
+    pub fn of_presses(
+        presses: &[Vec<CalibrationPoint>],
+        only: Option<usize>,
+        from: NormalFrom,
+    ) -> Result<Self, CalibrationError> {
+        let all = || presses.iter().flatten();
+        let normal = all().filter(|point| only.is_none_or(|only| only == point.marker));
+        let normal = normal.map(|point| NormalPoint {
+            marker: Some(point.marker),
+            normal: point.normal,
+            hue_turns: point.change.hue_turns,
+            growth: point.change.growth,
+        });
+        let lateral = all().map(|point| LateralPoint {
+            tangential: point.tangential,
+            shift_px: point.change.shift_px,
+            normal: Some(point.normal),
+        });
+        let normal = NormalCalibration::fit(&normal.collect::<Vec<_>>(), from)?;
+        let lateral = LateralCalibration::fit(&lateral.collect::<Vec<_>>())?;
+        Self::new(Some(normal), Some(lateral), None)
+    }
+
+    /// Root mean square errors of normal and of tangential displacements in the presses; `None` if an error is 0 or
+    /// cannot be computed. Only markers whose displacement is at least half of the largest displacement of their press
+    /// are used. These markers are near the contact. There, the motions of a marker's two discs differ most, and the
+    /// readings depend most on the object's shape.
+    pub fn residual_stds(&self, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
+        let inward = |point: &CalibrationPoint| point.normal.abs();
+        let along =
+            |point: &CalibrationPoint| libm::hypot(point.tangential[0], point.tangential[1]);
+        let mut errors = [Vec::new(), Vec::new()];
+        for points in presses {
+            let half_of_largest = |sizes: Vec<f64>| 0.5 * sizes.into_iter().fold(0.0, f64::max);
+            let normal_limit = half_of_largest(points.iter().map(inward).collect());
+            let tangential_limit = half_of_largest(points.iter().map(along).collect());
+            for point in points {
+                let Some(normal) = self.normal(point.marker, &point.change) else {
+                    continue;
+                };
+                if inward(point) >= normal_limit {
+                    errors[0].push(normal - point.normal);
+                }
+                if along(point) >= tangential_limit
+                    && let Some([x, y]) = self.tangential(point.change.shift_px, normal)
+                {
+                    errors[1].extend([x - point.tangential[0], y - point.tangential[1]]);
+                }
+            }
+        }
+        errors.map(|errors| {
+            let squares = errors.iter().map(|error: &f64| error * error);
+            let mean = squares.sum::<f64>() / errors.len() as f64;
+            Some(mean.sqrt()).filter(|std| *std > 0.0)
+        })
+    }
+}
+
 /// Reason why a calibration cannot be computed, or does not apply to a sensor.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]

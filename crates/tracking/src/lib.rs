@@ -20,8 +20,8 @@ mod selection;
 mod shapes;
 
 pub use calibration::{
-    Calibration, CalibrationError, LateralCalibration, LateralPoint, Line, MarkerGain,
-    NormalCalibration, NormalFrom, NormalPoint,
+    Calibration, CalibrationError, CalibrationPoint, LateralCalibration, LateralPoint, Line,
+    MarkerGain, NormalCalibration, NormalFrom, NormalPoint,
 };
 pub use camera::Equidistant;
 pub use difference::{SizesDiffer, difference};

@@ -24,6 +24,37 @@ pub struct Marker {
     pub pixels: u32,
 }
 
+impl Marker {
+    /// Mean of this image of a marker and of other images of the same marker.
+    #[must_use]
+    pub fn averaged(self, others: &[Self]) -> Self {
+        // Sum the differences from the first image: of both centroid coordinates, the hue, the mean hue and the size.
+        // Hues are angles, so only their differences can be summed.
+        let mut sums = [0.0; 5];
+        for marker in others {
+            let turn = marker.hue_turns - self.hue_turns;
+            let differences = [
+                marker.centroid_px[0] - self.centroid_px[0],
+                marker.centroid_px[1] - self.centroid_px[1],
+                turn - (turn + 0.5).floor(),
+                marker.mean_hue_turns - self.mean_hue_turns,
+                marker.size_px2 - self.size_px2,
+            ];
+            for (sum, difference) in sums.iter_mut().zip(differences) {
+                *sum += difference;
+            }
+        }
+        let [x, y, hue, mean_hue, size] = sums.map(|sum| sum / (1.0 + others.len() as f64));
+        Self {
+            centroid_px: [self.centroid_px[0] + x, self.centroid_px[1] + y],
+            hue_turns: (self.hue_turns + hue).rem_euclid(1.0),
+            mean_hue_turns: self.mean_hue_turns + mean_hue,
+            size_px2: self.size_px2 + size,
+            ..self
+        }
+    }
+}
+
 /// Result of tracking a marker from the frame at rest to the pressed frame.
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
@@ -39,8 +70,6 @@ pub enum Status {
     /// The marker was found only in the pressed frame.
     New,
 }
-
-impl Status {}
 
 /// A marker in the frame at rest and in the pressed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,10 +7,7 @@ use palpate_press::{MarkerDisplacement, PressError};
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{self, CalibrationConfig, CameraConfig, ShownMarkers};
-use palpate_tracking::{
-    Calibration, CalibrationError, Change, LateralCalibration, LateralPoint, Marker,
-    NormalCalibration, NormalFrom, NormalPoint,
-};
+use palpate_tracking::{Calibration, CalibrationPoint, Change, Marker, NormalFrom};
 
 use super::PressFailure;
 use super::camera_model::{AT_REST, MarkerMeasurement, SimulatedCamera};
@@ -26,12 +23,6 @@ pub(super) struct CameraCalibration {
     /// displacements, then the error of tangential displacements. `None` for a standard deviation that is 0 or cannot
     /// be computed.
     pub(super) stds: [Option<f64>; 2],
-}
-
-struct CalibrationPoint {
-    marker: usize,
-    truth: MarkerDisplacement,
-    change: Change,
 }
 
 impl CameraCalibration {
@@ -61,63 +52,34 @@ impl CameraCalibration {
             let moved = discs.displacements(plane);
             let moved = moved.map_err(|error| failed_press(plane, error))?;
             let markers = changes.iter().zip(moved).enumerate();
-            Ok(markers
-                .filter_map(|(marker, (change, truth))| {
+            let point =
+                |(marker, (change, truth)): (usize, (&Option<Change>, MarkerDisplacement))| {
                     Some(CalibrationPoint {
                         marker,
-                        truth,
+                        normal: truth.normal,
+                        tangential: truth.tangential,
                         change: (*change)?,
                     })
-                })
-                .collect())
+                };
+            Ok(markers.filter_map(point).collect())
         });
         let presses = presses.collect::<Result<Vec<_>, FieldError>>()?;
         let only = match config.calibration.markers {
             ShownMarkers::All => None,
             ShownMarkers::UnderContact => discs.nearest([0.0; 2]),
         };
-        let calibration =
-            fit(&presses, only, config.normal_from).map_err(|error| FieldError::at(PATH, error))?;
+        let from = match config.normal_from {
+            config::NormalFrom::Hue => NormalFrom::Hue,
+            config::NormalFrom::Size => NormalFrom::Size,
+            config::NormalFrom::Both => NormalFrom::Both,
+        };
+        let calibration = Calibration::of_presses(&presses, only, from)
+            .map_err(|error| FieldError::at(PATH, error))?;
         Ok(Self {
-            stds: residual_stds(&calibration, &presses),
+            stds: calibration.residual_stds(&presses),
             calibration,
         })
     }
-}
-
-/// Fits a calibration to the readings of the markers in the calibration presses. All markers are used for tangential
-/// displacements. For normal displacements, only the marker with the index `only` is used; all markers if `only` is
-/// `None`.
-fn fit(
-    presses: &[Vec<CalibrationPoint>],
-    only: Option<usize>,
-    normal_from: config::NormalFrom,
-) -> Result<Calibration, CalibrationError> {
-    let all = || presses.iter().flatten();
-    let normal: Vec<NormalPoint> = all()
-        .filter(|point| only.is_none_or(|only| only == point.marker))
-        .map(|point| NormalPoint {
-            marker: Some(point.marker),
-            normal: point.truth.normal,
-            hue_turns: point.change.hue_turns,
-            growth: point.change.growth,
-        })
-        .collect();
-    let lateral: Vec<LateralPoint> = all()
-        .map(|point| LateralPoint {
-            tangential: point.truth.tangential,
-            shift_px: point.change.shift_px,
-            normal: Some(point.truth.normal),
-        })
-        .collect();
-    let from = match normal_from {
-        config::NormalFrom::Hue => NormalFrom::Hue,
-        config::NormalFrom::Size => NormalFrom::Size,
-        config::NormalFrom::Both => NormalFrom::Both,
-    };
-    let normal = NormalCalibration::fit(&normal, from)?;
-    let lateral = LateralCalibration::fit(&lateral)?;
-    Calibration::new(Some(normal), Some(lateral), None)
 }
 
 /// Geometry (object, contact and indentation) of each calibration press on a plane. If the config does not state the
@@ -136,48 +98,6 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
         Number(plane.indentation)
     );
     FieldError::at(PATH, message)
-}
-
-/// Root mean square errors of normal and of tangential displacements in the calibration presses; `None` if an error is
-/// 0 or cannot be computed. Only markers whose displacement is at least half of the largest displacement are used.
-/// These markers are near the contact. There, the motions of a marker's two discs differ most, and the readings depend
-/// most on the object's shape.
-fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
-    let mut errors = [Vec::new(), Vec::new()];
-    for points in presses {
-        let half_of_largest = |size: fn(&MarkerDisplacement) -> f64| {
-            let sizes = points.iter().map(|point| size(&point.truth));
-            0.5 * sizes.fold(0.0, f64::max)
-        };
-        let (normal_limit, tangential_limit) = (half_of_largest(inward), half_of_largest(along));
-        for point in points {
-            let (truth, change) = (&point.truth, &point.change);
-            let Some(normal) = calibration.normal(point.marker, change) else {
-                continue;
-            };
-            if inward(truth) >= normal_limit {
-                errors[0].push(normal - truth.normal);
-            }
-            if along(truth) >= tangential_limit
-                && let Some([x, y]) = calibration.tangential(change.shift_px, normal)
-            {
-                errors[1].extend([x - truth.tangential[0], y - truth.tangential[1]]);
-            }
-        }
-    }
-    errors.map(|errors| {
-        let squares = errors.iter().map(|error: &f64| error * error);
-        let mean = squares.sum::<f64>() / errors.len() as f64;
-        Some(mean.sqrt()).filter(|std| *std > 0.0)
-    })
-}
-
-fn inward(moved: &MarkerDisplacement) -> f64 {
-    moved.normal.abs()
-}
-
-fn along(moved: &MarkerDisplacement) -> f64 {
-    libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
 /// Trial numbers above this number seed the noise of frames at rest. Smaller trial numbers seed the noise of frames of
@@ -226,7 +146,7 @@ impl RestFrames {
         }
         for (one, others) in measured.iter_mut().zip(&others) {
             if let Some(one) = one {
-                one.marker = mean(one.marker, others);
+                one.marker = one.marker.averaged(others);
                 one.errors = one.errors.averaged(self.frames);
             }
         }
@@ -263,32 +183,5 @@ impl CalibrationFrames {
                 .collect())
         };
         self.motions.iter().zip(1..).map(change).collect()
-    }
-}
-
-fn mean(first: Marker, others: &[Marker]) -> Marker {
-    // Sum the differences from the first image: of both centroid coordinates, the hue, the mean hue and the size. Hues
-    // are angles, so only their differences can be summed.
-    let mut sums = [0.0; 5];
-    for marker in others {
-        let turn = marker.hue_turns - first.hue_turns;
-        let differences = [
-            marker.centroid_px[0] - first.centroid_px[0],
-            marker.centroid_px[1] - first.centroid_px[1],
-            turn - (turn + 0.5).floor(),
-            marker.mean_hue_turns - first.mean_hue_turns,
-            marker.size_px2 - first.size_px2,
-        ];
-        for (sum, difference) in sums.iter_mut().zip(differences) {
-            *sum += difference;
-        }
-    }
-    let [x, y, hue, mean_hue, size] = sums.map(|sum| sum / (1.0 + others.len() as f64));
-    Marker {
-        centroid_px: [first.centroid_px[0] + x, first.centroid_px[1] + y],
-        hue_turns: (first.hue_turns + hue).rem_euclid(1.0),
-        mean_hue_turns: first.mean_hue_turns + mean_hue,
-        size_px2: first.size_px2 + size,
-        ..first
     }
 }
