@@ -1,8 +1,7 @@
-//! A cache for values that are expensive to compute, and the models of presses that several scenes share.
-
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+//! Models of presses that several scenes share.
 
 use palpate_press::{Body, PressError};
+use palpate_sweep::Cache;
 use palpate_tracking::Marker;
 
 use crate::press::{CalibrationFrames, ImageChanges, PressFailure, RestFrames, RestMarkers};
@@ -11,56 +10,6 @@ use crate::press::{CalibrationFrames, ImageChanges, PressFailure, RestFrames, Re
 const LAYERS: usize = 16;
 /// Maximum number of cached marker images, each of at most 300 bytes.
 const IMAGES: usize = 1 << 17;
-
-/// Cache of values, each with a key. The first thread that needs a value computes it, and other threads that need the
-/// same value wait. `room` limits the total size of the values: if it is exceeded, the least recently used values are
-/// removed. Removed values are computed again when they are needed.
-#[derive(Debug)]
-struct Cache<K, V> {
-    room: usize,
-    values: Mutex<Vec<Entry<K, V>>>,
-}
-
-#[derive(Debug)]
-struct Entry<K, V> {
-    key: K,
-    size: usize,
-    value: Arc<OnceLock<V>>,
-}
-
-impl<K: PartialEq, V: Clone> Cache<K, V> {
-    const fn new(room: usize) -> Self {
-        Self {
-            room,
-            values: Mutex::new(Vec::new()),
-        }
-    }
-
-    /// Returns the value for `key`, which `make` computes if the cache does not contain it. The value must depend on
-    /// the key only. `size` is the size of the value, in the same unit as the limit `room`.
-    fn get(&self, key: K, size: usize, make: impl FnOnce() -> V) -> V {
-        let value = {
-            let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
-            let found = values.iter().position(|entry| entry.key == key);
-            let entry = match found {
-                Some(place) => values.remove(place),
-                None => Entry {
-                    key,
-                    size,
-                    value: Arc::default(),
-                },
-            };
-            let value = Arc::clone(&entry.value);
-            values.push(entry);
-            let mut total: usize = values.iter().map(|entry| entry.size).sum();
-            while total > self.room {
-                total -= values.remove(0).size;
-            }
-            value
-        };
-        value.get_or_init(make).clone()
-    }
-}
 
 /// Models that several scenes share, such as the scenes of a study's grid points. The models are soft layers with their
 /// tables of displacements, and camera readings at rest and in calibration presses. The first scene that needs a model
@@ -137,65 +86,5 @@ impl SharedModels {
     ) -> Result<ImageChanges, PressFailure> {
         self.changes
             .get(frames.clone(), frames.size(), || frames.changes(rest))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Barrier;
-    use std::sync::atomic::{AtomicU32, Ordering};
-
-    use super::*;
-
-    #[test]
-    fn a_value_is_made_once_for_all_threads() {
-        let (cache, made, ready) = (Cache::new(4), AtomicU32::new(0), Barrier::new(8));
-        std::thread::scope(|scope| {
-            for thread in 0..8 {
-                let (cache, made, ready) = (&cache, &made, &ready);
-                scope.spawn(move || {
-                    ready.wait();
-                    let value = cache.get(thread % 2, 1, || {
-                        made.fetch_add(1, Ordering::Relaxed);
-                        std::thread::sleep(std::time::Duration::from_millis(20));
-                        10 * (thread % 2)
-                    });
-                    assert_eq!(value, 10 * (thread % 2));
-                });
-            }
-        });
-        assert_eq!(made.into_inner(), 2);
-    }
-
-    #[test]
-    fn the_least_recently_used_value_is_dropped_first() {
-        let cache = Cache::new(6);
-        let of_size = |key: u32, size: usize| {
-            let mut is_made = false;
-            let value = cache.get(key, size, || {
-                is_made = true;
-                2 * key
-            });
-            assert_eq!(value, 2 * key);
-            let total: usize = cache
-                .values
-                .lock()
-                .unwrap()
-                .iter()
-                .map(|one| one.size)
-                .sum();
-            assert!(total <= 6);
-            is_made
-        };
-        let made = |key| of_size(key, 2);
-        assert!([1, 2, 3].into_iter().all(&made));
-        assert!(!made(1));
-        // The cache has room for three values. Value 2 was used least recently, so it is removed.
-        assert!(made(4));
-        assert!(!made(1) && !made(3) && !made(4));
-        assert!(made(2));
-        assert!(made(1));
-        // The cache does not keep a value that is larger than the cache, so each request computes it again.
-        assert!(of_size(5, 7) && of_size(5, 7));
     }
 }

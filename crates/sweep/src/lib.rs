@@ -41,6 +41,7 @@
 //! ```
 
 mod batch_statistics;
+mod cache;
 mod cell;
 mod certainty;
 mod column;
@@ -58,6 +59,7 @@ mod sums;
 mod trial_record;
 
 pub use batch_statistics::{Batches, Estimate, Growth};
+pub use cache::Cache;
 pub use cell::{BLOCK, Cell, StoppingRule, StoppingStatistic, Task, Trial};
 pub use certainty::share_at_most;
 pub use order::{Order, Repeats, TrialMeans, in_order, repeats};

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
+mod cache;
 mod determinism;
 mod extremes;
 mod order;
