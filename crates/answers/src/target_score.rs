@@ -2,9 +2,11 @@
 //! the score of the cell.
 
 use crate::search::Scores;
-use palpate_scene::{Scene, drop_undefined_moments};
+use palpate_scene::Scene;
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
-use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
+use palpate_sweep::{
+    Batches, CERTAIN, CellStatistics, Estimate, Summary, drop_undefined_moments, share_at_most,
+};
 
 /// If all trials of a cell of the study fail, the target's statistic does not exist. The cell misses the target if its
 /// share of failed trials is significantly larger than this value.
@@ -74,9 +76,10 @@ impl SceneTarget {
 
     fn statistic(&self, scene: &Scene, all: &CellStatistics) -> Option<f64> {
         let mut summaries = all.quantities.clone();
-        if self.quantity().inverse_of(self.quantities).is_some() {
-            drop_undefined_moments(self.quantities, &mut summaries);
-        }
+        let quantities = self.quantities;
+        drop_undefined_moments(&mut summaries, |place| {
+            quantities[place].inverse_of(quantities)
+        });
         match self.target.statistic {
             Statistic::StdBound => scene.std_bound(self.place),
             statistic => of_summary(summaries.get(self.place)?, statistic),

@@ -7,12 +7,12 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels, drop_undefined_moments};
+use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels};
 use palpate_study::config::{Cell, ConfigError, Output, Study};
 use palpate_study::{Column, FieldError, Table, Warning, header};
 use palpate_sweep::{
     CellStatistics, Failure, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError,
-    SweepOutput, Task, TrialObservations,
+    SweepOutput, Task, TrialObservations, drop_undefined_moments,
 };
 use thiserror::Error;
 
@@ -387,7 +387,10 @@ impl<R: Send, F: Fn(CellResults) -> R + Sync> Sweep for Tasks<'_, '_, F> {
     }
 
     fn finish(&self, cell: usize, trial: &CellSetup, mut statistics: CellStatistics) -> R {
-        drop_undefined_moments(trial.truth.quantities, &mut statistics.quantities);
+        let quantities = trial.truth.quantities;
+        drop_undefined_moments(&mut statistics.quantities, |place| {
+            quantities[place].inverse_of(quantities)
+        });
         (self.make)(CellResults {
             cell,
             truth: Arc::clone(&trial.truth),

@@ -22,7 +22,6 @@ pub use ladder::{Accuracy, Ladder, Rung};
 pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
 pub use press::{PressFailure, PressFlaw, PressScene};
-pub use principal_curvatures::drop_undefined_moments;
 pub use roll::{Arch, RollScene};
 pub use scene::{Need, Scene, SceneTrial, Scenes, Trials, map_table_of, quantities_of};
 

@@ -5,7 +5,7 @@ use crate::scene::Observer;
 use palpate_geometry::{CurvatureForm, UNKNOWN_DIRECTION_STD};
 use palpate_statistics::HALF_WIDTHS;
 use palpate_study::Quantity;
-use palpate_sweep::{Observation, Summary};
+use palpate_sweep::Observation;
 
 /// Largest difference between equal principal curvatures that rounding errors cause, relative to the curvature with the
 /// larger magnitude. If the difference is smaller, the point is an umbilic: every direction is principal.
@@ -126,38 +126,4 @@ pub(crate) fn half_turn(degrees: f64) -> f64 {
 
 pub(crate) fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
-}
-
-/// The mean and the standard deviation of an inverse quantity, such as a radius, are reported only if the inverted
-/// quantity, here the curvature, is at least this many standard deviations away from 0. At most one of 30,000 Gaussian
-/// estimates then has the wrong sign.
-const MIN_DEVIATIONS: f64 = 4.0;
-
-/// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign
-/// of the inverted quantity. The inverse of a Gaussian number has no mean and no standard deviation: a mean over trials
-/// would depend on the few trials in which the inverted quantity is nearest to 0. Quantiles of inverse quantities are
-/// kept, because they are defined.
-pub fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
-    for (place, quantity) in quantities.iter().enumerate() {
-        let Some(inverted) = quantity.inverse_of(quantities) else {
-            continue;
-        };
-        let Summary { mean, std, .. } = summaries[inverted];
-        let std = std.unwrap_or(0.0);
-        if mean.is_some_and(|mean| mean.abs() >= MIN_DEVIATIONS * std) {
-            continue;
-        }
-        summaries[place] = Summary {
-            mean: None,
-            std: None,
-            bias: None,
-            rms_error: None,
-            rms_error_std: None,
-            mean_abs_error: None,
-            relative_rms_error: None,
-            relative_mean_abs_error: None,
-            mean_reported_std: None,
-            ..summaries[place]
-        };
-    }
 }

@@ -146,6 +146,44 @@ impl Summary {
     }
 }
 
+/// The mean and the standard deviation of an inverse quantity, such as a radius, are reported only if the inverted
+/// quantity, here the curvature, is at least this many standard deviations away from 0. At most one of 30,000 Gaussian
+/// estimates then has the wrong sign.
+const MIN_DEVIATIONS: f64 = 4.0;
+
+/// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign
+/// of the inverted quantity. For each index of a quantity, `inverse_of` returns the index of the inverted quantity;
+/// `None` if the quantity is not an inverse. The inverse of a Gaussian number has no mean and no standard deviation: a
+/// mean over trials would depend on the few trials in which the inverted quantity is nearest to 0. Quantiles of inverse
+/// quantities are kept, because they are defined.
+pub fn drop_undefined_moments(
+    summaries: &mut [Summary],
+    inverse_of: impl Fn(usize) -> Option<usize>,
+) {
+    for place in 0..summaries.len() {
+        let Some(inverted) = inverse_of(place) else {
+            continue;
+        };
+        let Summary { mean, std, .. } = summaries[inverted];
+        let std = std.unwrap_or(0.0);
+        if mean.is_some_and(|mean| mean.abs() >= MIN_DEVIATIONS * std) {
+            continue;
+        }
+        summaries[place] = Summary {
+            mean: None,
+            std: None,
+            bias: None,
+            rms_error: None,
+            rms_error_std: None,
+            mean_abs_error: None,
+            relative_rms_error: None,
+            relative_mean_abs_error: None,
+            mean_reported_std: None,
+            ..summaries[place]
+        };
+    }
+}
+
 fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
 }

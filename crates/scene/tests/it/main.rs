@@ -7,7 +7,6 @@ mod extremes;
 mod fingertip;
 mod glide;
 mod image_press;
-mod inverse_quantities;
 mod ladder;
 mod marker_errors;
 mod names;

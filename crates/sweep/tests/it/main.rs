@@ -5,6 +5,7 @@ mod any_number;
 mod cache;
 mod determinism;
 mod extremes;
+mod inverse_quantities;
 mod order;
 mod statistics;
 mod tasks;
