@@ -23,7 +23,7 @@ pub(crate) fn failure_columns() -> Vec<Column> {
 /// one.
 pub fn result_columns(study: &Study) -> Vec<Column> {
     let map = map_table_of(&study.config.scene, study.config.length_unit);
-    let map = map.map_or_else(Vec::new, |map| map.columns);
+    let map = map.map_or_else(|_| Vec::new(), |map| map.columns);
     [
         columns(study, true),
         failure_columns(),

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels};
+use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels, map_table_of};
 use palpate_study::config::{Cell, ConfigError, Output, Study};
 use palpate_study::{Column, FieldError, Table, Warning, header};
 use palpate_sweep::{
@@ -115,7 +115,7 @@ impl<'a> Simulation<'a> {
         if let (true, Some(&first)) = (has_maps, numbers.first()) {
             let cell = study.cell(first)?;
             let scene = study.estimable_scene_of(first, &cell, &parts)?;
-            maps = Some(map_table(study, &scene)?);
+            maps = Some(map_table(study, &cell)?);
             cached.insert(first, (cell, scene));
         }
         Ok(Self {
@@ -148,7 +148,7 @@ impl<'a> Simulation<'a> {
             let cell = self.study.cell(number)?;
             let scene = self.scene(number, &cell)?;
             if let Some(maps) = &self.maps
-                && map_table(self.study, &scene)? != *maps
+                && map_table(self.study, &cell)? != *maps
             {
                 return Err(self
                     .study
@@ -328,8 +328,8 @@ impl<'a> Simulation<'a> {
 const UNLIKE_MAPS: &str =
     "maps of glides and presses cannot be in one table; only \"cells\" and \"trace\" are possible";
 
-fn map_table(study: &Study, scene: &Scene) -> Result<Table, ConfigError> {
-    let table = scene.map_table(study.config.length_unit);
+fn map_table(study: &Study, cell: &Cell) -> Result<Table, ConfigError> {
+    let table = map_table_of(&cell.config.scene, study.config.length_unit);
     table.map_err(|message| study.error_at(0, FieldError::at("outputs", message)))
 }
 

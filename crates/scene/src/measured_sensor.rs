@@ -3,8 +3,8 @@
 
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
-use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProbeConfig};
-use palpate_study::{FieldError, Quantity, Table};
+use palpate_study::config::{BareFingertipConfig, LensName, PressProbeConfig};
+use palpate_study::{FieldError, Quantity};
 use palpate_sweep::Observation;
 
 use crate::scene::{Need, Observer, Trials};
@@ -43,18 +43,20 @@ impl MeasuredSensor {
     pub(crate) fn new(config: &BareFingertipConfig) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::of(&config.probe);
         let markers = sphere.places()?.len();
-        let mut needs = vec![format!("{markers} markers, no contact").into()];
+        let mut needs = vec![Need::Model(format!("{markers} markers, no contact"))];
         let mut values = Vec::new();
         if let Layout::Gores { gores, .. } = sphere.layout {
             let strain = FoldStrain::of(gores)
                 .map_err(|error| FieldError::at(format!("{LAYOUT}.gores"), error))?;
             values.extend([strain.greatest, strain.rms].map(Some));
-            needs.push(format!("strain of folding {gores} gores: closed form").into());
+            needs.push(Need::Model(format!(
+                "strain of folding {gores} gores: closed form"
+            )));
         }
         if sphere.discs.is_some() {
             values.push(area(&sphere, config)?);
             let text = "image area of a marker: closed form, no pixels";
-            needs.push(text.to_owned().into());
+            needs.push(Need::Model(text.to_owned()));
         }
         if values.is_empty() {
             let message =
@@ -91,10 +93,6 @@ impl Trials for MeasuredSensor {
 
     fn needs(&self) -> Vec<Need> {
         self.needs.clone()
-    }
-
-    fn map_table(&self, _unit: LengthUnit) -> Result<Table, &'static str> {
-        Err("a fingertip that touches nothing has no map; \"cells\" is possible")
     }
 }
 

@@ -73,13 +73,18 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     }
 }
 
-/// Empty table for the maps of a scene, as from [`Trials::map_table`]. The scene is not built. `None` if scenes of this
-/// kind have no maps.
-pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<Table> {
+/// Empty table for the maps of a scene. The scene is not built.
+///
+/// # Errors
+/// A text that states the reason if scenes of this kind have no maps.
+pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Result<Table, &'static str> {
     match config {
-        SceneConfig::Glide(_) => Some(map_table(unit, true)),
-        SceneConfig::Press(_) => Some(PressScene::profile_table(unit)),
-        SceneConfig::Roll(_) | SceneConfig::Fingertip(_) => None,
+        SceneConfig::Glide(_) => Ok(map_table(unit, true)),
+        SceneConfig::Press(_) => Ok(PressScene::profile_table(unit)),
+        SceneConfig::Roll(_) => Err("a roll has no map; \"cells\" and \"trace\" are possible"),
+        SceneConfig::Fingertip(_) => {
+            Err("a fingertip that touches nothing has no map; \"cells\" is possible")
+        }
     }
 }
 
@@ -289,13 +294,7 @@ pub trait Trials {
         Err(TraceError::Untouched)
     }
 
-    /// Empty table for the maps of scenes of this kind.
-    ///
-    /// # Errors
-    /// A text that states the reason if there are no maps.
-    fn map_table(&self, unit: LengthUnit) -> Result<Table, &'static str>;
-
-    /// Adds the map of a trial to a table from [`Trials::map_table`]. The rows begin with the number of the grid point
+    /// Adds the map of a trial to a table from [`map_table_of`]. The rows begin with the number of the grid point
     /// (`cell`).
     ///
     /// # Errors
@@ -315,18 +314,6 @@ pub enum Need {
     Warning(Warning),
 }
 
-impl From<String> for Need {
-    fn from(model: String) -> Self {
-        Self::Model(model)
-    }
-}
-
-impl From<Warning> for Need {
-    fn from(warning: Warning) -> Self {
-        Self::Warning(warning)
-    }
-}
-
 impl fmt::Display for Need {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -334,6 +321,15 @@ impl fmt::Display for Need {
             Self::Warning(warning) => warning.fmt(f),
         }
     }
+}
+
+/// The texts that are not `None`, with `separator` between them; `None` if there are none.
+pub(crate) fn joined<T: Into<String>>(
+    texts: impl IntoIterator<Item = Option<T>>,
+    separator: &str,
+) -> Option<String> {
+    let texts = texts.into_iter().flatten().map(Into::into);
+    texts.reduce(|all, text| all + separator + &text)
 }
 
 /// A scene in the form that the sweep runner needs to run its trials.

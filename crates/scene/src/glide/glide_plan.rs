@@ -15,7 +15,7 @@ use super::glide_trial::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePl
 use crate::config_conversion::{pad_layout, range_error, sensor_error, shape};
 use crate::ladder::{Accuracy, Ladder, Rung};
 use crate::principal_curvatures::{PointCurvature, align_axes};
-use crate::scene::Need;
+use crate::scene::{Need, joined};
 use palpate_estimators::GlideMethod;
 use palpate_study::config::{
     FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig, GlideNoiseConfig,
@@ -48,8 +48,8 @@ impl GlideScene {
             .chain([tip.map(|tip| tip_text(&tip, sensor.normals))])
             .chain([Some(method.description())]);
         let warnings = [finger_spacing(&config.motion), beyond(config)].into_iter();
-        let warnings = warnings.flatten().map(Need::from);
-        let needs = models.flatten().map(Need::from).chain(warnings).collect();
+        let warnings = warnings.flatten().map(Need::Warning);
+        let needs = models.flatten().map(Need::Model).chain(warnings).collect();
         Ok(Self {
             seed,
             config: config.clone(),
@@ -333,8 +333,8 @@ impl ContactNoise {
         let normal = self
             .normal
             .map(|_| "Gaussian tilts of the normals".to_owned());
-        let errors: Vec<String> = position.into_iter().chain(normal).collect();
-        (!errors.is_empty()).then(|| format!("noise: {}, drawn per contact", errors.join(" and ")))
+        let errors = joined([position, normal], " and ");
+        errors.map(|errors| format!("noise: {errors}, drawn per contact"))
     }
 }
 

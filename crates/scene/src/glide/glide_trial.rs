@@ -15,7 +15,7 @@ use crate::ladder::Ladder;
 use crate::principal_curvatures::PointCurvature;
 use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError};
-use palpate_estimators::{GlideFit, GlideMethod, fit_shape, map_table};
+use palpate_estimators::{GlideFit, GlideMethod, fit_shape};
 use palpate_study::config::{GlideConfig, LengthUnit};
 use palpate_study::{FieldError, Quantity, Table};
 use palpate_sweep::Observation;
@@ -280,10 +280,6 @@ impl Trials for GlideScene {
 
     fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
         Ok(self.record(trial, unit))
-    }
-
-    fn map_table(&self, unit: LengthUnit) -> Result<Table, &'static str> {
-        Ok(map_table(unit, true))
     }
 
     fn map(&self, cell: usize, trial: u64, table: &mut Table) -> Result<(), &'static str> {

@@ -5,33 +5,32 @@ use palpate_press::{ContactRegime, PressEstimate};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::{
-    Baseline, CameraConfig, Indentation, Level, LostMarkers, NoiseKnown, NormalFrom,
-    PressEstimatorConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig,
-    Pure, ReadingNoise,
+    Baseline, CameraConfig, Indentation, NoiseKnown, NormalFrom, PressEstimatorConfig,
+    PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig, Pure, ReadingNoise,
 };
 
 use super::reading::PressNoise;
 use super::trial::{PressCase, PressEstimator, PressScene};
 use super::truth::{TrueContact, TruePress};
-use crate::scene::Need;
+use crate::scene::{Need, joined};
 
 const EXACT_TANGENTIAL: &str = "displacements along the skin have no error, so the fit ignores \
      all other displacements; set `noise.tangential_displacement`, or `sensor.tangential` = false";
 
 impl PressScene {
     pub(super) fn description(&self) -> Vec<Need> {
-        let mut needs = vec![Need::from(self.model_text())];
+        let mut needs = vec![Need::Model(self.model_text())];
         match &self.case {
             PressCase::Press { truth, .. } => needs.extend(self.contact_needs(truth)),
             PressCase::NoPress(error) => {
                 let name: &str = error.into();
                 let text = format!("no press; every trial fails as `{name}`: {error}");
-                needs.push(Warning::new("no-press", text, []).into());
+                needs.push(Need::Warning(Warning::new("no-press", text, [])));
             }
         }
         needs.extend(self.reading_needs());
         needs.extend(self.estimator_needs());
-        needs.extend(self.exact_warning().map(Need::from));
+        needs.extend(self.exact_warning().map(Need::Warning));
         needs
     }
 
@@ -68,7 +67,7 @@ impl PressScene {
             None => "",
         };
         let text = format!("{} contact{shape}{ellipse}", <&str>::from(regime));
-        let mut needs = vec![Need::from(text)];
+        let mut needs = vec![Need::Model(text)];
         let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
         // The longer semi-axis of the contact is in the direction in which the curvature is smaller.
         let own = skin.curvature();
@@ -81,7 +80,7 @@ impl PressScene {
         let large = extents.into_iter().find_map(|(relative, radius)| {
             large_contact_warning(relative, radius, skin.radius(), is_layer)
         });
-        needs.extend(large.map(Need::from));
+        needs.extend(large.map(Need::Warning));
         if shift.abs() > radius {
             let numbers = [("shift", shift), ("contact_radius", radius)];
             let [shift, radius] = numbers.map(|(_, number)| Number::rounded(number));
@@ -89,7 +88,7 @@ impl PressScene {
                 "the shift of {shift} is more than the contact radius, {radius}: the strains are \
                  not small, and skin would slip"
             );
-            needs.push(Warning::new("large-shift", text, numbers).into());
+            needs.push(Need::Warning(Warning::new("large-shift", text, numbers)));
         }
         needs
     }
@@ -98,9 +97,11 @@ impl PressScene {
         let camera = self.case.camera();
         let mut needs = Vec::new();
         match displacement_noise(&self.noise) {
-            Some(noise) => needs.push(noise.into()),
+            Some(noise) => needs.push(Need::Model(noise)),
             None if camera.is_some_and(|camera| camera.is_random()) => {}
-            None => needs.push("no noise: no random numbers are drawn".to_owned().into()),
+            None => needs.push(Need::Model(
+                "no noise: no random numbers are drawn".to_owned(),
+            )),
         }
         let markers = self.places.len();
         let plural = if markers == 1 { "" } else { "s" };
@@ -117,11 +118,14 @@ impl PressScene {
         };
         let (level, config) = match &self.config.sensor {
             PressSensorConfig::Direct { frames, .. } => {
-                needs.push(format!("direct sensor: {}", displacements(*frames)).into());
+                needs.push(Need::Model(format!(
+                    "direct sensor: {}",
+                    displacements(*frames)
+                )));
                 let is_exact = !self.noise.tangential.is_random();
                 if self.has_tangential && self.noise.normal.is_random() && is_exact {
                     let code = "exact-tangential-displacements";
-                    needs.push(Warning::new(code, EXACT_TANGENTIAL, []).into());
+                    needs.push(Need::Warning(Warning::new(code, EXACT_TANGENTIAL, [])));
                 }
                 return needs;
             }
@@ -138,17 +142,20 @@ impl PressScene {
                 camera,
             ),
         };
-        needs.push(format!("{level}: {}", displacements(config.frames)).into());
-        needs.push(calibration_text(config).into());
+        needs.push(Need::Model(format!(
+            "{level}: {}",
+            displacements(config.frames)
+        )));
+        needs.push(Need::Model(calibration_text(config)));
         if let Some(camera) = camera {
             let visible = camera.rest.iter().flatten().count();
             if visible < markers {
                 let text = format!("the camera sees {visible} of {markers} markers");
                 let numbers = [("visible", visible as f64), ("markers", markers as f64)];
-                needs.push(Warning::new("hidden-markers", text, numbers).into());
+                needs.push(Need::Warning(Warning::new("hidden-markers", text, numbers)));
             }
         }
-        needs.extend(camera_noise(&self.config.noise).map(Need::from));
+        needs.extend(camera_noise(&self.config.noise).map(Need::Model));
         needs
     }
 
@@ -168,11 +175,11 @@ impl PressScene {
             NoiseKnown::Found => "noise estimated from the residuals",
         };
         let fit = format!("least-squares fit of {body}, {indentation}{baseline}, {noise}");
-        let mut needs = vec![Need::from(fit)];
+        let mut needs = vec![Need::Model(fit)];
         if let PressEstimator::NoFit(error) = &self.estimator {
             let name: &str = error.into();
             let text = format!("no estimator; every trial fails as `{name}`: {error}");
-            needs.push(Warning::new("no-estimator", text, []).into());
+            needs.push(Need::Warning(Warning::new("no-estimator", text, [])));
         }
         let PressProbeConfig::MarkerSphere { marker_depth, .. } = self.config.probe;
         let at_surface = matches!(self.choice.model, PressModelConfig::Hertz { .. });
@@ -180,7 +187,11 @@ impl PressScene {
             let text = "the model moves the markers as if they were at the surface, but the \
                  estimator assumes that they are at their depth";
             let numbers = [("marker_depth", marker_depth)];
-            needs.push(Warning::new("markers-at-surface", text, numbers).into());
+            needs.push(Need::Warning(Warning::new(
+                "markers-at-surface",
+                text,
+                numbers,
+            )));
         }
         needs
     }
@@ -201,6 +212,7 @@ impl PressScene {
 }
 
 fn displacement_noise(noise: &PressNoise) -> Option<String> {
+    let indentation = &noise.indentation.error;
     let errors = [
         (
             noise.normal.is_random(),
@@ -210,27 +222,22 @@ fn displacement_noise(noise: &PressNoise) -> Option<String> {
             noise.tangential.is_random(),
             "tangential displacements, drawn per marker and component",
         ),
-        (noise.indentation.error.is_random(), "the given indentation"),
+        (indentation.is_random(), "the given indentation"),
         (noise.gain.is_random(), "the gain of a press"),
         (noise.has_outliers(), "outliers among the markers"),
     ];
     let biases = [
-        (noise.normal.bias(), "a bias of all normal displacements"),
         (
-            noise.indentation.error.bias(),
-            "a bias of the given indentation",
+            noise.normal.bias() != 0.0,
+            "a bias of all normal displacements",
         ),
+        (indentation.bias() != 0.0, "a bias of the given indentation"),
     ];
-    let errors = errors.into_iter().filter(|(is_random, _)| *is_random);
-    let errors: Vec<&str> = errors.map(|(_, quantity)| quantity).collect();
-    let random =
-        (!errors.is_empty()).then(|| format!("Gaussian errors of {}", errors.join("; of ")));
-    let biases = biases.into_iter().filter(|(bias, _)| *bias != 0.0);
-    let all = random
-        .into_iter()
-        .chain(biases.map(|(_, quantity)| quantity.to_owned()));
-    let all: Vec<String> = all.collect();
-    (!all.is_empty()).then(|| format!("noise: {}", all.join("; ")))
+    let stated = |(is_stated, text): (bool, &'static str)| is_stated.then_some(text);
+    let errors = joined(errors.map(stated), "; of ");
+    let errors = errors.map(|errors| format!("Gaussian errors of {errors}"));
+    let all = joined([errors, joined(biases.map(stated), "; ")], "; ");
+    all.map(|all| format!("noise: {all}"))
 }
 
 fn averaged(frames: u32) -> String {
@@ -253,26 +260,19 @@ fn calibration_text(camera: &CameraConfig) -> String {
 }
 
 fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
-    let mut errors = Vec::new();
-    if let Some(ReadingNoise::Gaussian { std: Level(std) }) = noise.pixel {
-        errors.push(format!("{std} levels of 255 in each colour of each pixel"));
-    }
-    if let Some(ReadingNoise::Gaussian { std: Pure(std) }) = noise.hue {
-        errors.push(format!("{std} turns in each hue"));
-    }
-    if let Some(ReadingNoise::Gaussian { std: Pure(std) }) = noise.centroid {
-        errors.push(format!("{std} px in each centroid"));
-    }
-    if let Some(ReadingNoise::Gaussian { std: Pure(std) }) = noise.size {
-        errors.push(format!("{} % in each size", 100.0 * std));
-    }
-    if noise.sensor.is_some() {
-        errors.push("parameters of the sensor, redrawn in every trial".to_owned());
-    }
-    if let Some(LostMarkers { count }) = noise.lost_markers {
-        errors.push(format!("{count} markers lost"));
-    }
-    (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
+    let std = |noise: Option<ReadingNoise<Pure>>| noise.map(|ReadingNoise::Gaussian { std }| std.0);
+    let pixel = noise.pixel.map(|ReadingNoise::Gaussian { std }| std.0);
+    let sensor = noise.sensor.as_ref();
+    let lost = noise.lost_markers.as_ref();
+    let errors = [
+        pixel.map(|std| format!("{std} levels of 255 in each colour of each pixel")),
+        std(noise.hue).map(|std| format!("{std} turns in each hue")),
+        std(noise.centroid).map(|std| format!("{std} px in each centroid")),
+        std(noise.size).map(|std| format!("{} % in each size", 100.0 * std)),
+        sensor.map(|_| "parameters of the sensor, redrawn in every trial".to_owned()),
+        lost.map(|lost| format!("{} markers lost", lost.count)),
+    ];
+    joined(errors, "; ").map(|errors| format!("noise of the camera: {errors}"))
 }
 
 /// Largest accepted error of the curvature that is estimated from noiseless readings, relative to the sum of the

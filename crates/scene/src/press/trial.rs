@@ -463,10 +463,6 @@ impl Trials for PressScene {
         Ok(self.record(trial, unit)?)
     }
 
-    fn map_table(&self, unit: LengthUnit) -> Result<Table, &'static str> {
-        Ok(Self::profile_table(unit))
-    }
-
     fn map(&self, cell: usize, trial: u64, table: &mut Table) -> Result<(), &'static str> {
         Ok(self.push_profile(cell, trial, table)?)
     }

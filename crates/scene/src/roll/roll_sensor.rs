@@ -9,6 +9,7 @@ use palpate_statistics::Number;
 use palpate_study::config::{self, RollNoiseConfig, RollSensorConfig, RotationNoise};
 
 use crate::config_conversion::{pad_layout, sensor_error};
+use crate::scene::joined;
 use palpate_study::FieldError;
 
 #[derive(Clone, Debug)]
@@ -270,36 +271,27 @@ impl RotationSensor {
     }
 
     pub(super) fn need(&self) -> Option<String> {
-        let error = self.error.is_random().then(|| {
-            format!(
-                "rotations measured with a standard deviation of {} rad",
-                Number(self.error.std())
-            )
-        });
-        let encoder = self
-            .encoder
-            .map(|_| "encoders count the rotation in steps".to_owned());
-        let offsets = [
-            ("bias", self.error.bias(), "rad"),
-            ("drift", self.drift_rad_per_s, "rad/s"),
+        let [std, sample_std] = [self.error, self.sample_error].map(|error| error.std());
+        let stated = |name: &str, size: f64, unit: &str| {
+            (size != 0.0).then(|| format!("{name} of {} {unit}", Number(size)))
+        };
+        let encoder = self.encoder;
+        let errors = [
+            stated("rotations measured with a standard deviation", std, "rad"),
+            encoder.map(|_| "encoders count the rotation in steps".to_owned()),
+            stated("a bias of measured rotations", self.error.bias(), "rad"),
+            stated(
+                "a drift of measured rotations",
+                self.drift_rad_per_s,
+                "rad/s",
+            ),
+            stated(
+                "sampled rotations with a standard deviation",
+                sample_std,
+                "rad per sample",
+            ),
         ];
-        let offsets = offsets.into_iter().filter(|(_, size, _)| *size != 0.0);
-        let offsets = offsets.map(|(name, size, unit)| {
-            format!("a {name} of measured rotations of {} {unit}", Number(size))
-        });
-        let samples = self.sample_error.is_random().then(|| {
-            format!(
-                "sampled rotations with a standard deviation of {} rad per sample",
-                Number(self.sample_error.std())
-            )
-        });
-        let needs: Vec<String> = error
-            .into_iter()
-            .chain(encoder)
-            .chain(offsets)
-            .chain(samples)
-            .collect();
-        (!needs.is_empty()).then(|| needs.join("; "))
+        joined(errors, "; ")
     }
 }
 

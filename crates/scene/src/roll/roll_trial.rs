@@ -22,7 +22,7 @@ use crate::principal_curvatures::PointCurvature;
 use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_study::config::{LengthUnit, RollEstimatorConfig, Side};
-use palpate_study::{FieldError, Quantity, Table, Warning};
+use palpate_study::{FieldError, Quantity, Warning};
 use palpate_sweep::{Observation, Observations};
 
 pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
@@ -453,19 +453,23 @@ impl Trials for RollScene {
         }
         models.extend(self.rotation_sensor.need());
         models.push(self.method_need());
-        let mut needs: Vec<Need> = models.into_iter().map(Need::from).collect();
-        needs.extend(self.rounding_warning().map(Need::from));
+        let mut needs: Vec<Need> = models.into_iter().map(Need::Model).collect();
+        needs.extend(self.rounding_warning().map(Need::Warning));
         let half_turn = std::f64::consts::PI * self.roller.probe().radius();
         let arc_length = self.truth.arc_length;
         if arc_length > half_turn {
             let text = "the contact moves by more than half of the probe's circumference: the shift then no longer determines the length of the roll";
             let numbers = [("arc_length", arc_length), ("half_turn", half_turn)];
-            needs.push(Warning::new("half-turn", text, numbers).into());
+            needs.push(Need::Warning(Warning::new("half-turn", text, numbers)));
         }
         let furthest = Vector2::new(arc_length, 0.0);
         if let Err(error) = self.sensor.noiseless().begin(0, 0).read(&furthest) {
             let text = format!("{error}: trials fail as `beyond-pads`");
-            needs.push(Warning::new("beyond-pads", text, [("arc_length", arc_length)]).into());
+            needs.push(Need::Warning(Warning::new(
+                "beyond-pads",
+                text,
+                [("arc_length", arc_length)],
+            )));
         }
         needs
     }
@@ -476,9 +480,5 @@ impl Trials for RollScene {
 
     fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
         self.record(trial, unit)
-    }
-
-    fn map_table(&self, _unit: LengthUnit) -> Result<Table, &'static str> {
-        Err("a roll has no map; \"cells\" and \"trace\" are possible")
     }
 }

@@ -244,7 +244,7 @@ fn scenes_that_cannot_be() {
 #[test]
 fn maps_hold_truth_and_estimate_of_every_place() {
     let scene = scene(POINT, r#"{ kind = "saddle", a = 0.3 }"#, NOISE);
-    let mut table = scene.map_table(LengthUnit::Mm).unwrap();
+    let mut table = palpate_estimators::map_table(LengthUnit::Mm, true);
     scene.map(3, 0, &mut table).unwrap();
     let csv = table.to_csv();
     let mut lines = csv.lines();
