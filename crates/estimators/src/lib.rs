@@ -19,8 +19,8 @@ pub use glide_fit::{GlideFit, GlideMethod, fit_shape};
 pub use image_fit::{ImageFitSetup, departure_stds};
 pub use image_model::{ImageModel, marker_image};
 pub use marker_images::{ImageEstimator, MarkerImages, pressed_images, tracks_table};
-pub use marker_sphere::{LAYOUT, MarkerSphere, optics_error};
+pub use marker_sphere::{MarkerSphere, optics_error};
 pub use press_fit::{
-    PressFitError, PressFitSetup, baseline, body_error, large_contact_warning, sensor_body, within,
-    within_sensor,
+    PressFitError, PressFitSetup, body_error, fit_description, ideal_fit, large_contact_warning,
+    sensor_body, within_sensor,
 };

@@ -1,14 +1,18 @@
 //! Builds the parts of a marker sensor from its config: skin, layout and discs.
 
-use palpate_chromatouch::{DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError};
+use palpate_chromatouch::{
+    Camera, DiscDepths, Discs, Layout, LayoutError, Lens, MarkerArray, OpticsError,
+};
+use palpate_press::{Markers, Skin};
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{
-    DiscColour, DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
+    BareFingertipConfig, DiscColour, DiscsConfig, LayoutConfig, LayoutTable, LensName, NamedLayout,
+    PressProbeConfig,
 };
 
 /// Path of the config field that describes the layout of the markers.
-pub const LAYOUT: &str = "scene.probe.layout";
+pub(crate) const LAYOUT: &str = "scene.probe.layout";
 
 /// A soft sphere with markers under its skin. If the radius is infinite, the sensor is a flat pad.
 #[derive(Clone, Debug)]
@@ -52,6 +56,41 @@ impl<'a> MarkerSphere<'a> {
             .map_err(|error| layout_error(&error))
     }
 
+    /// The markers under the skin, and their positions as from [`MarkerSphere::places`].
+    pub fn markers(&self) -> Result<(Markers, Vec<[f64; 2]>), FieldError> {
+        let (radius, depth) = (self.radius, self.marker_depth);
+        let skin =
+            Skin::new(radius).map_err(|error| FieldError::at("scene.probe.radius", error))?;
+        if depth >= radius {
+            let [radius, depth] = [radius, depth].map(Number);
+            let message = format!("must be less than the sensor's radius {radius}, is {depth}");
+            return Err(FieldError::at("scene.probe.marker_depth", message));
+        }
+        let places = self.places()?;
+        let markers = Markers::new(skin, &places).map_err(|error| FieldError::at(LAYOUT, error))?;
+        Ok((markers, places))
+    }
+
+    /// Image area (px²) of a marker whose place the config states: the area of the disc that is larger in the camera's
+    /// view. `None` if this disc is not entirely in the camera's field of view.
+    pub fn marker_area(&self, config: &BareFingertipConfig) -> Result<Option<f64>, FieldError> {
+        let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
+        let lens = match config.sensor.lens {
+            LensName::Fisheye => Lens::Fisheye,
+            LensName::Pinhole => Lens::Pinhole,
+        };
+        let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
+            .map_err(|error| optics_error(&error))?;
+        // `array` returns an error if the skin cannot contain discs of these depths and diameters.
+        self.array(&[[0.0; 2]])?;
+        let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, self.radius - depth);
+        let larger = f64::max(
+            angle(diameters.magenta, depths.magenta),
+            angle(diameters.yellow, depths.yellow),
+        );
+        Ok(camera.disc_area(larger, config.view.polar_deg.to_radians()))
+    }
+
     fn discs(&self) -> Result<&'a DiscsConfig, FieldError> {
         if self.radius == f64::INFINITY {
             let message = "is inf, but a camera is in the centre of the sensor's sphere: for a flat \
@@ -67,7 +106,7 @@ impl<'a> MarkerSphere<'a> {
     }
 
     /// Diameters of each marker's two discs (length).
-    pub fn diameters(&self) -> Result<Discs, FieldError> {
+    pub(crate) fn diameters(&self) -> Result<Discs, FieldError> {
         let discs = self.discs()?;
         Ok(Discs {
             magenta: discs.magenta_diameter,

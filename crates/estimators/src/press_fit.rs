@@ -4,7 +4,9 @@ use palpate_press::{
     Body, ForwardFit, LARGE_CONTACT, Markers, PressError, Prior, calibrated_c, sneddon_indentation,
 };
 use palpate_statistics::{BadSetting, Number};
-use palpate_study::config::{Baseline, PressEstimatorConfig, PressModelConfig};
+use palpate_study::config::{
+    Baseline, Indentation, NoiseKnown, PressEstimatorConfig, PressModelConfig,
+};
 use palpate_study::{FieldError, Warning};
 
 /// Settings of an estimator, and the sensor whose readings it uses.
@@ -99,6 +101,51 @@ impl PressFitSetup<'_> {
     }
 }
 
+/// A fit that assumes the true soft body `body`. `gain_std` and `stds` are the true standard deviations of the noise of
+/// the gain, and of normal and tangential displacements; `None` for noise that is not random. `None` if the estimator is
+/// a Gaussian, which cannot describe the true press.
+pub fn ideal_fit(
+    estimator: &PressEstimatorConfig,
+    body: &Body,
+    gain_std: Option<f64>,
+    stds: [Option<f64>; 2],
+) -> Option<ForwardFit> {
+    let priors = estimator.priors();
+    Some(ForwardFit {
+        baseline: baseline(priors.baseline),
+        gain: within(gain_std.unwrap_or(priors.gain_std?)),
+        normal_std: stds[0],
+        tangential_std: stds[1],
+        ..ForwardFit::new(body.clone())
+    })
+}
+
+/// Text for `palpate check` about the fit to marker displacements.
+pub fn fit_description(estimator: &PressEstimatorConfig) -> String {
+    let body = match estimator {
+        PressEstimatorConfig::HalfSpace { .. } => "a half-space",
+        PressEstimatorConfig::Elliptic { .. } => "an elliptic contact of a half-space",
+        PressEstimatorConfig::BondedLayer { .. } => "a bonded layer",
+        PressEstimatorConfig::Image { .. } => "the body to the markers' images",
+        PressEstimatorConfig::Gaussian { c: Some(_), .. } => "a Gaussian with a given c",
+        PressEstimatorConfig::Gaussian { c: None, .. } => "a Gaussian calibrated on a plane",
+    };
+    let priors = estimator.priors();
+    let indentation = match priors.indentation {
+        Indentation::Known => "indentation given",
+        Indentation::Fitted => "indentation fitted",
+    };
+    let baseline = match priors.baseline {
+        Baseline::Known => "",
+        Baseline::Fitted => ", baseline fitted",
+    };
+    let noise = match priors.noise {
+        NoiseKnown::Stated => "noise as stated",
+        NoiseKnown::Found => "noise estimated from the residuals",
+    };
+    format!("least-squares fit of {body}, {indentation}{baseline}, {noise}")
+}
+
 /// Reason why the fit of a press cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PressFitError {
@@ -131,7 +178,7 @@ pub fn sensor_body(
 }
 
 /// Prior of the baseline, which is an offset added to the normal displacements of all markers.
-pub const fn baseline(config: Baseline) -> Prior {
+const fn baseline(config: Baseline) -> Prior {
     match config {
         Baseline::Known => Prior::Exact,
         Baseline::Fitted => Prior::Free,
@@ -140,7 +187,7 @@ pub const fn baseline(config: Baseline) -> Prior {
 
 /// Prior of a factor with the expected value 1 and the standard deviation `std`. If `std` is 0, the factor is exactly
 /// 1.
-pub fn within(std: f64) -> Prior {
+fn within(std: f64) -> Prior {
     if std > 0.0 {
         Prior::Within(std)
     } else {

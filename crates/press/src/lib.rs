@@ -33,7 +33,7 @@ pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c
 pub use image_fit::{
     DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,
 };
-pub use markers::{MarkerDisplacement, Markers};
+pub use markers::{MarkerDisplacement, Markers, skin_widening};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use regime::{ContactRegime, LARGE_CONTACT, sneddon_indentation, within_object};
 pub use skin::{Place, Skin};

@@ -31,6 +31,19 @@ pub struct MarkerDisplacement {
     pub tangential: [f64; 2],
 }
 
+/// Relative widening of the skin around each marker, from the displacements just above and just below the marker. The
+/// depths of both displacements differ by `apart` (length). If an incompressible skin is compressed along its normal, it
+/// widens in both tangential directions, each by half of the normal strain.
+pub fn skin_widening(
+    above: &[MarkerDisplacement],
+    below: &[MarkerDisplacement],
+    apart: f64,
+) -> Vec<f64> {
+    let squeezed = above.iter().zip(below);
+    let widening = squeezed.map(|(above, below)| 0.5 * (above.normal - below.normal) / apart);
+    widening.collect()
+}
+
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// Distance (length) from the contact to the marker along the skin.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
 };
-use palpate_press::{Body, ImageFit, Markers, Seen, Skin};
+use palpate_press::{Body, ImageFit, Markers, Seen};
 use palpate_statistics::Number;
 use palpate_study::config::{CameraConfig, PressConfig, ReadingNoise, SensorNoise};
 use palpate_tracking::{Finder, Found};
@@ -67,10 +67,7 @@ impl<'a> NominalSensor<'a> {
         let none = || FieldError::at("scene.sensor", "must have a camera");
         let (camera, _) = press.sensor.camera().ok_or_else(none)?;
         let sphere = MarkerSphere::of(&press.probe);
-        let places = sphere.places()?;
-        let skin = Skin::new(sphere.radius);
-        let markers = skin.and_then(|skin| Markers::new(skin, &places));
-        let markers = markers.map_err(|error| FieldError::at("scene.probe", error))?;
+        let (markers, places) = sphere.markers()?;
         let [centre_px, scale, place, turn_deg] = CAMERA_STDS;
         let [disc_depth, disc_diameter, colour] = DISC_STDS;
         let mut prior = press.noise.sensor.clone().unwrap_or(SensorNoise {

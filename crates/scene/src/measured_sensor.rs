@@ -1,9 +1,9 @@
 //! A sensor without contact. Two of its properties are computed: the strain of its folded skin, and the image area of
 //! its markers.
 
-use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
-use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
-use palpate_study::config::{BareFingertipConfig, LensName, PressProbeConfig};
+use palpate_chromatouch::{FoldStrain, Layout};
+use palpate_estimators::MarkerSphere;
+use palpate_study::config::{BareFingertipConfig, PressProbeConfig};
 use palpate_study::{FieldError, Quantity};
 use palpate_sweep::Observation;
 
@@ -47,14 +47,14 @@ impl MeasuredSensor {
         let mut values = Vec::new();
         if let Layout::Gores { gores, .. } = sphere.layout {
             let strain = FoldStrain::of(gores)
-                .map_err(|error| FieldError::at(format!("{LAYOUT}.gores"), error))?;
+                .map_err(|error| FieldError::at("scene.probe.layout.gores", error))?;
             values.extend([strain.greatest, strain.rms].map(Some));
             needs.push(Need::Model(format!(
                 "strain of folding {gores} gores: closed form"
             )));
         }
         if sphere.discs.is_some() {
-            values.push(area(&sphere, config)?);
+            values.push(sphere.marker_area(config)?);
             let text = "image area of a marker: closed form, no pixels";
             needs.push(Need::Model(text.to_owned()));
         }
@@ -94,27 +94,4 @@ impl Trials for MeasuredSensor {
     fn needs(&self) -> Vec<Need> {
         self.needs.clone()
     }
-}
-
-/// Image area (px²) of a marker whose place the config states: the area of the disc that is larger in the camera's
-/// view. `None` if this disc is not entirely in the camera's field of view.
-fn area(
-    sphere: &MarkerSphere<'_>,
-    config: &BareFingertipConfig,
-) -> Result<Option<f64>, FieldError> {
-    let (diameters, depths) = (sphere.diameters()?, sphere.disc_depths()?);
-    let lens = match config.sensor.lens {
-        LensName::Fisheye => Lens::Fisheye,
-        LensName::Pinhole => Lens::Pinhole,
-    };
-    let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
-        .map_err(|error| optics_error(&error))?;
-    // `array` returns an error if the skin cannot contain discs of these depths and diameters.
-    sphere.array(&[[0.0; 2]])?;
-    let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
-    let larger = f64::max(
-        angle(diameters.magenta, depths.magenta),
-        angle(diameters.yellow, depths.yellow),
-    );
-    Ok(camera.disc_area(larger, config.view.polar_deg.to_radians()))
 }

@@ -1,7 +1,7 @@
 //! Compares displacements of the half-space with an independent quadrature, and with values that were computed from a
 //! formula with 60 digits.
 
-use palpate_press::Body;
+use palpate_press::{Body, Markers, Skin, skin_widening};
 
 /// Columns: effective radius, indentation, Poisson's ratio, radial position, depth, normal and radial displacement.
 const GOLDEN: [[f64; 7]; 45] = [
@@ -109,5 +109,36 @@ fn contacts_of_any_curvature_have_the_radius_and_force_of_hertz() {
         assert!((contact.radius / radius - 1.0).abs() < 1e-15);
         let force = 16.0 / 9.0 * curvature * radius * radius * radius;
         assert!((contact.force(1.0).unwrap() / force - 1.0).abs() < 3e-15);
+    }
+}
+
+#[test]
+fn an_incompressible_skin_widens_as_it_is_squeezed() {
+    let places = [0.05, 1.0, 2.0, 3.5, 6.0];
+    let skin = Skin::new(20.0).unwrap();
+    let displaced = |depth: f64, places: [f64; 5]| {
+        let body = Body::half_space(0.5, depth).unwrap();
+        let contact = skin.contact(&body, 0.0, 1.0).unwrap();
+        let markers = Markers::new(skin, &places.map(|x| [x, 0.0])).unwrap();
+        markers.displacements(&contact, [0.0; 2])
+    };
+    for depth in [1.0, 3.0] {
+        let [above, below] = [-0.05, 0.05].map(|deeper| displaced(depth + deeper, places));
+        let widening = skin_widening(&above, &below, 0.1);
+        // Half of the area strain, (r u_r)′ / (2r), by a finite difference. Here r is the distance from the contact's
+        // centre, and u_r the radial displacement.
+        let [far, near] = [1e-3, -1e-3].map(|more| {
+            let places = places.map(|x| x + more);
+            let moved = displaced(depth, places).into_iter().zip(places);
+            moved
+                .map(|(moved, x)| x * moved.tangential[0])
+                .collect::<Vec<_>>()
+        });
+        for (place, x) in places.into_iter().enumerate() {
+            let expected = (far[place] - near[place]) / (4.0 * 1e-3 * x);
+            let difference = (widening[place] - expected).abs();
+            assert!(difference < 1e-3, "{depth}, {x}: {difference}");
+        }
+        assert!(widening[0] > 0.02, "{widening:?}");
     }
 }

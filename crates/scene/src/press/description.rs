@@ -1,12 +1,12 @@
 //! The lines that `palpate check` prints about a press: its models, its noise, and warnings.
 
-use palpate_estimators::large_contact_warning;
+use palpate_estimators::{fit_description, large_contact_warning};
 use palpate_press::{ContactRegime, PressEstimate};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::{
-    Baseline, CameraConfig, Indentation, NoiseKnown, NormalFrom, PressEstimatorConfig,
-    PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig, Pure, ReadingNoise,
+    CameraConfig, NormalFrom, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
+    PressProbeConfig, PressSensorConfig, Pure, ReadingNoise,
 };
 
 use super::reading::PressNoise;
@@ -160,22 +160,8 @@ impl PressScene {
     }
 
     fn estimator_needs(&self) -> Vec<Need> {
-        let (body, has_depth) = assumed_body(&self.config.estimator);
-        let priors = self.config.estimator.priors();
-        let indentation = match priors.indentation {
-            Indentation::Known => "indentation given",
-            Indentation::Fitted => "indentation fitted",
-        };
-        let baseline = match priors.baseline {
-            Baseline::Known => "",
-            Baseline::Fitted => ", baseline fitted",
-        };
-        let noise = match priors.noise {
-            NoiseKnown::Stated => "noise as stated",
-            NoiseKnown::Found => "noise estimated from the residuals",
-        };
-        let fit = format!("least-squares fit of {body}, {indentation}{baseline}, {noise}");
-        let mut needs = vec![Need::Model(fit)];
+        let estimator = &self.config.estimator;
+        let mut needs = vec![Need::Model(fit_description(estimator))];
         if let PressEstimator::NoFit(error) = &self.estimator {
             let name: &str = error.into();
             let text = format!("no estimator; every trial fails as `{name}`: {error}");
@@ -183,6 +169,7 @@ impl PressScene {
         }
         let PressProbeConfig::MarkerSphere { marker_depth, .. } = self.config.probe;
         let at_surface = matches!(self.choice.model, PressModelConfig::Hertz { .. });
+        let has_depth = !matches!(estimator, PressEstimatorConfig::Gaussian { .. });
         if at_surface && has_depth && marker_depth > 0.0 {
             let text = "the model moves the markers as if they were at the surface, but the \
                  estimator assumes that they are at their depth";
@@ -316,19 +303,4 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
         let text = format!("even without noise the estimator explains only {percent:.0} % of the variance of the normal displacements: its model does not match the simulated body, contact or readings");
         Warning::new("unexplained-readings", text, [("r_squared", explained)])
     })
-}
-
-/// Name of the soft body that an estimator assumes. The second value states whether the estimator computes the
-/// displacements at the depth of the markers.
-const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
-    match estimator {
-        PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
-        PressEstimatorConfig::Elliptic { .. } => ("an elliptic contact of a half-space", true),
-        PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
-        PressEstimatorConfig::Image { .. } => ("the body to the markers' images", true),
-        PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
-        PressEstimatorConfig::Gaussian { c: None, .. } => {
-            ("a Gaussian calibrated on a plane", false)
-        }
-    }
 }

@@ -4,14 +4,11 @@ use std::sync::OnceLock;
 
 use palpate_chromatouch::Departure;
 use palpate_estimators::{
-    ImageEstimator, ImageFitSetup, LAYOUT, MarkerSphere, PressFitError, PressFitSetup, baseline,
-    body_error, departure_stds, within, within_sensor,
+    ImageEstimator, ImageFitSetup, MarkerSphere, PressFitError, PressFitSetup, body_error,
+    departure_stds, ideal_fit, within_sensor,
 };
-use palpate_press::{
-    Body, Bounds, EllipticContact, ForwardFit, MarkerDisplacement, Markers, PressError, Skin,
-};
+use palpate_press::{Body, Bounds, EllipticContact, MarkerDisplacement, Markers, PressError};
 use palpate_sensing::GaussianError;
-use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{
     CameraConfig, LengthUnit, ModelConfig, NoiseKnown, PressConfig, PressEstimatorConfig,
@@ -46,7 +43,7 @@ impl PressScene {
     ) -> Result<Self, FieldError> {
         let young = young(&config.model, unit)?;
         let sphere = MarkerSphere::of(&config.probe);
-        let (markers, places) = markers(&sphere)?;
+        let (markers, places) = sphere.markers()?;
         let geometry = PressGeometry::new(config, sphere.radius)?;
         let camera = config.sensor.camera();
         let rungs = PressRungs::new(&config.model, &sphere, camera.is_some())?;
@@ -116,22 +113,6 @@ fn young(model: &PressModelConfig, unit: LengthUnit) -> Result<Option<f64>, Fiel
     let refuse = || FieldError::at("scene.model.modulus_kpa", message);
     let metres = unit.to(LengthUnit::M).ok_or_else(refuse)?;
     Ok(Some(modulus_kpa * 1e3 * metres * metres))
-}
-
-fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldError> {
-    let (radius, depth) = (sphere.radius, sphere.marker_depth);
-    let skin = Skin::new(radius).map_err(|error| FieldError::at("scene.probe.radius", error))?;
-    if depth >= radius {
-        let message = format!(
-            "must be less than the sensor's radius {}, is {}",
-            Number(radius),
-            Number(depth)
-        );
-        return Err(FieldError::at("scene.probe.marker_depth", message));
-    }
-    let places = sphere.places()?;
-    let markers = Markers::new(skin, &places).map_err(|error| FieldError::at(LAYOUT, error))?;
-    Ok((markers, places))
 }
 
 /// Thickness of the layer if the true displacements are interpolated in tables of this layer; `None` if they are
@@ -287,15 +268,9 @@ impl PressSetup<'_> {
         has_tangential: bool,
     ) -> Option<Bounds> {
         let estimator = &self.config.estimator;
-        let priors = estimator.priors();
         let drawn = |error: GaussianError| error.is_random().then(|| error.std());
-        let fit = ForwardFit {
-            baseline: baseline(priors.baseline),
-            gain: within(drawn(noise.gain).unwrap_or(priors.gain_std?)),
-            normal_std: drawn(noise.normal),
-            tangential_std: drawn(noise.tangential),
-            ..ForwardFit::new(self.body.body.clone())
-        };
+        let stds = [drawn(noise.normal), drawn(noise.tangential)];
+        let fit = ideal_fit(estimator, &self.body.body, drawn(noise.gain), stds)?;
         let indentation_std = given_indentation_std(estimator)
             .map(|std| drawn(noise.indentation.error).unwrap_or(std));
         let (at, markers) = (self.geometry.at, self.markers);

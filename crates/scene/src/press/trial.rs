@@ -251,13 +251,33 @@ impl PressScene {
             }
         };
         let curvature = estimate.object_curvature();
-        for (quantity, estimated) in [
+        let mut estimates = vec![
             (Quantity::RELATIVE_CURVATURE, estimate.relative_curvature),
             (Quantity::EFFECTIVE_RADIUS, estimate.effective_radius()),
             (Quantity::OBJECT_CURVATURE, curvature),
             (Quantity::INDENTATION, estimate.indentation),
             (Quantity::CONTACT_RADIUS, estimate.contact_radius),
-        ] {
+        ];
+        if let Some(principal) = &estimate.principal {
+            let [larger, smaller] = principal.curvatures;
+            estimates.push((Quantity::PRINCIPAL_CURVATURE_MAX, larger));
+            estimates.push((Quantity::PRINCIPAL_CURVATURE_MIN, smaller));
+            if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
+                let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
+                // Angles that differ by half a turn describe the same axis. Of these angles, report the one nearest to
+                // the true angle.
+                let value = truth + half_turn(axis - truth);
+                let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
+                let interval = Interval { low, high };
+                let axis = Estimated {
+                    value,
+                    std,
+                    interval,
+                };
+                estimates.push((Quantity::AXIS_DEG, axis));
+            }
+        }
+        for (quantity, estimated) in estimates {
             if let Some(truth) = self.true_value(quantity) {
                 report(quantity, outcome(&estimated, truth));
             }
@@ -278,30 +298,6 @@ impl PressScene {
                 ..Observation::plain(radius, truth)
             };
             report(Quantity::OBJECT_RADIUS, radius_outcome);
-        }
-        if let Some(principal) = &estimate.principal {
-            for (quantity, estimated) in [
-                (Quantity::PRINCIPAL_CURVATURE_MAX, principal.curvatures[0]),
-                (Quantity::PRINCIPAL_CURVATURE_MIN, principal.curvatures[1]),
-            ] {
-                if let Some(truth) = self.true_value(quantity) {
-                    report(quantity, outcome(&estimated, truth));
-                }
-            }
-            if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
-                let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
-                // Angles that differ by half a turn describe the same axis. Of these angles, report the one nearest to
-                // the true angle.
-                let value = truth + half_turn(axis - truth);
-                let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
-                let interval = Interval { low, high };
-                let estimated = Estimated {
-                    value,
-                    std,
-                    interval,
-                };
-                report(Quantity::AXIS_DEG, outcome(&estimated, truth));
-            }
         }
         let force = self.young.and_then(|young| self.force(estimate, young));
         if let (Some(truth), Some(force)) = (self.true_value(Quantity::FORCE), force) {

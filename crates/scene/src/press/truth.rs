@@ -6,7 +6,7 @@ use palpate_chromatouch::{DiscMotion, MarkerMotion};
 use palpate_estimators::{MarkerSphere, body_error, sensor_body, within_sensor};
 use palpate_press::{
     Body, Contact, Displacement, EllipticContact, MarkerDisplacement, Markers, PressError,
-    within_object,
+    skin_widening, within_object,
 };
 use palpate_statistics::Number;
 use palpate_study::FieldError;
@@ -438,8 +438,7 @@ impl DiscStrain {
     }
 
     /// For each disc in a press, two numbers: the relative widening of the disc, and the relative widening of the skin
-    /// around the disc. If an incompressible skin is compressed along its normal, the skin widens in both tangential
-    /// directions, each by half of the normal strain.
+    /// around the disc.
     fn stretches(
         &self,
         markers: &Markers,
@@ -447,70 +446,7 @@ impl DiscStrain {
     ) -> Result<Vec<[f64; 2]>, PressError> {
         let above = self.above.displacements(markers, geometry)?;
         let below = self.below.displacements(markers, geometry)?;
-        let squeezed = above.iter().zip(&below);
-        Ok(squeezed
-            .map(|(above, below)| {
-                let skin = 0.5 * (above.normal - below.normal) / self.apart;
-                [self.share * skin, skin]
-            })
-            .collect())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use palpate_press::Skin;
-
-    /// Relative widening of the skin, computed independently for a half-space: (r u_r)′ / (2r), half of the area
-    /// strain. Here r is the distance from the contact's centre, and u_r the radial displacement. The derivative is a
-    /// finite difference.
-    fn widened(markers: &[[f64; 2]], depth: f64, geometry: &PressGeometry) -> Vec<f64> {
-        const STEP: f64 = 1e-3;
-        let body = half_space(depth);
-        let outward = |more: f64| -> Vec<f64> {
-            let places: Vec<[f64; 2]> = markers.iter().map(|[x, _]| [x + more, 0.0]).collect();
-            let moved = body.displacements(&on_skin(&places), geometry).unwrap();
-            std::iter::zip(moved, &places)
-                .map(|(moved, [x, _])| x * moved.tangential[0])
-                .collect()
-        };
-        let (far, near) = (outward(STEP), outward(-STEP));
-        std::iter::zip(markers, std::iter::zip(far, near))
-            .map(|([x, _], (far, near))| (far - near) / (4.0 * STEP * x))
-            .collect()
-    }
-
-    fn half_space(depth: f64) -> SoftBody {
-        let model = PressModelConfig::default();
-        SoftBody::new(&model, 20.0, depth, Body::bonded_layer).unwrap()
-    }
-
-    fn on_skin(places: &[[f64; 2]]) -> Markers {
-        Markers::new(Skin::new(20.0).unwrap(), places).unwrap()
-    }
-
-    #[test]
-    fn an_incompressible_skin_widens_as_it_is_squeezed() {
-        let places: Vec<[f64; 2]> = [0.05, 1.0, 2.0, 3.5, 6.0].map(|x| [x, 0.0]).to_vec();
-        let geometry = PressGeometry::on_plane(1.0);
-        for depth in [1.0, 3.0] {
-            let body = |depth| Ok(half_space(depth));
-            let strain = DiscStrain::new(1.0, depth, (20.0, 20.0), body).unwrap();
-            let computed = strain.stretches(&on_skin(&places), &geometry).unwrap();
-            let expected = widened(&places, depth, &geometry);
-            for ([computed, skin], expected) in computed.iter().zip(&expected) {
-                assert_eq!(computed, skin);
-                assert!(
-                    (computed - expected).abs() < 1e-3,
-                    "{depth}: {computed} {expected}"
-                );
-            }
-            assert!(computed[0][0] > 0.02, "{computed:?}");
-            let half = DiscStrain::new(0.5, depth, (20.0, 20.0), body).unwrap();
-            let half = half.stretches(&on_skin(&places), &geometry).unwrap();
-            assert!((half[0][0] / computed[0][0] - 0.5).abs() < 1e-12);
-            assert_eq!(half[0][1], computed[0][1]);
-        }
+        let skin = skin_widening(&above, &below, self.apart).into_iter();
+        Ok(skin.map(|skin| [self.share * skin, skin]).collect())
     }
 }

@@ -91,26 +91,10 @@ impl LinearRolls {
         })
     }
 
-    /// Rolls every probe and returns the moments of the readings, that is, the sums from which least squares estimates
-    /// the curvature. Returns `None` if a contact moves more than halfway around its probe, because the sensor would
-    /// then read the shorter way around the probe instead of the path.
-    #[inline(always)]
-    pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
-        let mut moments = Moments::default();
-        let half_turn = self.half_turn_squared();
-        let mut are_short = true;
-        let mut stream = Stream::new(seed, trial, Channel::AngularVelocity);
-        for probe in &self.probes {
-            let path = probe.path(self.errors(&mut stream));
-            are_short &= is_short(path, half_turn);
-            moments.add_shifts(&probe.reported, path);
-        }
-        are_short.then_some(moments)
-    }
-
     /// Rolls the probes in up to [`BATCH_SIZE`] trials, starting with trial number `first`. The moments of the readings
-    /// (the sums that least squares needs) are stored in `many`. Returns the number of trials before the first trial
-    /// for which [`LinearRolls::short`] would return `None`.
+    /// (the sums that least squares needs) are stored in `many`. Returns the number of trials before the first trial in
+    /// which a contact moves more than halfway around its probe. The sensor would then read the shorter way around the
+    /// probe instead of the path.
     ///
     /// The function is inlined, so that it uses the vector instructions of its caller.
     #[inline(always)]
@@ -159,6 +143,7 @@ impl LinearRolls {
     /// Rolls every probe and returns the moments of the readings, that is, the sums from which least squares estimates
     /// the curvature. The function `read` converts the displacement of the contact on the probe (logarithm map) to the
     /// reading of the sensor.
+    #[inline(always)]
     pub(super) fn read<E>(
         &self,
         seed: u64,

@@ -80,9 +80,9 @@ impl MotionNoise {
 
 impl NoiseTrial {
     #[inline]
-    pub(super) fn new(noise: Option<MotionNoise>, seed: u64, trial: u64) -> Self {
-        let stream = || Stream::new(seed, trial, Channel::AngularVelocity);
-        Self(noise.map(|noise| (noise, stream())))
+    pub(super) fn new(noise: Option<MotionNoise>, seed: u64, trial: Option<u64>) -> Self {
+        let stream = |trial| Stream::new(seed, trial, Channel::AngularVelocity);
+        Self(noise.zip(trial.map(stream)))
     }
 
     /// Displacement of the contact on a probe, and the rotation that the sensor reports. The reported rotation has an
@@ -94,34 +94,42 @@ impl NoiseTrial {
         roll: &Roll,
     ) -> Result<(Vector2<f64>, Vector2<f64>), RollError> {
         let (command, terrain) = (&roll.command, &roll.terrain);
-        let (displacement, rotation) = (roll.displacement, roll.rotation);
-        let Some((noise, stream)) = &mut self.0 else {
-            return Ok((displacement, rotation));
+        let displacement = match self.of_side(Side::Motion) {
+            None => roll.displacement,
+            Some((noise, stream)) if noise.instants == 1 => {
+                let motion = [disturbed(command, &noise.error, stream)];
+                cleared_shift(roller, &motion, terrain)?
+            }
+            Some(_) => cleared_shift(roller, &self.motions(command), terrain)?,
         };
-        let error = &noise.error;
-        match (noise.side, noise.instants) {
-            (Side::Motion, 1) => {
-                let motion = [disturbed(command, error, stream)];
-                Ok((cleared_shift(roller, &motion, terrain)?, rotation))
-            }
-            (Side::Motion, _) => Ok((
-                cleared_shift(roller, &self.motions(command), terrain)?,
-                rotation,
-            )),
-            (Side::Measurement, instants) => {
-                let rate = command.angular_velocity.norm();
-                let sum: Vector2<f64> = (0..instants).map(|_| error.draw(stream, rate)).sum();
-                let measured = sum * (command.duration_s / f64::from(instants));
-                Ok((displacement, rotation + measured))
-            }
-        }
+        Ok((displacement, self.rotation(roll)))
+    }
+
+    /// Rotation that the sensor reports for a roll. It has an error only if the noise is an error of the measurement.
+    #[inline]
+    pub(super) fn rotation(&mut self, roll: &Roll) -> Vector2<f64> {
+        let Some((noise, stream)) = self.of_side(Side::Measurement) else {
+            return roll.rotation;
+        };
+        let (rate, duration_s) = (
+            roll.command.angular_velocity.norm(),
+            roll.command.duration_s,
+        );
+        let sum: Vector2<f64> = (0..noise.instants)
+            .map(|_| noise.error.draw(stream, rate))
+            .sum();
+        roll.rotation + sum * (duration_s / f64::from(noise.instants))
+    }
+
+    #[inline]
+    fn of_side(&mut self, side: Side) -> Option<&mut (MotionNoise, Stream)> {
+        self.0.as_mut().filter(|(noise, _)| noise.side == side)
     }
 
     /// Errors of the measured rotation (rad) at the given fractions of a roll. The errors are 0 if the noise is an
     /// error of the motion.
     pub(super) fn measured(&mut self, command: &Motion, fractions: &[f64]) -> Vec<Vector2<f64>> {
-        let Some((noise, stream)) = self.0.as_mut().filter(|(noise, _)| !noise.is_of_motion())
-        else {
+        let Some((noise, stream)) = self.of_side(Side::Measurement) else {
             return vec![Vector2::zeros(); fractions.len()];
         };
         let rate = command.angular_velocity.norm();
@@ -140,12 +148,9 @@ impl NoiseTrial {
     }
 
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
-        let Some((noise, stream)) = &mut self.0 else {
+        let Some((noise, stream)) = self.of_side(Side::Motion) else {
             return vec![*command];
         };
-        if noise.side == Side::Measurement {
-            return vec![*command];
-        }
         let piece = lasting(command, command.duration_s / f64::from(noise.instants));
         (0..noise.instants)
             .map(|_| disturbed(&piece, &noise.error, stream))

@@ -83,34 +83,26 @@ impl RollSensor {
         }
     }
 
+    /// The sensor in trial number `trial`. If `trial` is `None`, the sensor has no noise. Pads then still round each
+    /// position to the centre of a pad, and the first contact is at the centre of a pad.
     #[inline]
-    pub(super) fn begin(&self, seed: u64, trial: u64) -> SensorTrial<'_> {
-        match self {
-            Self::Ideal => SensorTrial::Ideal,
-            Self::Wrist(wrist) => {
-                SensorTrial::Wrist(wrist, Stream::new(seed, trial, Channel::WristContact))
+    pub(super) fn begin(&self, seed: u64, trial: Option<u64>) -> SensorTrial<'_> {
+        let stream = |channel| Stream::new(seed, trial.unwrap_or_default(), channel);
+        match (self, trial) {
+            (Self::Ideal, _) | (Self::Wrist(_), None) => SensorTrial::Ideal,
+            (Self::Wrist(wrist), Some(_)) => {
+                SensorTrial::Wrist(wrist, stream(Channel::WristContact))
             }
-            Self::Pads(pads) => {
-                let mut stream = Stream::new(seed, trial, Channel::PadOffset);
-                match pads.offset {
-                    PadOffset::Random => SensorTrial::RandomPads(pads, stream),
-                    PadOffset::Centred | PadOffset::RandomPerTrial => {
-                        SensorTrial::Pads(pads, pads.place(&mut stream))
-                    }
-                }
+            (Self::Pads(pads), Some(_)) if pads.offset == PadOffset::Random => {
+                SensorTrial::RandomPads(pads, stream(Channel::PadOffset))
             }
-        }
-    }
-
-    /// A copy of the sensor without noise. Pads still round each position to the centre of a pad. The first contact is
-    /// at the centre of a pad.
-    pub(super) fn noiseless(&self) -> Self {
-        match self {
-            Self::Ideal | Self::Wrist(_) => Self::Ideal,
-            Self::Pads(pads) => {
-                let mut pads = pads.clone();
-                pads.offset = PadOffset::Centred;
-                Self::Pads(pads)
+            (Self::Pads(pads), Some(_)) => {
+                SensorTrial::Pads(pads, pads.place(&mut stream(Channel::PadOffset)))
+            }
+            (Self::Pads(pads), None) => {
+                let mut centred = pads.clone();
+                centred.offset = PadOffset::Centred;
+                SensorTrial::Pads(pads, centred.place(&mut stream(Channel::PadOffset)))
             }
         }
     }

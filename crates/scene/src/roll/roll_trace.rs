@@ -5,7 +5,7 @@ use palpate_rolling::{Contact, Motion};
 use super::motion_noise::{NoiseTrial, lasting};
 use super::roll_trial::RollScene;
 use crate::trace::{Trace, TraceError, counted};
-use palpate_study::config::{LengthUnit, Side};
+use palpate_study::config::LengthUnit;
 use palpate_study::readings::{ROLLS, table_columns};
 use palpate_study::{Column, Table, Unit};
 
@@ -16,31 +16,14 @@ impl RollScene {
     /// Records the true contacts and the readings of one roll of every probe. Contacts and readings have the noise of
     /// trial number `trial`; they have no noise if `trial` is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
-        let noiseless = self.sensor.noiseless();
-        let sensor = trial.map_or(&noiseless, |_| &self.sensor);
-        let mut sensor = sensor.begin(self.seed, trial.unwrap_or_default());
-        let mut noise = NoiseTrial::new(
-            self.noise.filter(|_| trial.is_some()),
-            self.seed,
-            trial.unwrap_or_default(),
-        );
-
+        let mut sensor = self.sensor.begin(self.seed, trial);
+        let mut noise = NoiseTrial::new(self.noise, self.seed, trial);
         let mut contacts = Table::new(columns(unit));
         let mut readings = Table::new(table_columns(&ROLLS, unit));
         let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
         for (probe, roll) in self.rolls.iter().enumerate() {
             let command = &roll.command;
-            let (motions, rotation) = match self.noise.map(|noise| noise.side) {
-                // If only the measured rotation has noise, the probe rolls as commanded. `noise.roll` is called only to
-                // draw the measured rotation.
-                Some(Side::Measurement) => {
-                    let (_, rotation) = noise
-                        .roll(&self.roller, roll)
-                        .map_err(|error| TraceError::Roll { probe, error })?;
-                    (vec![*command], rotation)
-                }
-                _ => (noise.motions(command), roll.rotation),
-            };
+            let (motions, rotation) = (noise.motions(command), noise.rotation(roll));
             let mut last = *self.roller.first_contact();
             for sample in 0..=SAMPLES {
                 let t_s = command.duration_s * sample as f64 / SAMPLES as f64;

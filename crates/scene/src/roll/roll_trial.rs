@@ -1,5 +1,6 @@
 //! A roll that is ready to run, and its trials.
 
+use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::LazyLock;
 
@@ -162,13 +163,10 @@ impl RollScene {
         &self,
         trial: u64,
     ) -> Result<[Observation; ROLL_QUANTITIES.len()], &'static str> {
-        if let Some(linear) = &self.linear
-            && let RollSensor::Ideal = self.sensor
-            && let Some(moments) = linear.short(self.seed, trial)
-        {
+        if let (Some(linear), RollSensor::Ideal) = (&self.linear, &self.sensor) {
             let fit = self.fit.get()?;
-            let estimate = fit.estimate(&moments)?;
-            return Ok(self.compare(&estimate));
+            let Ok(moments) = linear.read(self.seed, trial, Ok::<_, Infallible>);
+            return Ok(self.compare(&fit.estimate(&moments)?));
         }
         match self.series_method() {
             Some((sampled, method)) => self
@@ -280,7 +278,7 @@ impl RollScene {
     /// fast, because no motion is simulated.
     fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
-        let mut sensor = self.sensor.begin(self.seed, trial);
+        let mut sensor = self.sensor.begin(self.seed, Some(trial));
         let moments = linear
             .read(self.seed, trial, |displacement| sensor.read(&displacement))
             .map_err(|error| error.name())?;
@@ -313,8 +311,8 @@ impl RollScene {
         trial: u64,
         mut report: impl FnMut(ProbeReading),
     ) -> Result<(), &'static str> {
-        let mut noise = NoiseTrial::new(self.noise, self.seed, trial);
-        let mut sensor = self.sensor.begin(self.seed, trial);
+        let mut noise = NoiseTrial::new(self.noise, self.seed, Some(trial));
+        let mut sensor = self.sensor.begin(self.seed, Some(trial));
         let mut rotations = self.rotation_sensor.begin(self.seed, trial);
         for roll in &self.rolls {
             let (displacement, rotation) = noise
@@ -463,7 +461,7 @@ impl Trials for RollScene {
             needs.push(Need::Warning(Warning::new("half-turn", text, numbers)));
         }
         let furthest = Vector2::new(arc_length, 0.0);
-        if let Err(error) = self.sensor.noiseless().begin(0, 0).read(&furthest) {
+        if let Err(error) = self.sensor.begin(0, None).read(&furthest) {
             let text = format!("{error}: trials fail as `beyond-pads`");
             needs.push(Need::Warning(Warning::new(
                 "beyond-pads",

@@ -169,11 +169,8 @@ impl RollScene {
         sampled: &SampledRolls,
         trial: Option<u64>,
     ) -> Result<Vec<RollSeries>, (usize, NoSeries)> {
-        let noiseless = self.sensor.noiseless();
-        let sensor = trial.map_or(&noiseless, |_| &self.sensor);
-        let number = trial.unwrap_or_default();
-        let mut sensor = sensor.begin(self.seed, number);
-        let mut noise = NoiseTrial::new(self.noise.filter(|_| trial.is_some()), self.seed, number);
+        let mut sensor = self.sensor.begin(self.seed, trial);
+        let mut noise = NoiseTrial::new(self.noise, self.seed, trial);
         let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
         let is_disturbed = self.noise.is_some_and(|noise| noise.side == Side::Motion);
         let mut all = Vec::with_capacity(self.rolls.len());
