@@ -209,7 +209,7 @@ impl Body {
 
     /// Poisson's ratio of a half-space, and the depth at which its displacements are computed. `None` for other bodies,
     /// because elliptic contacts and sideways shifts of the object are modelled only for a half-space.
-    pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
+    pub fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),
             Rung::BondedLayer { .. } | Rung::Gaussian { .. } => None,

@@ -277,26 +277,22 @@ fn noise(
     inter_finger_distance: f64,
 ) -> Result<ContactNoise, FieldError> {
     let position = config.position.as_ref().map(|position| {
-        let (distribution, fraction, (key, length), axis) = match *position {
+        let (distribution, fraction, size, key, axis) = match *position {
             PositionNoise::Gaussian {
                 fraction_of_ifd,
                 std,
                 axis,
-            } => (Distribution::Gaussian, fraction_of_ifd, ("std", std), axis),
+            } => (Distribution::Gaussian, fraction_of_ifd, std, "std", axis),
             PositionNoise::Uniform {
                 fraction_of_ifd,
                 bound,
                 axis,
-            } => (
-                Distribution::Uniform,
-                fraction_of_ifd,
-                ("bound", bound),
-                axis,
-            ),
+            } => (Distribution::Uniform, fraction_of_ifd, bound, "bound", axis),
         };
-        let fraction_size = fraction.map(|fraction| fraction * inter_finger_distance);
-        let size = fraction_size.or(length).unwrap_or_default();
-        let key = fraction.map_or(key, |_| "fraction_of_ifd");
+        let (size, key) = match fraction {
+            Some(fraction) => (fraction * inter_finger_distance, "fraction_of_ifd"),
+            None => (size.unwrap_or_default(), key),
+        };
         let axes = match axis {
             NoiseAxis::Xyz => PositionAxes::Xyz,
             NoiseAxis::Z => PositionAxes::Z,

@@ -71,7 +71,7 @@ impl PressScene {
         let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
         // The longer semi-axis of the contact is in the direction in which the curvature is smaller.
         let own = skin.curvature();
-        let extents = match self.body.contact(&self.markers, &self.geometry) {
+        let extents = match self.geometry.contact(&self.body, &self.markers) {
             Ok(TrueContact::Elliptic(contact, _)) => {
                 std::iter::zip(contact.relative_curvatures, contact.semi_axes).collect()
             }
@@ -199,7 +199,7 @@ impl PressScene {
 }
 
 fn displacement_noise(noise: &PressNoise) -> Option<String> {
-    let indentation = &noise.indentation.error;
+    let indentation = &noise.indentation;
     let errors = [
         (
             noise.normal.is_random(),

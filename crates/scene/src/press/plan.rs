@@ -19,7 +19,7 @@ use super::camera_calibration::RestFrames;
 use super::camera_model::{AT_REST, SimulatedCamera};
 use super::reading::{CameraPressSensor, PressNoise, PressSensor};
 use super::trial::{PressCase, PressEstimator, PressScene, given_indentation_std};
-use super::truth::{DiscMarkers, PressGeometry, SoftBody, TrueContact, TruePress};
+use super::truth::{DiscMarkers, PressGeometry, TrueContact, TruePress, soft_body};
 use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
@@ -53,7 +53,7 @@ impl PressScene {
             Some(_) => models.layer(thickness, depth),
             None => Body::solved_layer(thickness, depth),
         };
-        let body = SoftBody::new(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
+        let body = soft_body(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
         let (has_tangential, frames) = match &config.sensor {
             PressSensorConfig::Direct { tangential, frames } => (*tangential, *frames),
             PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
@@ -72,7 +72,7 @@ impl PressScene {
             models,
             seed,
         };
-        let contact = body.contact(&markers, &geometry).and_then(|contact| {
+        let contact = geometry.contact(&body, &markers).and_then(|contact| {
             let place = markers.skin().place(geometry.at);
             markers.see(&place, contact.radius()).map(|()| contact)
         });
@@ -136,7 +136,7 @@ pub(super) struct PressSetup<'a> {
     pub(super) markers: &'a Markers,
     pub(super) places: &'a [[f64; 2]],
     pub(super) geometry: &'a PressGeometry,
-    body: &'a SoftBody,
+    body: &'a Body,
     pub(super) models: &'a SharedModels,
     pub(super) seed: u64,
 }
@@ -204,7 +204,7 @@ impl PressSetup<'_> {
         let setup = PressFitSetup {
             estimator,
             model,
-            body: &self.body.body,
+            body: self.body,
             shared: tables,
             layer: &|thickness, depth| self.models.layer(thickness, depth),
             markers: self.markers,
@@ -270,9 +270,9 @@ impl PressSetup<'_> {
         let estimator = &self.config.estimator;
         let drawn = |error: GaussianError| error.is_random().then(|| error.std());
         let stds = [drawn(noise.normal), drawn(noise.tangential)];
-        let fit = ideal_fit(estimator, &self.body.body, drawn(noise.gain), stds)?;
-        let indentation_std = given_indentation_std(estimator)
-            .map(|std| drawn(noise.indentation.error).unwrap_or(std));
+        let fit = ideal_fit(estimator, self.body, drawn(noise.gain), stds)?;
+        let indentation_std =
+            given_indentation_std(estimator).map(|std| drawn(noise.indentation).unwrap_or(std));
         let (at, markers) = (self.geometry.at, self.markers);
         let is_elliptic = matches!(estimator, PressEstimatorConfig::Elliptic { .. });
         let of_ellipse = |contact: &EllipticContact, axis| {
@@ -282,7 +282,7 @@ impl PressSetup<'_> {
         match contact {
             TrueContact::Round(contact) if is_elliptic => {
                 let curvatures = [contact.relative_curvature; 2];
-                let (poisson, _) = self.body.sideways?;
+                let (poisson, _) = self.body.sideways()?;
                 let contact = EllipticContact::new(poisson, curvatures, contact.indentation);
                 of_ellipse(&contact.ok()?, 0.0)
             }
@@ -416,14 +416,14 @@ impl PressRungs {
             },
         ];
         let models: Vec<PressModelConfig> = models.into_iter().chain(layer).collect();
-        let bodies: Vec<Vec<SoftBody>> = models
+        let bodies: Vec<Vec<Body>> = models
             .iter()
             .map(|model| self.bodies(model))
             .collect::<Result<_, _>>()?;
         let moved = bodies.iter().map(|bodies| {
             let moved = bodies
                 .iter()
-                .map(|body| body.displacements(markers, geometry));
+                .map(|body| geometry.displacements(body, markers));
             Ok(moved.collect::<Result<Vec<_>, PressError>>()?.concat())
         });
         let moved: Vec<Result<Vec<MarkerDisplacement>, PressError>> = moved.collect();
@@ -460,8 +460,8 @@ impl PressRungs {
         })
     }
 
-    fn bodies(&self, model: &PressModelConfig) -> Result<Vec<SoftBody>, FieldError> {
-        let body = |&depth| SoftBody::new(model, self.radius, depth, Body::solved_layer);
+    fn bodies(&self, model: &PressModelConfig) -> Result<Vec<Body>, FieldError> {
+        let body = |&depth| soft_body(model, self.radius, depth, Body::solved_layer);
         self.depths.iter().map(body).collect()
     }
 }

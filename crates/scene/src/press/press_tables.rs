@@ -100,7 +100,7 @@ impl PressScene {
         trial: u64,
         table: &mut Table,
     ) -> Result<(), PressFailure> {
-        let contact = self.body.contact(&self.markers, &self.geometry)?;
+        let contact = self.geometry.contact(&self.body, &self.markers)?;
         let estimated = self.estimated_displacement(trial);
         for place in 0..PLACES {
             let share = f64::from(place) / f64::from(PLACES - 1);
@@ -125,7 +125,7 @@ impl PressScene {
     ) -> Result<impl Fn(f64) -> [Option<f64>; 2], PressFailure> {
         let estimate = self.estimate(&self.reading(Some(trial))?)?;
         let body = &self.estimator.fit()?.body;
-        let contact = match (&estimate.principal, self.body.sideways) {
+        let contact = match (&estimate.principal, self.body.sideways()) {
             (Some(principal), Some((_, depth))) => TrueContact::Elliptic(principal.contact, depth),
             _ => TrueContact::Round(body.press(
                 estimate.relative_curvature.value,

@@ -16,7 +16,7 @@ use super::camera_calibration::{CameraCalibration, RestFrames};
 use super::camera_model::{AT_REST, CameraModel, MarkerTracks, SimulatedCamera};
 use super::plan::PressSetup;
 use super::sensor_variation::SensorVariation;
-use super::truth::{DiscMarkers, PressGeometry, TruePress};
+use super::truth::{DiscMarkers, TruePress};
 
 /// Largest shift of a marker's image that counts as a rounding error (px). Such a shift is replaced by 0.
 const ROUNDING_PX: f64 = 1e-9;
@@ -121,7 +121,7 @@ impl PressSensor {
             tracked: (0..markers.len())
                 .filter(|&marker| markers[marker].is_some())
                 .collect(),
-            indentation: noise.indentation.read(&truth.geometry, trial),
+            indentation: truth.geometry.indentation + noise.indentation_error(trial),
             camera,
         })
     }
@@ -134,28 +134,12 @@ impl PressSensor {
     }
 }
 
-/// Sensor that reads the indentation, for example from the pose of a robot.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct IndentationSensor {
-    pub(super) error: GaussianError,
-    seed: u64,
-}
-
-impl IndentationSensor {
-    pub(super) fn read(&self, geometry: &PressGeometry, trial: Option<u64>) -> f64 {
-        let error = trial.map_or(0.0, |trial| {
-            let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
-            self.error.draw(&mut stream)
-        });
-        geometry.indentation + error
-    }
-}
-
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressNoise {
     pub(super) normal: GaussianError,
     pub(super) tangential: GaussianError,
-    pub(super) indentation: IndentationSensor,
+    /// Error of the indentation, which is read, for example, from the pose of a robot.
+    pub(super) indentation: GaussianError,
     /// Error of the sensor's gain, by which all normal displacements are multiplied.
     pub(super) gain: GaussianError,
     outliers: usize,
@@ -190,10 +174,7 @@ impl PressNoise {
             normal: biased(normal, config.normal_bias, "normal_bias")?,
             tangential: length(config.tangential_displacement, "tangential_displacement")?
                 .averaged(frames),
-            indentation: IndentationSensor {
-                error: biased(indentation, config.indentation_bias, "indentation_bias")?,
-                seed,
-            },
+            indentation: biased(indentation, config.indentation_bias, "indentation_bias")?,
             gain: gaussian(gain, "gain")?,
             outlier: gaussian(wrong.map(|wrong| wrong.std), "wrong_markers")?,
             seed,
@@ -205,13 +186,20 @@ impl PressNoise {
     pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
         self.normal.is_random()
             || (has_tangential && self.tangential.is_random())
-            || (has_indentation && self.indentation.error.is_random())
+            || (has_indentation && self.indentation.is_random())
             || self.gain.is_random()
             || self.has_outliers()
     }
 
     pub(super) fn has_outliers(&self) -> bool {
         self.outliers > 0 && self.outlier.is_random()
+    }
+
+    fn indentation_error(&self, trial: Option<u64>) -> f64 {
+        trial.map_or(0.0, |trial| {
+            let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
+            self.indentation.draw(&mut stream)
+        })
     }
 
     /// Adds the errors of a trial to the readings of all markers of the layout. Errors are drawn for all markers, even
@@ -280,20 +268,11 @@ pub(super) struct CameraPressSensor {
     /// Number of lost markers, which are chosen at random in every trial.
     lost_markers: usize,
     central_marker: usize,
-    /// True change of the image of the marker nearest to the contact, computed directly, without noise and pixels.
-    /// `None` if the camera does not see this marker at rest or in the press.
-    pub(super) true_change: Option<MarkerChange>,
+    /// True changes of the image of the marker nearest to the contact, as from [`CameraPressSensor::central_changes`],
+    /// computed directly, without noise and pixels. `None` if the camera does not see this marker at rest or in the
+    /// press.
+    pub(super) true_changes: Option<[f64; 3]>,
     pub(super) variation: Option<SensorVariation>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct MarkerChange {
-    /// Change of the hue of the marker's summed light from rest to press, turns.
-    pub(super) hue_turns: f64,
-    pub(super) mean_hue_turns: f64,
-    /// Shift of the marker's centroid, px: the angle (rad) between both directions from the camera to the marker,
-    /// multiplied by the lens's pixels per radian.
-    pub(super) shift_px: f64,
 }
 
 impl CameraPressSensor {
@@ -320,7 +299,7 @@ impl CameraPressSensor {
         let calibration = CameraCalibration::new(setup, config, discs, &frames, &rest)?;
         let central_marker = discs.nearest(setup.geometry.at).unwrap_or(0);
         Ok(Self {
-            true_change: true_change(&camera, &truth.discs, central_marker),
+            true_changes: true_changes(&camera, &truth.discs, central_marker),
             variation: SensorVariation::new(setup, config)?,
             camera,
             rest,
@@ -404,35 +383,39 @@ impl CameraPressSensor {
         motions
     }
 
-    pub(super) fn central_change(&self, tracks: &MarkerTracks) -> Option<MarkerChange> {
-        MarkerChange::new(&self.camera, tracks, self.central_marker)
+    /// Changes of the image of the marker nearest to the contact from rest to the press: of the hue of its summed light
+    /// and of its mean hue (turns), and the shift of its centroid (px). The shift is the angle (rad) between both
+    /// directions from the camera to the marker, multiplied by the lens's pixels per radian.
+    pub(super) fn central_changes(&self, tracks: &MarkerTracks) -> Option<[f64; 3]> {
+        image_changes(&self.camera, tracks, self.central_marker)
     }
 }
 
-fn true_change(
+fn true_changes(
     camera: &SimulatedCamera,
     motions: &[MarkerMotion],
     marker: usize,
-) -> Option<MarkerChange> {
+) -> Option<[f64; 3]> {
     let exact = camera.exact()?;
     let rest = exact.at_rest(None).ok()?;
     let rest: Vec<_> = rest.iter().map(|one| Some((*one)?.marker)).collect();
     let motions: Vec<_> = motions.iter().copied().map(Some).collect();
     let tracks = exact.track(&rest, &motions, None).ok()?;
-    MarkerChange::new(&exact, &tracks, marker)
+    image_changes(&exact, &tracks, marker)
 }
 
-impl MarkerChange {
-    fn new(camera: &SimulatedCamera, tracks: &MarkerTracks, marker: usize) -> Option<Self> {
-        let track = tracks.tracks.get(marker)?.as_ref()?;
-        let change = camera.lens.change(track)?;
-        let [x, y] = change.shift_px;
-        Some(Self {
-            hue_turns: change.hue_turns,
-            mean_hue_turns: track.mean_hue_change()?,
-            shift_px: Some(libm::hypot(x, y))
-                .filter(|&shift| shift > ROUNDING_PX)
-                .unwrap_or(0.0),
-        })
-    }
+fn image_changes(
+    camera: &SimulatedCamera,
+    tracks: &MarkerTracks,
+    marker: usize,
+) -> Option<[f64; 3]> {
+    let track = tracks.tracks.get(marker)?.as_ref()?;
+    let change = camera.lens.change(track)?;
+    let shift_px = libm::hypot(change.shift_px[0], change.shift_px[1]);
+    let shift_px = if shift_px > ROUNDING_PX {
+        shift_px
+    } else {
+        0.0
+    };
+    Some([change.hue_turns, track.mean_hue_change()?, shift_px])
 }

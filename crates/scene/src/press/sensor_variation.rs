@@ -14,7 +14,7 @@ use super::PressFailure;
 use super::camera_calibration::RestFrames;
 use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
-use super::truth::{PressGeometry, SoftBody, marker_motions};
+use super::truth::{PressGeometry, disc_motions, marker_motions, soft_body};
 
 /// If each trial has its own sensor, this many trial numbers are reserved for its frames. Each number seeds the noise
 /// of one frame. The reserved numbers are smaller than the numbers of the frames that all trials share.
@@ -109,13 +109,14 @@ impl SensorVariation {
         geometry: &PressGeometry,
         deeper: [f64; 2],
     ) -> Result<Vec<MarkerMotion>, PressError> {
-        let displacements = |disc: usize| {
+        let motions = |disc: usize| {
             let depth = self.depths[disc] + deeper[disc];
             let radius = self.markers.skin().radius();
-            let body = SoftBody::new(&self.model, radius, depth, Body::solved_layer);
+            let body = soft_body(&self.model, radius, depth, Body::solved_layer);
             let body = body.map_err(|_| PressError::OutOfRange)?;
-            Ok::<_, PressError>((body.displacements(&self.markers, geometry)?, None))
+            let moved = geometry.displacements(&body, &self.markers)?;
+            Ok::<_, PressError>(disc_motions(&moved))
         };
-        Ok(marker_motions([displacements(0)?, displacements(1)?]))
+        Ok(marker_motions([motions(0)?, motions(1)?]))
     }
 }

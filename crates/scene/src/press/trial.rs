@@ -4,7 +4,8 @@ use std::sync::{LazyLock, OnceLock};
 
 use palpate_estimators::{ImageEstimator, MarkerImages};
 use palpate_press::{
-    Bounds, Estimated, ForwardFit, Interval, Markers, Measured, PressError, PressEstimate, Reading,
+    Body, Bounds, Estimated, ForwardFit, Interval, Markers, Measured, PressError, PressEstimate,
+    Reading,
 };
 use palpate_statistics::{BadSetting, HALF_WIDTHS, NORMAL_95};
 use palpate_study::config::{
@@ -15,7 +16,7 @@ use palpate_sweep::Observation;
 
 use super::plan::{Choice, PressRungs};
 use super::reading::{CameraPressSensor, CameraReading, PressNoise, PressReading, PressSensor};
-use super::truth::{PressGeometry, SoftBody, TruePress};
+use super::truth::{PressGeometry, TruePress};
 use super::{PressFailure, PressFlaw};
 use crate::ladder::Ladder;
 use crate::principal_curvatures::{finite, half_turn};
@@ -80,7 +81,7 @@ pub struct PressScene {
     pub(super) rungs: PressRungs,
     pub(super) markers: Markers,
     pub(super) places: Vec<[f64; 2]>,
-    pub(super) body: SoftBody,
+    pub(super) body: Body,
     pub(super) geometry: PressGeometry,
     pub(super) case: PressCase,
     pub(super) has_tangential: bool,
@@ -200,8 +201,17 @@ impl PressScene {
         Ok(then(self.estimator.fit()?, &input)?)
     }
 
-    fn place(&self, quantity: Quantity) -> Option<usize> {
-        self.quantities().iter().position(|one| *one == quantity)
+    fn report(&self, quantity: Quantity, outcome: Observation, observe: Observer<'_>) {
+        let place = self.quantities().iter().position(|one| *one == quantity);
+        if let Some(place) = place {
+            observe(place, outcome);
+        }
+    }
+
+    fn report_estimate(&self, quantity: Quantity, estimated: &Estimated, observe: Observer<'_>) {
+        if let Some(truth) = self.true_value(quantity) {
+            self.report(quantity, outcome(estimated, truth), observe);
+        }
     }
 
     fn true_value(&self, quantity: Quantity) -> Option<f64> {
@@ -245,23 +255,35 @@ impl PressScene {
         estimate: &PressEstimate,
         observe: Observer<'_>,
     ) {
-        let mut report = |quantity: Quantity, outcome: Observation| {
-            if let Some(place) = self.place(quantity) {
-                observe(place, outcome);
-            }
-        };
         let curvature = estimate.object_curvature();
-        let mut estimates = vec![
+        for (quantity, estimated) in [
             (Quantity::RELATIVE_CURVATURE, estimate.relative_curvature),
             (Quantity::EFFECTIVE_RADIUS, estimate.effective_radius()),
             (Quantity::OBJECT_CURVATURE, curvature),
             (Quantity::INDENTATION, estimate.indentation),
             (Quantity::CONTACT_RADIUS, estimate.contact_radius),
-        ];
+        ] {
+            self.report_estimate(quantity, &estimated, observe);
+        }
+        let r_squared = Observation::plain(estimate.r_squared, 1.0);
+        self.report(Quantity::R_SQUARED, r_squared, observe);
+        // If the estimated curvature is 0, the radius is infinite and is not reported.
+        let radius = estimate.most_likely_object_curvature().recip();
+        if let Some(truth) = self.geometry.object.radius
+            && radius.is_finite()
+        {
+            let curvature_outcome = outcome(&curvature, self.geometry.object.curvature);
+            let radius_outcome = Observation {
+                std: finite(curvature.std * radius * radius),
+                interval_holds: curvature_outcome.interval_holds,
+                ..Observation::plain(radius, truth)
+            };
+            self.report(Quantity::OBJECT_RADIUS, radius_outcome, observe);
+        }
         if let Some(principal) = &estimate.principal {
-            let [larger, smaller] = principal.curvatures;
-            estimates.push((Quantity::PRINCIPAL_CURVATURE_MAX, larger));
-            estimates.push((Quantity::PRINCIPAL_CURVATURE_MIN, smaller));
+            let [larger, smaller] = &principal.curvatures;
+            self.report_estimate(Quantity::PRINCIPAL_CURVATURE_MAX, larger, observe);
+            self.report_estimate(Quantity::PRINCIPAL_CURVATURE_MIN, smaller, observe);
             if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
                 let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
                 // Angles that differ by half a turn describe the same axis. Of these angles, report the one nearest to
@@ -274,34 +296,12 @@ impl PressScene {
                     std,
                     interval,
                 };
-                estimates.push((Quantity::AXIS_DEG, axis));
+                self.report_estimate(Quantity::AXIS_DEG, &axis, observe);
             }
-        }
-        for (quantity, estimated) in estimates {
-            if let Some(truth) = self.true_value(quantity) {
-                report(quantity, outcome(&estimated, truth));
-            }
-        }
-        report(
-            Quantity::R_SQUARED,
-            Observation::plain(estimate.r_squared, 1.0),
-        );
-        // If the estimated curvature is 0, the radius is infinite and is not reported.
-        let radius = estimate.most_likely_object_curvature().recip();
-        if let Some(truth) = self.geometry.object.radius
-            && radius.is_finite()
-        {
-            let curvature_outcome = outcome(&curvature, self.geometry.object.curvature);
-            let radius_outcome = Observation {
-                std: finite(curvature.std * radius * radius),
-                interval_holds: curvature_outcome.interval_holds,
-                ..Observation::plain(radius, truth)
-            };
-            report(Quantity::OBJECT_RADIUS, radius_outcome);
         }
         let force = self.young.and_then(|young| self.force(estimate, young));
         if let (Some(truth), Some(force)) = (self.true_value(Quantity::FORCE), force) {
-            report(Quantity::FORCE, Observation::plain(force, truth));
+            self.report(Quantity::FORCE, Observation::plain(force, truth), observe);
         }
         self.observe_camera(reading, observe);
     }
@@ -327,37 +327,33 @@ impl PressScene {
         else {
             return;
         };
-        let mut report = |place: Option<usize>, outcome: Observation| {
-            if let Some(place) = place {
-                observe(place, outcome);
-            }
+        let mut report = |quantity, read, truth| {
+            self.report(quantity, Observation::plain(read, truth), observe);
         };
-        let normal_place = self.place(Quantity::NORMAL_DISPLACEMENT);
-        let tangential_place = self.place(Quantity::TANGENTIAL_DISPLACEMENT);
         for (marker, normal, tangential) in reading.markers() {
             let moved = &truth.markers[marker];
-            report(normal_place, Observation::plain(normal, moved.normal));
+            report(Quantity::NORMAL_DISPLACEMENT, normal, moved.normal);
             if self.has_tangential {
                 for (read, truth) in tangential.into_iter().zip(moved.tangential) {
-                    report(tangential_place, Observation::plain(read, truth));
+                    report(Quantity::TANGENTIAL_DISPLACEMENT, read, truth);
                 }
             }
         }
-        let mut report = |quantity, outcome| report(self.place(quantity), outcome);
-        if let (Some(read), Some(exact)) = (sensor.central_change(tracks), sensor.true_change) {
-            let hue = Observation::plain(read.hue_turns, exact.hue_turns);
-            report(Quantity::HUE_CHANGE, hue);
-            let mean = Observation::plain(read.mean_hue_turns, exact.mean_hue_turns);
-            report(Quantity::MEAN_HUE_CHANGE, mean);
-            let shift = Observation::plain(read.shift_px, exact.shift_px);
-            report(Quantity::CENTROID_SHIFT, shift);
+        if let (Some(read), Some(exact)) = (sensor.central_changes(tracks), sensor.true_changes) {
+            let changes = [
+                Quantity::HUE_CHANGE,
+                Quantity::MEAN_HUE_CHANGE,
+                Quantity::CENTROID_SHIFT,
+            ];
+            for ((quantity, read), exact) in changes.into_iter().zip(read).zip(exact) {
+                report(quantity, read, exact);
+            }
         }
-        let (tracked, visible) = (reading.markers().len(), sensor.visible());
-        let tracked = Observation::plain(tracked as f64, visible as f64);
-        report(Quantity::MARKERS_TRACKED, tracked);
-        let wrong = Observation::plain(tracks.wrong_matches as f64, 0.0);
-        report(Quantity::WRONG_MATCHES, wrong);
-        report(Quantity::PIXELS, Observation::exact(sensor.camera.pixels()));
+        let (tracked, visible) = (reading.markers().len() as f64, sensor.visible() as f64);
+        report(Quantity::MARKERS_TRACKED, tracked, visible);
+        report(Quantity::WRONG_MATCHES, tracks.wrong_matches as f64, 0.0);
+        let pixels = sensor.camera.pixels();
+        report(Quantity::PIXELS, pixels, pixels);
     }
 
     pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {

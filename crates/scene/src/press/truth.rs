@@ -31,7 +31,7 @@ impl TruePress {
     /// Computes the true values of a press from its true contact. If there is a camera, `discs` contains the discs of
     /// the markers.
     pub(super) fn new(
-        body: &SoftBody,
+        body: &Body,
         markers: &Markers,
         geometry: &PressGeometry,
         contact: &TrueContact<'_>,
@@ -42,7 +42,7 @@ impl TruePress {
             geometry: *geometry,
             contact_radius: contact.radius(),
             force_per_young: contact.force(1.0),
-            markers: body.displacements_by(contact, markers, geometry)?,
+            markers: geometry.displacements_by(contact, body, markers)?,
             discs: motions.transpose()?.unwrap_or_default(),
         })
     }
@@ -144,6 +144,61 @@ impl PressGeometry {
             shift: 0.0,
         }
     }
+
+    pub(super) fn contact<'b>(
+        &self,
+        body: &'b Body,
+        markers: &Markers,
+    ) -> Result<TrueContact<'b>, PressError> {
+        let skin = markers.skin();
+        if let Some(principal) = self.object.principal {
+            let what = "a layer has no model of an object with two different curvatures";
+            let half_space = body.sideways().ok_or(PressError::Undetermined { what });
+            let (poisson, depth) = half_space?;
+            let curvatures = [principal.smaller, principal.larger];
+            let contact = skin.elliptic_contact(poisson, curvatures, self.indentation)?;
+            return Ok(TrueContact::Elliptic(contact, depth));
+        }
+        let object = self.object.curvature;
+        let contact = skin.contact(body, object, self.indentation)?;
+        within_object(object, contact.radius)?;
+        Ok(TrueContact::Round(contact))
+    }
+
+    /// Displacements of the markers by the contact and by the sideways shift of the object. During the shift, the skin
+    /// sticks to the object.
+    fn displacements_by(
+        &self,
+        contact: &TrueContact<'_>,
+        body: &Body,
+        markers: &Markers,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        let Self { at, shift, .. } = *self;
+        let axis = self.object.principal.map_or(0.0, |both| both.axis);
+        let mut moved = match contact {
+            TrueContact::Round(contact) => markers.displacements(contact, at),
+            TrueContact::Elliptic(contact, depth) => {
+                markers.elliptic_displacements(contact, at, axis, *depth)
+            }
+        };
+        if let Some((poisson, depth)) = body.sideways().filter(|_| shift != 0.0) {
+            let sideways = markers.shifted(poisson, depth, contact.radius(), at, shift)?;
+            for (moved, more) in moved.iter_mut().zip(sideways) {
+                moved.normal += more.normal;
+                moved.tangential =
+                    [0, 1].map(|axis| moved.tangential[axis] + more.tangential[axis]);
+            }
+        }
+        Ok(moved)
+    }
+
+    pub(super) fn displacements(
+        &self,
+        body: &Body,
+        markers: &Markers,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        self.displacements_by(&self.contact(body, markers)?, body, markers)
+    }
 }
 
 /// Chart coordinates of the point of the skin at the angles `polar` and `azimuth`.
@@ -210,143 +265,64 @@ impl TrueContact<'_> {
     }
 }
 
-/// Model of the sensor's soft body. The model computes the displacements of points at a fixed depth under the skin.
-#[derive(Clone, Debug)]
-pub(super) struct SoftBody {
-    pub(super) body: Body,
-    /// Poisson's ratio, and the depth under the skin at which displacements are computed (0 for the model `hertz`).
-    /// Displacements by a sideways shift of the object are computed from both numbers. `None` if the model cannot
-    /// compute such displacements.
-    pub(super) sideways: Option<(f64, f64)>,
-}
-
-impl SoftBody {
-    /// Builds the soft body for a model, and for a sensor with the radius `radius`. Displacements are computed at the
-    /// depth `depth` under the skin. If the body is a layer, `layer` builds it from its thickness and this depth.
-    pub(super) fn new(
-        model: &PressModelConfig,
-        radius: f64,
-        depth: f64,
-        layer: impl Fn(f64, f64) -> Result<Body, PressError>,
-    ) -> Result<Self, FieldError> {
-        if let Some(thickness) = model.thickness() {
-            within_sensor("scene.model.thickness", thickness, radius)?;
-        }
-        let sideways = match model.reference() {
-            PressModelConfig::HalfSpace { poisson, .. } => Some((poisson, depth)),
-            PressModelConfig::Hertz { poisson, .. } => Some((poisson, 0.0)),
-            PressModelConfig::BondedLayer { .. } | PressModelConfig::Auto { .. } => None,
-        };
-        let body =
-            sensor_body(model, depth, layer).map_err(|error| body_error("scene.model", error))?;
-        Ok(Self { body, sideways })
+/// Builds the soft body for a model, and for a sensor with the radius `radius`. Displacements are computed at the depth
+/// `depth` under the skin. If the body is a layer, `layer` builds it from its thickness and this depth.
+pub(super) fn soft_body(
+    model: &PressModelConfig,
+    radius: f64,
+    depth: f64,
+    layer: impl Fn(f64, f64) -> Result<Body, PressError>,
+) -> Result<Body, FieldError> {
+    if let Some(thickness) = model.thickness() {
+        within_sensor("scene.model.thickness", thickness, radius)?;
     }
-
-    pub(super) fn contact(
-        &self,
-        markers: &Markers,
-        geometry: &PressGeometry,
-    ) -> Result<TrueContact<'_>, PressError> {
-        if let Some(principal) = geometry.object.principal {
-            let what = "a layer has no model of an object with two different curvatures";
-            let half_space = self.sideways.ok_or(PressError::Undetermined { what });
-            let (poisson, depth) = half_space?;
-            let curvatures = [principal.smaller, principal.larger];
-            let skin = markers.skin();
-            let contact = skin.elliptic_contact(poisson, curvatures, geometry.indentation)?;
-            return Ok(TrueContact::Elliptic(contact, depth));
-        }
-        let object = geometry.object.curvature;
-        let contact = markers
-            .skin()
-            .contact(&self.body, object, geometry.indentation)?;
-        within_object(object, contact.radius)?;
-        Ok(TrueContact::Round(contact))
-    }
-
-    /// Displacements of the markers by the contact and by the sideways shift of the object. During the shift, the skin
-    /// sticks to the object.
-    fn displacements_by(
-        &self,
-        contact: &TrueContact<'_>,
-        markers: &Markers,
-        geometry: &PressGeometry,
-    ) -> Result<Vec<MarkerDisplacement>, PressError> {
-        let PressGeometry { at, shift, .. } = *geometry;
-        let axis = geometry.object.principal.map_or(0.0, |both| both.axis);
-        let mut moved = match contact {
-            TrueContact::Round(contact) => markers.displacements(contact, at),
-            TrueContact::Elliptic(contact, depth) => {
-                markers.elliptic_displacements(contact, at, axis, *depth)
-            }
-        };
-        if let Some((poisson, depth)) = self.sideways.filter(|_| shift != 0.0) {
-            let sideways = markers.shifted(poisson, depth, contact.radius(), at, shift)?;
-            for (moved, more) in moved.iter_mut().zip(sideways) {
-                moved.normal += more.normal;
-                moved.tangential =
-                    [0, 1].map(|axis| moved.tangential[axis] + more.tangential[axis]);
-            }
-        }
-        Ok(moved)
-    }
-
-    pub(super) fn displacements(
-        &self,
-        markers: &Markers,
-        geometry: &PressGeometry,
-    ) -> Result<Vec<MarkerDisplacement>, PressError> {
-        self.displacements_by(&self.contact(markers, geometry)?, markers, geometry)
-    }
+    sensor_body(model, depth, layer).map_err(|error| body_error("scene.model", error))
 }
 
 struct Discs {
-    body: SoftBody,
+    body: Body,
     /// Computes the strain of the discs from the strain of the skin; `None` if the discs do not follow the strain of
     /// the skin.
     strain: Option<DiscStrain>,
 }
 
-/// Displacements of the discs of one colour, and their strains. The strains are two numbers for each disc: the relative
-/// widening of the disc, and the relative widening of the skin around it. They are `None` if the discs do not follow
-/// the strain of the skin.
-type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<[f64; 2]>>);
-
 impl Discs {
-    fn displacements(
+    fn motions(
         &self,
         markers: &Markers,
         geometry: &PressGeometry,
-    ) -> Result<DiscDisplacements, PressError> {
-        let moved = self.body.displacements(markers, geometry)?;
-        let strain = self.strain.as_ref();
-        let widened = strain.map(|strain| strain.stretches(markers, geometry));
-        Ok((moved, widened.transpose()?))
+    ) -> Result<Vec<DiscMotion>, PressError> {
+        let mut motions = disc_motions(&geometry.displacements(&self.body, markers)?);
+        if let Some(strain) = &self.strain {
+            let widened = strain.skin_stretches(markers, geometry)?;
+            for (motion, skin) in motions.iter_mut().zip(widened) {
+                (motion.stretch, motion.skin_stretch) = (strain.share * skin, skin);
+            }
+        }
+        Ok(motions)
     }
 }
 
-pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion> {
-    let [magenta, yellow] = discs.map(|(moved, widened)| {
-        moved.into_iter().enumerate().map(move |(marker, moved)| {
-            let widened = widened.as_ref().map(|widened| widened[marker]);
-            let [stretch, skin_stretch] = widened.unwrap_or_default();
-            DiscMotion {
-                normal: moved.normal,
-                tangential: moved.tangential,
-                stretch,
-                skin_stretch,
-            }
-        })
-    });
-    magenta
-        .zip(yellow)
+/// Motions of discs that do not follow the strain of the skin.
+pub(super) fn disc_motions(moved: &[MarkerDisplacement]) -> Vec<DiscMotion> {
+    let motion = |moved: &MarkerDisplacement| DiscMotion {
+        normal: moved.normal,
+        tangential: moved.tangential,
+        ..DiscMotion::default()
+    };
+    moved.iter().map(motion).collect()
+}
+
+pub(super) fn marker_motions([magenta, yellow]: [Vec<DiscMotion>; 2]) -> Vec<MarkerMotion> {
+    let discs = magenta.into_iter().zip(yellow);
+    discs
         .map(|(magenta, yellow)| MarkerMotion { magenta, yellow })
         .collect()
 }
 
 pub(super) struct DiscMarkers<'a> {
     markers: &'a Markers,
-    midway: &'a SoftBody,
+    midway: &'a Body,
     magenta: Discs,
     yellow: Discs,
 }
@@ -356,12 +332,12 @@ impl<'a> DiscMarkers<'a> {
         sphere: &MarkerSphere<'_>,
         model: &PressModelConfig,
         markers: &'a Markers,
-        midway: &'a SoftBody,
+        midway: &'a Body,
         models: &SharedModels,
     ) -> Result<Self, FieldError> {
         let depths = sphere.disc_depths()?;
         let layer = |thickness, depth| models.layer(thickness, depth);
-        let body = |depth: f64| SoftBody::new(model, sphere.radius, depth, layer);
+        let body = |depth: f64| soft_body(model, sphere.radius, depth, layer);
         let deepest = model.thickness().unwrap_or(sphere.radius);
         let strains = sphere.discs.and_then(DiscsConfig::strains);
         let discs = |depth, colour: usize| {
@@ -385,15 +361,15 @@ impl<'a> DiscMarkers<'a> {
         &self,
         geometry: &PressGeometry,
     ) -> Result<Vec<MarkerDisplacement>, PressError> {
-        self.midway.displacements(self.markers, geometry)
+        geometry.displacements(self.midway, self.markers)
     }
 
     pub(super) fn motions(
         &self,
         geometry: &PressGeometry,
     ) -> Result<Vec<MarkerMotion>, PressError> {
-        let magenta = self.magenta.displacements(self.markers, geometry)?;
-        let yellow = self.yellow.displacements(self.markers, geometry)?;
+        let magenta = self.magenta.motions(self.markers, geometry)?;
+        let yellow = self.yellow.motions(self.markers, geometry)?;
         Ok(marker_motions([magenta, yellow]))
     }
 
@@ -412,8 +388,8 @@ const STRAIN_STEP: f64 = 0.0025;
 struct DiscStrain {
     /// Strain of the discs, divided by the strain of the skin. 1 means that the discs strain as much as the skin.
     share: f64,
-    above: SoftBody,
-    below: SoftBody,
+    above: Body,
+    below: Body,
     /// Difference (length) between the depths at which `above` and `below` compute displacements.
     apart: f64,
 }
@@ -425,7 +401,7 @@ impl DiscStrain {
         share: f64,
         depth: f64,
         (radius, deepest): (f64, f64),
-        body: impl Fn(f64) -> Result<SoftBody, FieldError>,
+        body: impl Fn(f64) -> Result<Body, FieldError>,
     ) -> Result<Self, FieldError> {
         let step = STRAIN_STEP * radius;
         let [above, below] = [(depth - step).max(0.0), (depth + step).min(deepest)];
@@ -437,16 +413,14 @@ impl DiscStrain {
         })
     }
 
-    /// For each disc in a press, two numbers: the relative widening of the disc, and the relative widening of the skin
-    /// around the disc.
-    fn stretches(
+    /// Relative widening of the skin around each disc in a press.
+    fn skin_stretches(
         &self,
         markers: &Markers,
         geometry: &PressGeometry,
-    ) -> Result<Vec<[f64; 2]>, PressError> {
-        let above = self.above.displacements(markers, geometry)?;
-        let below = self.below.displacements(markers, geometry)?;
-        let skin = skin_widening(&above, &below, self.apart).into_iter();
-        Ok(skin.map(|skin| [self.share * skin, skin]).collect())
+    ) -> Result<Vec<f64>, PressError> {
+        let above = geometry.displacements(&self.above, markers)?;
+        let below = geometry.displacements(&self.below, markers)?;
+        Ok(skin_widening(&above, &below, self.apart))
     }
 }
