@@ -116,6 +116,7 @@ pub fn ideal_fit(
         gain: within(gain_std.unwrap_or(priors.gain_std?)),
         normal_std: stds[0],
         tangential_std: stds[1],
+        is_elliptic: matches!(estimator, PressEstimatorConfig::Elliptic { .. }),
         ..ForwardFit::new(body.clone())
     })
 }

@@ -102,7 +102,7 @@ impl ForwardFit {
     /// Cramér–Rao bounds for a fit of both principal curvatures; [`ForwardFit::bounds`] describes the other arguments.
     /// The true contact is at the skin coordinates `at`. `axis` is the angle between the contact's longer axis and the
     /// x axis at the contact.
-    pub fn elliptic_bounds(
+    pub(crate) fn elliptic_bounds(
         &self,
         markers: &Markers,
         contact: &EllipticContact,

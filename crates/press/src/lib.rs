@@ -18,6 +18,7 @@ mod image_fit;
 mod least_squares;
 mod markers;
 mod misfit;
+mod object_press;
 mod outcome;
 mod profile;
 mod regime;
@@ -34,6 +35,7 @@ pub use image_fit::{
     DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,
 };
 pub use markers::{MarkerDisplacement, Markers, skin_widening};
+pub use object_press::{ObjectContact, ObjectPress, UnequalCurvatures};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use regime::{ContactRegime, LARGE_CONTACT, sneddon_indentation, within_object};
 pub use skin::{Place, Skin};

@@ -146,7 +146,7 @@ impl Skin {
     /// # Errors
     /// The errors of [`Skin::contact`], and [`PressError::TooWide`] if the contact is too wide for the larger
     /// curvature.
-    pub fn elliptic_contact(
+    pub(crate) fn elliptic_contact(
         &self,
         poisson: f64,
         [smaller, larger]: [f64; 2],

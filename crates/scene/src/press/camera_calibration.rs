@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use palpate_chromatouch::MarkerMotion;
-use palpate_press::{MarkerDisplacement, PressError};
+use palpate_press::{MarkerDisplacement, ObjectPress, PressError};
 use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{self, CalibrationConfig, CameraConfig, ShownMarkers};
@@ -12,7 +12,7 @@ use palpate_tracking::{Calibration, CalibrationPoint, Change, Marker, NormalFrom
 use super::PressFailure;
 use super::camera_model::{AT_REST, MarkerMeasurement, SimulatedCamera};
 use super::plan::PressSetup;
-use super::truth::{DiscMarkers, PressGeometry};
+use super::truth::DiscMarkers;
 
 const PATH: &str = "scene.sensor.calibration";
 
@@ -84,15 +84,18 @@ impl CameraCalibration {
 
 /// Geometry (object, contact and indentation) of each calibration press on a plane. If the config does not state the
 /// deepest indentation, the deepest press has the indentation `indentation`.
-fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
+fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<ObjectPress> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
     (1..=calibration.presses)
-        .map(|press| PressGeometry::on_plane(indentation(press)))
+        .map(|press| ObjectPress {
+            indentation: indentation(press),
+            ..ObjectPress::default()
+        })
         .collect()
 }
 
-fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
+fn failed_press(plane: &ObjectPress, error: PressError) -> FieldError {
     let message = format!(
         "a press on a plane, {} deep, fails: {error}",
         Number(plane.indentation)

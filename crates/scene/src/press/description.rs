@@ -1,7 +1,7 @@
 //! The lines that `palpate check` prints about a press: its models, its noise, and warnings.
 
 use palpate_estimators::{fit_description, large_contact_warning};
-use palpate_press::{ContactRegime, PressEstimate};
+use palpate_press::{ContactRegime, ObjectContact, PressEstimate};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::{
@@ -11,7 +11,7 @@ use palpate_study::config::{
 
 use super::reading::PressNoise;
 use super::trial::{PressCase, PressEstimator, PressScene};
-use super::truth::{TrueContact, TruePress};
+use super::truth::TruePress;
 use crate::scene::{Need, joined};
 
 const EXACT_TANGENTIAL: &str = "displacements along the skin have no error, so the fit ignores \
@@ -54,7 +54,7 @@ impl PressScene {
 
     fn contact_needs(&self, truth: &TruePress) -> Vec<Need> {
         let skin = self.markers.skin();
-        let (object, shift) = (truth.geometry.object.curvature, truth.geometry.shift);
+        let (object, shift) = (truth.geometry.curvature, truth.geometry.shift);
         let radius = truth.contact_radius;
         let regime = ContactRegime::of(skin.curvature(), object);
         let shape = match regime {
@@ -62,7 +62,7 @@ impl PressScene {
             ContactRegime::Concave => ": the object is hollow, but less curved than the sensor",
             ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
         };
-        let ellipse = match truth.geometry.object.principal {
+        let ellipse = match truth.geometry.principal {
             Some(_) => "; it is an ellipse, because the object has two different curvatures",
             None => "",
         };
@@ -72,7 +72,7 @@ impl PressScene {
         // The longer semi-axis of the contact is in the direction in which the curvature is smaller.
         let own = skin.curvature();
         let extents = match self.geometry.contact(&self.body, &self.markers) {
-            Ok(TrueContact::Elliptic(contact, _)) => {
+            Ok(ObjectContact::Elliptic(contact, _)) => {
                 std::iter::zip(contact.relative_curvatures, contact.semi_axes).collect()
             }
             _ => vec![(own + object, radius)],
@@ -188,7 +188,7 @@ impl PressScene {
             return None;
         }
         match self.exact() {
-            Ok(estimate) => bias_warning(estimate, self.geometry.object.curvature),
+            Ok(estimate) => bias_warning(estimate, self.geometry.curvature),
             Err(error) => {
                 let name: &str = error.into();
                 let text = format!("even without noise the estimate fails as `{name}`: {error}");

@@ -7,7 +7,9 @@ use palpate_estimators::{
     ImageEstimator, ImageFitSetup, MarkerSphere, PressFitError, PressFitSetup, body_error,
     departure_stds, ideal_fit, within_sensor,
 };
-use palpate_press::{Body, Bounds, EllipticContact, MarkerDisplacement, Markers, PressError};
+use palpate_press::{
+    Body, Bounds, MarkerDisplacement, Markers, ObjectContact, ObjectPress, PressError,
+};
 use palpate_sensing::GaussianError;
 use palpate_study::FieldError;
 use palpate_study::config::{
@@ -19,7 +21,7 @@ use super::camera_calibration::RestFrames;
 use super::camera_model::{AT_REST, SimulatedCamera};
 use super::reading::{CameraPressSensor, PressNoise, PressSensor};
 use super::trial::{PressCase, PressEstimator, PressScene, given_indentation_std};
-use super::truth::{DiscMarkers, PressGeometry, TrueContact, TruePress, soft_body};
+use super::truth::{DiscMarkers, TruePress, object_press, soft_body};
 use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
@@ -44,7 +46,7 @@ impl PressScene {
         let young = young(&config.model, unit)?;
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = sphere.markers()?;
-        let geometry = PressGeometry::new(config, sphere.radius)?;
+        let geometry = object_press(config, sphere.radius)?;
         let camera = config.sensor.camera();
         let rungs = PressRungs::new(&config.model, &sphere, camera.is_some())?;
         let choice = rungs.choice(&markers, &geometry)?;
@@ -135,7 +137,7 @@ pub(super) struct PressSetup<'a> {
     pub(super) sphere: &'a MarkerSphere<'a>,
     pub(super) markers: &'a Markers,
     pub(super) places: &'a [[f64; 2]],
-    pub(super) geometry: &'a PressGeometry,
+    pub(super) geometry: &'a ObjectPress,
     body: &'a Body,
     pub(super) models: &'a SharedModels,
     pub(super) seed: u64,
@@ -144,7 +146,7 @@ pub(super) struct PressSetup<'a> {
 impl PressSetup<'_> {
     fn case(
         &self,
-        contact: &TrueContact<'_>,
+        contact: &ObjectContact<'_>,
         camera: Option<(&CameraConfig, bool)>,
     ) -> Result<PressCase, FieldError> {
         let discs = camera.map(|camera| {
@@ -264,7 +266,7 @@ impl PressSetup<'_> {
     fn bounds(
         &self,
         noise: &PressNoise,
-        contact: &TrueContact<'_>,
+        contact: &ObjectContact<'_>,
         has_tangential: bool,
     ) -> Option<Bounds> {
         let estimator = &self.config.estimator;
@@ -273,27 +275,8 @@ impl PressSetup<'_> {
         let fit = ideal_fit(estimator, self.body, drawn(noise.gain), stds)?;
         let indentation_std =
             given_indentation_std(estimator).map(|std| drawn(noise.indentation).unwrap_or(std));
-        let (at, markers) = (self.geometry.at, self.markers);
-        let is_elliptic = matches!(estimator, PressEstimatorConfig::Elliptic { .. });
-        let of_ellipse = |contact: &EllipticContact, axis| {
-            let place = (at, axis);
-            fit.elliptic_bounds(markers, contact, place, has_tangential, indentation_std)
-        };
-        match contact {
-            TrueContact::Round(contact) if is_elliptic => {
-                let curvatures = [contact.relative_curvature; 2];
-                let (poisson, _) = self.body.sideways()?;
-                let contact = EllipticContact::new(poisson, curvatures, contact.indentation);
-                of_ellipse(&contact.ok()?, 0.0)
-            }
-            TrueContact::Round(contact) => {
-                fit.bounds(markers, contact, at, has_tangential, indentation_std)
-            }
-            TrueContact::Elliptic(contact, _) => {
-                let axis = self.geometry.object.principal?.axis;
-                is_elliptic.then(|| of_ellipse(contact, axis))?
-            }
-        }
+        let (markers, press) = (self.markers, self.geometry);
+        fit.press_bounds(markers, press, contact, has_tangential, indentation_std)
     }
 }
 
@@ -339,7 +322,7 @@ impl PressRungs {
     }
 
     /// Model of the soft body that the config names or that `auto` chooses.
-    fn choice(&self, markers: &Markers, geometry: &PressGeometry) -> Result<Choice, FieldError> {
+    fn choice(&self, markers: &Markers, geometry: &ObjectPress) -> Result<Choice, FieldError> {
         let PressModelConfig::Auto { tolerance, .. } = self.requested else {
             return Ok(Choice {
                 model: self.requested.clone(),
@@ -396,7 +379,7 @@ impl PressRungs {
     fn measure(
         &self,
         markers: &Markers,
-        geometry: &PressGeometry,
+        geometry: &ObjectPress,
     ) -> Result<Vec<(PressModelConfig, Accuracy)>, FieldError> {
         let poisson = self.requested.poisson();
         let layer = self.requested.thickness();
@@ -438,7 +421,7 @@ impl PressRungs {
     pub(super) fn ladder(
         &self,
         markers: &Markers,
-        geometry: &PressGeometry,
+        geometry: &ObjectPress,
     ) -> Result<Ladder, FieldError> {
         let choice = self.choice(markers, geometry)?;
         let rungs = self.measure(markers, geometry)?.into_iter();

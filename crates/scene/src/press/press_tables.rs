@@ -1,6 +1,7 @@
 //! Tables of one press: its trace (true values and readings), and the profile of its displacements along a radius.
 
 use palpate_estimators::tracks_table;
+use palpate_press::ObjectContact;
 use palpate_study::config::LengthUnit;
 use palpate_study::number::shortest;
 use palpate_study::readings::{PRESSES, table_columns};
@@ -8,7 +9,6 @@ use palpate_study::{Column, Table, Unit};
 
 use super::PressFailure;
 use super::trial::PressScene;
-use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
 /// Number of points of a profile. A profile is a table of the displacement as a function of the distance from the
@@ -126,8 +126,10 @@ impl PressScene {
         let estimate = self.estimate(&self.reading(Some(trial))?)?;
         let body = &self.estimator.fit()?.body;
         let contact = match (&estimate.principal, self.body.sideways()) {
-            (Some(principal), Some((_, depth))) => TrueContact::Elliptic(principal.contact, depth),
-            _ => TrueContact::Round(body.press(
+            (Some(principal), Some((_, depth))) => {
+                ObjectContact::Elliptic(principal.contact, depth)
+            }
+            _ => ObjectContact::Round(body.press(
                 estimate.relative_curvature.value,
                 estimate.indentation.value,
             )?),

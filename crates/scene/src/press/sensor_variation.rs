@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use palpate_chromatouch::{Departure, MarkerMotion};
 use palpate_estimators::departure_stds;
-use palpate_press::{Body, Markers, PressError, Seen};
+use palpate_press::{Body, Markers, ObjectPress, PressError, Seen};
 use palpate_sensing::{Channel, GaussianError, Stream};
 use palpate_study::FieldError;
 use palpate_study::config::{CameraConfig, PressModelConfig};
@@ -14,7 +14,7 @@ use super::PressFailure;
 use super::camera_calibration::RestFrames;
 use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
-use super::truth::{PressGeometry, disc_motions, marker_motions, soft_body};
+use super::truth::{disc_motions, marker_motions, soft_body};
 
 /// If each trial has its own sensor, this many trial numbers are reserved for its frames. Each number seeds the noise
 /// of one frame. The reserved numbers are smaller than the numbers of the frames that all trials share.
@@ -71,7 +71,7 @@ impl SensorVariation {
     pub(super) fn sensor(
         &self,
         nominal: &SimulatedCamera,
-        geometry: &PressGeometry,
+        geometry: &ObjectPress,
         trial: u64,
     ) -> Result<VariedSensor, PressFailure> {
         let mut stream = Stream::new(nominal.seed, trial, Channel::Sensor);
@@ -106,7 +106,7 @@ impl SensorVariation {
     /// Motions of the discs in a press. The depths of the discs exceed their nominal depths by `deeper`.
     fn motions(
         &self,
-        geometry: &PressGeometry,
+        geometry: &ObjectPress,
         deeper: [f64; 2],
     ) -> Result<Vec<MarkerMotion>, PressError> {
         let motions = |disc: usize| {

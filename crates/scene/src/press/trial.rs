@@ -4,8 +4,8 @@ use std::sync::{LazyLock, OnceLock};
 
 use palpate_estimators::{ImageEstimator, MarkerImages};
 use palpate_press::{
-    Body, Bounds, Estimated, ForwardFit, Interval, Markers, Measured, PressError, PressEstimate,
-    Reading,
+    Body, Bounds, Estimated, ForwardFit, Interval, Markers, Measured, ObjectPress, PressError,
+    PressEstimate, Reading,
 };
 use palpate_statistics::{BadSetting, HALF_WIDTHS, NORMAL_95};
 use palpate_study::config::{
@@ -16,7 +16,7 @@ use palpate_sweep::Observation;
 
 use super::plan::{Choice, PressRungs};
 use super::reading::{CameraPressSensor, CameraReading, PressNoise, PressReading, PressSensor};
-use super::truth::{PressGeometry, TruePress};
+use super::truth::{TruePress, object_radius};
 use super::{PressFailure, PressFlaw};
 use crate::ladder::Ladder;
 use crate::principal_curvatures::{finite, half_turn};
@@ -82,7 +82,7 @@ pub struct PressScene {
     pub(super) markers: Markers,
     pub(super) places: Vec<[f64; 2]>,
     pub(super) body: Body,
-    pub(super) geometry: PressGeometry,
+    pub(super) geometry: ObjectPress,
     pub(super) case: PressCase,
     pub(super) has_tangential: bool,
     pub(super) noise: PressNoise,
@@ -215,7 +215,7 @@ impl PressScene {
     }
 
     fn true_value(&self, quantity: Quantity) -> Option<f64> {
-        let object = &self.geometry.object;
+        let object = &self.geometry;
         let relative_curvature = self.markers.skin().curvature() + object.curvature;
         match quantity {
             Quantity::RELATIVE_CURVATURE => Some(relative_curvature),
@@ -229,7 +229,7 @@ impl PressScene {
                 press.map(|(truth, _)| truth.contact_radius)
             }
             Quantity::R_SQUARED => Some(1.0),
-            Quantity::OBJECT_RADIUS => object.radius,
+            Quantity::OBJECT_RADIUS => object_radius(&self.config.object),
             Quantity::PRINCIPAL_CURVATURE_MAX => Some(
                 object
                     .principal
@@ -269,10 +269,10 @@ impl PressScene {
         self.report(Quantity::R_SQUARED, r_squared, observe);
         // If the estimated curvature is 0, the radius is infinite and is not reported.
         let radius = estimate.most_likely_object_curvature().recip();
-        if let Some(truth) = self.geometry.object.radius
+        if let Some(truth) = object_radius(&self.config.object)
             && radius.is_finite()
         {
-            let curvature_outcome = outcome(&curvature, self.geometry.object.curvature);
+            let curvature_outcome = outcome(&curvature, self.geometry.curvature);
             let radius_outcome = Observation {
                 std: finite(curvature.std * radius * radius),
                 interval_holds: curvature_outcome.interval_holds,
