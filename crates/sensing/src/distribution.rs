@@ -44,7 +44,7 @@ impl Distribution {
 /// assert_eq!(exact.draw(&mut Stream::new(1, 0, Channel::Gain)), 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GaussianError {
     std: f64,
     bias: f64,

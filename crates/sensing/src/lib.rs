@@ -21,7 +21,7 @@ mod wrist;
 pub use distribution::{Distribution, GaussianError};
 pub use error::BeyondPads;
 pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
-pub use position::{PositionAxes, PositionError};
+pub use position::{MarkerNoise, PositionAxes, PositionError};
 pub use rotation::{AngularVelocityError, Encoder};
 pub use sphere_map::{direction_at, displacement_between};
 pub use stream::{Stream, Streams};

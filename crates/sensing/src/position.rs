@@ -1,9 +1,9 @@
-//! Errors of measured positions.
+//! Errors of measured positions and displacements.
 
 use nalgebra::{Point3, Vector3};
 use palpate_statistics::BadSetting;
 
-use crate::{Distribution, Stream};
+use crate::{Channel, Distribution, GaussianError, Stream};
 
 /// The axes along which a measured position has an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +62,49 @@ impl PositionError {
             PositionAxes::Z => Vector3::new(0.0, 0.0, draw()),
         };
         point + error
+    }
+}
+
+/// Errors of the displacements of markers under a skin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MarkerNoise {
+    /// Error of a marker's displacement along the normal of the skin.
+    pub normal: GaussianError,
+    /// Error of each component of a marker's displacement along the skin.
+    pub tangential: GaussianError,
+    /// Error of the sensor's gain, by which all normal displacements are multiplied.
+    pub gain: GaussianError,
+    /// Number of markers whose readings are outliers.
+    pub outliers: usize,
+    /// Additional error of each number in the reading of an outlier.
+    pub outlier: GaussianError,
+}
+
+impl MarkerNoise {
+    /// Adds the errors of a trial to the readings of all markers. A reading consists of the normal displacement and both
+    /// components of the displacement along the skin; it is `None` for a marker that is not tracked. Errors are drawn
+    /// for all markers. Therefore, the error of a marker does not depend on the tracking of other markers.
+    pub fn add_to(&self, readings: &mut [Option<[f64; 3]>], seed: u64, trial: u64) {
+        let stream = |channel| Stream::new(seed, trial, channel);
+        let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
+        let mut normals = stream(Channel::NormalDisplacement);
+        let mut tangentials = stream(Channel::TangentialDisplacement);
+        for reading in readings.iter_mut() {
+            let normal = self.normal.draw(&mut normals);
+            let [x, y] = [(); 2].map(|()| self.tangential.draw(&mut tangentials));
+            if let Some(reading) = reading {
+                *reading = [reading[0] * gain + normal, reading[1] + x, reading[2] + y];
+            }
+        }
+        if self.outliers > 0 {
+            let mut stream = stream(Channel::WrongMarkers);
+            for marker in stream.choose(self.outliers, readings.len()) {
+                let errors = [(); 3].map(|()| self.outlier.draw(&mut stream));
+                if let Some(reading) = &mut readings[marker] {
+                    *reading = std::array::from_fn(|number| reading[number] + errors[number]);
+                }
+            }
+        }
     }
 }
 

@@ -36,7 +36,7 @@ pub(super) enum CameraModel {
     Rendered,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ImageNoise {
     /// Error (turns) of both hues of a marker: the hue of its summed light, and the mean hue of its pixels.
     hue: GaussianError,
@@ -47,9 +47,11 @@ pub(super) struct ImageNoise {
 }
 
 impl ImageNoise {
-    fn new(config: &PressNoiseConfig) -> Result<Self, FieldError> {
+    /// Noise of the means over `frames` frames.
+    fn new(config: &PressNoiseConfig, frames: u32) -> Result<Self, FieldError> {
         let pure = |noise: Option<ReadingNoise<Pure>>, key: &str| {
-            gaussian(noise.map(|ReadingNoise::Gaussian { std }| std.0), key)
+            let std = noise.map(|ReadingNoise::Gaussian { std }| std.0);
+            Ok(gaussian(std, key)?.averaged(frames))
         };
         Ok(Self {
             hue: pure(config.hue, "hue")?,
@@ -72,14 +74,6 @@ impl ImageNoise {
             covariance[number][number] = stds[number].max(EXACT[number]).powi(2);
         }
         MarkerErrors { covariance }
-    }
-
-    fn averaged(self, frames: u32) -> Self {
-        Self {
-            hue: self.hue.averaged(frames),
-            centroid: self.centroid.averaged(frames),
-            size: self.size.averaged(frames),
-        }
     }
 }
 
@@ -142,7 +136,7 @@ impl SimulatedCamera {
         let (model, is_random) = if is_rendered {
             (CameraModel::Rendered, pixel.is_random())
         } else {
-            let noise = ImageNoise::new(noise)?.averaged(config.frames);
+            let noise = ImageNoise::new(noise, config.frames)?;
             (CameraModel::Projected(noise), noise.is_random())
         };
         let lens = Equidistant::new(camera.centre_px(), camera.px_per_rad())
@@ -158,13 +152,11 @@ impl SimulatedCamera {
     }
 
     /// The same camera, but without noise, and with images of the markers that are computed directly, without pixels.
-    /// `None` if the error-free [`ImageNoise`] cannot be built.
-    pub(super) fn exact(&self) -> Option<Self> {
-        let noise = ImageNoise::new(&PressNoiseConfig::default()).ok()?;
-        Some(Self {
-            model: CameraModel::Projected(noise),
+    pub(super) fn exact(&self) -> Self {
+        Self {
+            model: CameraModel::Projected(ImageNoise::default()),
             ..self.clone()
-        })
+        }
     }
 
     /// Images of the markers at rest. The images have the noise of trial number `trial`; they have no noise if `trial`

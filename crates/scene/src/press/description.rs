@@ -122,8 +122,8 @@ impl PressScene {
                     "direct sensor: {}",
                     displacements(*frames)
                 )));
-                let is_exact = !self.noise.tangential.is_random();
-                if self.has_tangential && self.noise.normal.is_random() && is_exact {
+                let is_exact = !self.noise.markers.tangential.is_random();
+                if self.has_tangential && self.noise.markers.normal.is_random() && is_exact {
                     let code = "exact-tangential-displacements";
                     needs.push(Need::Warning(Warning::new(code, EXACT_TANGENTIAL, [])));
                 }
@@ -199,23 +199,23 @@ impl PressScene {
 }
 
 fn displacement_noise(noise: &PressNoise) -> Option<String> {
-    let indentation = &noise.indentation;
+    let (markers, indentation) = (&noise.markers, &noise.indentation);
     let errors = [
         (
-            noise.normal.is_random(),
+            markers.normal.is_random(),
             "normal displacements, drawn per marker",
         ),
         (
-            noise.tangential.is_random(),
+            markers.tangential.is_random(),
             "tangential displacements, drawn per marker and component",
         ),
         (indentation.is_random(), "the given indentation"),
-        (noise.gain.is_random(), "the gain of a press"),
-        (noise.has_outliers(), "outliers among the markers"),
+        (markers.gain.is_random(), "the gain of a press"),
+        (markers.outliers > 0, "outliers among the markers"),
     ];
     let biases = [
         (
-            noise.normal.bias() != 0.0,
+            markers.normal.bias() != 0.0,
             "a bias of all normal displacements",
         ),
         (indentation.bias() != 0.0, "a bias of the given indentation"),

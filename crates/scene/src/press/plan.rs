@@ -10,7 +10,7 @@ use palpate_estimators::{
 use palpate_press::{
     Body, Bounds, MarkerDisplacement, Markers, ObjectContact, ObjectPress, PressError,
 };
-use palpate_sensing::GaussianError;
+use palpate_sensing::{GaussianError, MarkerNoise};
 use palpate_study::FieldError;
 use palpate_study::config::{
     CameraConfig, LengthUnit, ModelConfig, NoiseKnown, PressConfig, PressEstimatorConfig,
@@ -138,7 +138,7 @@ pub(super) struct PressSetup<'a> {
     pub(super) markers: &'a Markers,
     pub(super) places: &'a [[f64; 2]],
     pub(super) geometry: &'a ObjectPress,
-    body: &'a Body,
+    pub(super) body: &'a Body,
     pub(super) models: &'a SharedModels,
     pub(super) seed: u64,
 }
@@ -149,19 +149,10 @@ impl PressSetup<'_> {
         contact: &ObjectContact<'_>,
         camera: Option<(&CameraConfig, bool)>,
     ) -> Result<PressCase, FieldError> {
-        let discs = camera.map(|camera| {
-            DiscMarkers::new(
-                self.sphere,
-                self.model,
-                self.markers,
-                self.body,
-                self.models,
-            )
-            .map(|discs| (camera, discs))
-        });
+        let discs = camera.map(|camera| Ok((camera, DiscMarkers::new(self)?)));
         let discs = discs.transpose()?;
         let only_discs = discs.as_ref().map(|(_, discs)| discs);
-        let truth = TruePress::new(self.body, self.markers, self.geometry, contact, only_discs);
+        let truth = TruePress::new(self, contact, only_discs);
         let truth = match truth {
             Ok(truth) => truth,
             Err(error) => return Ok(PressCase::NoPress(error)),
@@ -214,8 +205,8 @@ impl PressSetup<'_> {
             calibrated_at: Some(self.geometry.indentation),
             knows_indentation: given_indentation_std(estimator).is_some(),
             stds: [
-                stated(noise.normal, camera_stds[0]),
-                stated(noise.tangential, camera_stds[1]),
+                stated(noise.markers.normal, camera_stds[0]),
+                stated(noise.markers.tangential, camera_stds[1]),
             ],
         };
         let fit = setup.fit();
@@ -271,8 +262,14 @@ impl PressSetup<'_> {
     ) -> Option<Bounds> {
         let estimator = &self.config.estimator;
         let drawn = |error: GaussianError| error.is_random().then(|| error.std());
-        let stds = [drawn(noise.normal), drawn(noise.tangential)];
-        let fit = ideal_fit(estimator, self.body, drawn(noise.gain), stds)?;
+        let MarkerNoise {
+            normal,
+            tangential,
+            gain,
+            ..
+        } = noise.markers;
+        let stds = [normal, tangential].map(drawn);
+        let fit = ideal_fit(estimator, self.body, drawn(gain), stds)?;
         let indentation_std =
             given_indentation_std(estimator).map(|std| drawn(noise.indentation).unwrap_or(std));
         let (markers, press) = (self.markers, self.geometry);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use palpate_chromatouch::MarkerMotion;
 use palpate_estimators::{MarkerImages, pressed_images};
 use palpate_press::{Markers, Measured, Reading};
-use palpate_sensing::{Channel, GaussianError, Stream};
+use palpate_sensing::{Channel, GaussianError, MarkerNoise, Stream};
 use palpate_study::FieldError;
 use palpate_study::config::{CameraConfig, Length, PressNoiseConfig, ReadingNoise};
 use palpate_tracking::{Change, Marker};
@@ -21,11 +21,8 @@ use super::truth::{DiscMarkers, TruePress};
 /// Largest shift of a marker's image that counts as a rounding error (px). Such a shift is replaced by 0.
 const ROUNDING_PX: f64 = 1e-9;
 
-#[derive(Clone, Copy, Debug)]
-struct MarkerReading {
-    normal: f64,
-    tangential: [f64; 2],
-}
+/// Reading of a marker: its normal displacement, and both components of its displacement along the skin.
+type MarkerReading = [f64; 3];
 
 #[derive(Clone, Debug)]
 pub(super) struct PressReading {
@@ -99,10 +96,8 @@ impl PressSensor {
         let (mut markers, camera) = match self {
             Self::Direct => {
                 let markers = truth.markers.iter().map(|moved| {
-                    Some(MarkerReading {
-                        normal: moved.normal,
-                        tangential: moved.tangential,
-                    })
+                    let [x, y] = moved.tangential;
+                    Some([moved.normal, x, y])
                 });
                 (markers.collect(), None)
             }
@@ -112,12 +107,12 @@ impl PressSensor {
             }
         };
         if let Some(trial) = trial {
-            noise.add_to(&mut markers, trial);
+            noise.markers.add_to(&mut markers, noise.seed, trial);
         }
         let tracked = markers.iter().flatten();
         Ok(PressReading {
-            normal: tracked.clone().map(|marker| marker.normal).collect(),
-            tangential: tracked.map(|marker| marker.tangential).collect(),
+            normal: tracked.clone().map(|[normal, ..]| *normal).collect(),
+            tangential: tracked.map(|[_, x, y]| [*x, *y]).collect(),
             tracked: (0..markers.len())
                 .filter(|&marker| markers[marker].is_some())
                 .collect(),
@@ -136,14 +131,9 @@ impl PressSensor {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressNoise {
-    pub(super) normal: GaussianError,
-    pub(super) tangential: GaussianError,
+    pub(super) markers: MarkerNoise,
     /// Error of the indentation, which is read, for example, from the pose of a robot.
     pub(super) indentation: GaussianError,
-    /// Error of the sensor's gain, by which all normal displacements are multiplied.
-    pub(super) gain: GaussianError,
-    outliers: usize,
-    outlier: GaussianError,
     seed: u64,
 }
 
@@ -169,14 +159,19 @@ impl PressNoise {
         let indentation = length(config.indentation, "indentation")?;
         let gain = config.gain.map(|ReadingNoise::Gaussian { std }| std.0);
         let wrong = config.wrong_markers.as_ref();
-        Ok(Self {
-            outliers: marker_count(wrong.map(|wrong| wrong.count), "wrong_markers", markers)?,
+        let outliers = marker_count(wrong.map(|wrong| wrong.count), "wrong_markers", markers)?;
+        let outlier = gaussian(wrong.map(|wrong| wrong.std), "wrong_markers")?;
+        let markers = MarkerNoise {
+            outliers: if outlier.is_random() { outliers } else { 0 },
             normal: biased(normal, config.normal_bias, "normal_bias")?,
             tangential: length(config.tangential_displacement, "tangential_displacement")?
                 .averaged(frames),
-            indentation: biased(indentation, config.indentation_bias, "indentation_bias")?,
             gain: gaussian(gain, "gain")?,
-            outlier: gaussian(wrong.map(|wrong| wrong.std), "wrong_markers")?,
+            outlier,
+        };
+        Ok(Self {
+            markers,
+            indentation: biased(indentation, config.indentation_bias, "indentation_bias")?,
             seed,
         })
     }
@@ -184,15 +179,12 @@ impl PressNoise {
     /// Whether the readings differ between trials. `has_tangential` states whether tangential displacements are read,
     /// and `has_indentation` whether the indentation is read.
     pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
-        self.normal.is_random()
-            || (has_tangential && self.tangential.is_random())
+        let markers = &self.markers;
+        markers.normal.is_random()
+            || (has_tangential && markers.tangential.is_random())
             || (has_indentation && self.indentation.is_random())
-            || self.gain.is_random()
-            || self.has_outliers()
-    }
-
-    pub(super) fn has_outliers(&self) -> bool {
-        self.outliers > 0 && self.outlier.is_random()
+            || markers.gain.is_random()
+            || markers.outliers > 0
     }
 
     fn indentation_error(&self, trial: Option<u64>) -> f64 {
@@ -200,40 +192,6 @@ impl PressNoise {
             let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
             self.indentation.draw(&mut stream)
         })
-    }
-
-    /// Adds the errors of a trial to the readings of all markers of the layout. Errors are drawn for all markers, even
-    /// for those that are not tracked. Therefore, the error of a marker does not depend on the tracking of other
-    /// markers.
-    fn add_to(&self, markers: &mut [Option<MarkerReading>], trial: u64) {
-        let stream = |channel| Stream::new(self.seed, trial, channel);
-        let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
-        let mut normals = stream(Channel::NormalDisplacement);
-        let mut tangentials = stream(Channel::TangentialDisplacement);
-        for marker in markers.iter_mut() {
-            let normal = self.normal.draw(&mut normals);
-            let [x, y] = [(); 2].map(|()| self.tangential.draw(&mut tangentials));
-            if let Some(marker) = marker {
-                marker.disturb(gain, [normal, x, y]);
-            }
-        }
-        if self.has_outliers() {
-            let mut stream = stream(Channel::WrongMarkers);
-            for marker in stream.choose(self.outliers, markers.len()) {
-                let errors = [(); 3].map(|()| self.outlier.draw(&mut stream));
-                if let Some(marker) = &mut markers[marker] {
-                    marker.disturb(1.0, errors);
-                }
-            }
-        }
-    }
-}
-
-impl MarkerReading {
-    fn disturb(&mut self, gain: f64, [normal, x, y]: [f64; 3]) {
-        self.normal = self.normal * gain + normal;
-        self.tangential[0] += x;
-        self.tangential[1] += y;
     }
 }
 
@@ -345,8 +303,8 @@ impl CameraPressSensor {
         let reading = |(marker, change): (usize, Option<Change>)| {
             let change = change?;
             let normal = calibration.normal(marker, &change)?;
-            let tangential = calibration.tangential(change.shift_px, normal)?;
-            Some(MarkerReading { normal, tangential })
+            let [x, y] = calibration.tangential(change.shift_px, normal)?;
+            Some([normal, x, y])
         };
         let changes = tracks.tracks.iter();
         let changes = changes.map(|track| self.camera.lens.change(track.as_ref()?));
@@ -396,7 +354,7 @@ fn true_changes(
     motions: &[MarkerMotion],
     marker: usize,
 ) -> Option<[f64; 3]> {
-    let exact = camera.exact()?;
+    let exact = camera.exact();
     let rest = exact.at_rest(None).ok()?;
     let rest: Vec<_> = rest.iter().map(|one| Some((*one)?.marker)).collect();
     let motions: Vec<_> = motions.iter().copied().map(Some).collect();

@@ -216,6 +216,11 @@ impl PressScene {
 
     fn true_value(&self, quantity: Quantity) -> Option<f64> {
         let object = &self.geometry;
+        let truth = self.case.press().ok().map(|(truth, _)| truth);
+        let [smaller, larger] = match object.principal {
+            Some(both) => [both.smaller, both.larger],
+            None => [object.curvature; 2],
+        };
         let relative_curvature = self.markers.skin().curvature() + object.curvature;
         match quantity {
             Quantity::RELATIVE_CURVATURE => Some(relative_curvature),
@@ -223,27 +228,13 @@ impl PressScene {
                 (relative_curvature > 0.0).then(|| relative_curvature.recip())
             }
             Quantity::OBJECT_CURVATURE => Some(object.curvature),
-            Quantity::INDENTATION => Some(self.geometry.indentation),
-            Quantity::CONTACT_RADIUS => {
-                let press = self.case.press().ok();
-                press.map(|(truth, _)| truth.contact_radius)
-            }
+            Quantity::INDENTATION => Some(object.indentation),
+            Quantity::CONTACT_RADIUS => Some(truth?.contact_radius),
             Quantity::R_SQUARED => Some(1.0),
             Quantity::OBJECT_RADIUS => object_radius(&self.config.object),
-            Quantity::PRINCIPAL_CURVATURE_MAX => Some(
-                object
-                    .principal
-                    .map_or(object.curvature, |both| both.larger),
-            ),
-            Quantity::PRINCIPAL_CURVATURE_MIN => Some(
-                object
-                    .principal
-                    .map_or(object.curvature, |both| both.smaller),
-            ),
-            Quantity::FORCE => {
-                let (truth, _) = self.case.press().ok()?;
-                finite(truth.force_per_young? * self.young?)
-            }
+            Quantity::PRINCIPAL_CURVATURE_MAX => Some(larger),
+            Quantity::PRINCIPAL_CURVATURE_MIN => Some(smaller),
+            Quantity::FORCE => finite(truth?.force_per_young? * self.young?),
             Quantity::AXIS_DEG => Some(half_turn(object.principal?.axis.to_degrees())),
             _ => None,
         }

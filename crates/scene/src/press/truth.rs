@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use palpate_chromatouch::{DiscMotion, MarkerMotion};
-use palpate_estimators::{MarkerSphere, body_error, sensor_body, within_sensor};
+use palpate_estimators::{body_error, sensor_body, within_sensor};
 use palpate_press::{
     Body, MarkerDisplacement, Markers, ObjectContact, ObjectPress, PressError, UnequalCurvatures,
     skin_widening,
@@ -12,7 +12,7 @@ use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{DiscsConfig, PressConfig, PressModelConfig, PressObjectConfig};
 
-use crate::cache::SharedModels;
+use super::plan::PressSetup;
 
 /// True values of a press. The sensor reads them with errors; the estimator does not receive them.
 #[derive(Clone, Debug)]
@@ -31,18 +31,17 @@ impl TruePress {
     /// Computes the true values of a press from its true contact. If there is a camera, `discs` contains the discs of
     /// the markers.
     pub(super) fn new(
-        body: &Body,
-        markers: &Markers,
-        geometry: &ObjectPress,
+        setup: &PressSetup<'_>,
         contact: &ObjectContact<'_>,
         discs: Option<&DiscMarkers<'_>>,
     ) -> Result<Self, PressError> {
+        let geometry = setup.geometry;
         let motions = discs.map(|discs| discs.motions(geometry));
         Ok(Self {
             geometry: *geometry,
             contact_radius: contact.radius(),
             force_per_young: contact.force(1.0),
-            markers: geometry.displacements_by(contact, body, markers)?,
+            markers: geometry.displacements_by(contact, setup.body, setup.markers)?,
             discs: motions.transpose()?.unwrap_or_default(),
         })
     }
@@ -187,15 +186,10 @@ pub(super) struct DiscMarkers<'a> {
 }
 
 impl<'a> DiscMarkers<'a> {
-    pub(super) fn new(
-        sphere: &MarkerSphere<'_>,
-        model: &PressModelConfig,
-        markers: &'a Markers,
-        midway: &'a Body,
-        models: &SharedModels,
-    ) -> Result<Self, FieldError> {
+    pub(super) fn new(setup: &PressSetup<'a>) -> Result<Self, FieldError> {
+        let (sphere, model) = (setup.sphere, setup.model);
         let depths = sphere.disc_depths()?;
-        let layer = |thickness, depth| models.layer(thickness, depth);
+        let layer = |thickness, depth| setup.models.layer(thickness, depth);
         let body = |depth: f64| soft_body(model, sphere.radius, depth, layer);
         let deepest = model.thickness().unwrap_or(sphere.radius);
         let strains = sphere.discs.and_then(DiscsConfig::strains);
@@ -209,8 +203,8 @@ impl<'a> DiscMarkers<'a> {
             })
         };
         Ok(Self {
-            markers,
-            midway,
+            markers: setup.markers,
+            midway: setup.body,
             magenta: discs(depths.magenta, 0)?,
             yellow: discs(depths.yellow, 1)?,
         })
