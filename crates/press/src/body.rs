@@ -183,13 +183,8 @@ impl Body {
         }
     }
 
-    /// Whether the model also computes displacements along the skin.
-    pub fn moves_tangentially(&self) -> bool {
-        !matches!(self.0, Rung::Gaussian { .. })
-    }
-
-    /// Whether the model's own errors exceed the usual noise of readings: `true` for the Gaussian approximation,
-    /// `false` for the elastic bodies.
+    /// `true` for the Gaussian approximation, `false` for the elastic bodies. The own errors of the Gaussian exceed the
+    /// usual noise of readings, and it computes no displacements along the skin.
     pub(crate) fn is_approximate(&self) -> bool {
         matches!(self.0, Rung::Gaussian { .. })
     }

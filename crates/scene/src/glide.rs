@@ -2,7 +2,6 @@
 
 mod fingertip_sensor;
 mod glide_plan;
-mod glide_tables;
 mod glide_trial;
 
 pub use glide_trial::GlideScene;

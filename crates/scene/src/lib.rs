@@ -5,7 +5,6 @@
 //! point (cell) of a study. [`Scene::trial`] simulates a contact, reads it with a sensor, and estimates the curvature
 //! from the reading. [`Trials`] is the interface of all kinds of scenes.
 
-mod cache;
 mod config_conversion;
 mod glide;
 mod ladder;
@@ -16,12 +15,11 @@ mod roll;
 mod scene;
 mod trace;
 
-pub use cache::SharedModels;
 pub use glide::GlideScene;
 pub use ladder::{Accuracy, Ladder, Rung};
 pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
-pub use press::{PressFailure, PressFlaw, PressScene};
+pub use press::{PressFailure, PressFlaw, PressScene, SharedModels};
 pub use roll::{Arch, RollScene};
 pub use scene::{Need, Scene, SceneTrial, Scenes, Trials, map_table_of, quantities_of};
 

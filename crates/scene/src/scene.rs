@@ -8,11 +8,11 @@ use palpate_study::config::{Cell, ConfigError, LengthUnit, SceneConfig, Study};
 use palpate_study::{FieldError, Quantity, Table, Warning};
 use palpate_sweep::{Observation, Record, Trial};
 
-use crate::cache::SharedModels;
 use crate::glide::GlideScene;
 use crate::ladder::Ladder;
 use crate::measured_sensor::MeasuredSensor;
 use crate::press::PressScene;
+use crate::press::SharedModels;
 use crate::roll::{Arch, RollScene};
 use crate::trace::{Trace, TraceError};
 

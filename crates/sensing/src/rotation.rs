@@ -59,7 +59,8 @@ impl Encoder {
 /// (Charlebois, Gupta and Payandeh 1996, section 4.1.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularVelocityError {
-    distribution: Distribution,
+    /// Distribution of the error of the angular velocity.
+    pub distribution: Distribution,
     fraction: f64,
 }
 
@@ -76,11 +77,6 @@ impl AngularVelocityError {
             distribution,
             fraction,
         })
-    }
-
-    /// Distribution of the error of the angular velocity.
-    pub const fn distribution(&self) -> Distribution {
-        self.distribution
     }
 
     /// Bound (uniform) or standard deviation (Gaussian) of the error of the angular velocity, divided by the angular

@@ -129,7 +129,8 @@ pub struct CalibrationPoint {
 impl Calibration {
     /// Fits a calibration to the markers of several presses. All markers are used for tangential displacements. For
     /// normal displacements, only the marker with the index `only` is used; all markers if `only` is `None`. They are
-    /// computed from the feature `from` of the images.
+    /// computed from the feature `from` of the images. Also returns the root mean square errors of normal and of
+    /// tangential displacements near the contacts; `None` for an error that is 0 or cannot be computed.
     ///
     /// # Errors
     /// [`CalibrationError`] if the points do not determine a slope, or if a number is not finite.
@@ -137,7 +138,7 @@ impl Calibration {
         presses: &[Vec<CalibrationPoint>],
         only: Option<usize>,
         from: NormalFrom,
-    ) -> Result<Self, CalibrationError> {
+    ) -> Result<(Self, [Option<f64>; 2]), CalibrationError> {
         let all = || presses.iter().flatten();
         let normal = all().filter(|point| only.is_none_or(|only| only == point.marker));
         let normal = normal.map(|point| NormalPoint {
@@ -153,14 +154,16 @@ impl Calibration {
         });
         let normal = NormalCalibration::fit(&normal.collect::<Vec<_>>(), from)?;
         let lateral = LateralCalibration::fit(&lateral.collect::<Vec<_>>())?;
-        Self::new(Some(normal), Some(lateral), None)
+        let calibration = Self::new(Some(normal), Some(lateral), None)?;
+        let stds = calibration.residual_stds(presses);
+        Ok((calibration, stds))
     }
 
     /// Root mean square errors of normal and of tangential displacements in the presses; `None` if an error is 0 or
     /// cannot be computed. Only markers whose displacement is at least half of the largest displacement of their press
     /// are used. These markers are near the contact. There, the motions of a marker's two discs differ most, and the
     /// readings depend most on the object's shape.
-    pub fn residual_stds(&self, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
+    fn residual_stds(&self, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
         let inward = |point: &CalibrationPoint| point.normal.abs();
         let along =
             |point: &CalibrationPoint| libm::hypot(point.tangential[0], point.tangential[1]);

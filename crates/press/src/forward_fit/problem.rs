@@ -105,7 +105,7 @@ impl<'a> Problem<'a> {
     fn tangential(&self) -> Option<&'a [[f64; 2]]> {
         self.reading
             .tangential
-            .filter(|_| self.fit.body.moves_tangentially())
+            .filter(|_| !self.fit.body.is_approximate())
     }
 
     pub(super) fn uses_tangential(&self) -> bool {

@@ -73,12 +73,9 @@ impl CameraCalibration {
             config::NormalFrom::Size => NormalFrom::Size,
             config::NormalFrom::Both => NormalFrom::Both,
         };
-        let calibration = Calibration::of_presses(&presses, only, from)
+        let (calibration, stds) = Calibration::of_presses(&presses, only, from)
             .map_err(|error| FieldError::at(PATH, error))?;
-        Ok(Self {
-            stds: calibration.residual_stds(&presses),
-            calibration,
-        })
+        Ok(Self { calibration, stds })
     }
 }
 
@@ -109,7 +106,7 @@ const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
 /// Inputs that determine the images of the markers at rest. The cache stores these images with the inputs as their key.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct RestFrames {
+pub(super) struct RestFrames {
     camera: SimulatedCamera,
     frames: u32,
 }
@@ -124,11 +121,11 @@ impl RestFrames {
         }
     }
 
-    pub(crate) fn size(&self) -> usize {
+    pub(super) fn size(&self) -> usize {
         self.camera.optics.array().places().len()
     }
 
-    pub(crate) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
+    pub(super) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
         let measured = self.measurements(AT_REST)?.into_iter();
         Ok(measured.map(|one| one.map(|one| one.marker)).collect())
     }
@@ -157,25 +154,25 @@ impl RestFrames {
     }
 }
 
-pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
+pub(super) type RestMarkers = Arc<[Option<Marker>]>;
 
 /// Inputs that determine the changes of the markers' images in calibration presses. The cache stores these changes with
 /// the inputs as their key.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct CalibrationFrames {
+pub(super) struct CalibrationFrames {
     rest: RestFrames,
     motions: Vec<Vec<MarkerMotion>>,
 }
 
 /// For each calibration press, the change of each marker's image; `None` if the marker was not tracked.
-pub(crate) type ImageChanges = Arc<[Vec<Option<Change>>]>;
+pub(super) type ImageChanges = Arc<[Vec<Option<Change>>]>;
 
 impl CalibrationFrames {
-    pub(crate) fn size(&self) -> usize {
+    pub(super) fn size(&self) -> usize {
         self.rest.size() * (1 + self.motions.len())
     }
 
-    pub(crate) fn changes(&self, rest: &[Option<Marker>]) -> Result<ImageChanges, PressFailure> {
+    pub(super) fn changes(&self, rest: &[Option<Marker>]) -> Result<ImageChanges, PressFailure> {
         let camera = &self.rest.camera;
         let change = |(motions, press): (&Vec<MarkerMotion>, u64)| {
             let motions: Vec<_> = motions.iter().copied().map(Some).collect();

@@ -17,12 +17,12 @@ use palpate_study::config::{
     PressModelConfig, PressSensorConfig,
 };
 
+use super::SharedModels;
 use super::camera_calibration::RestFrames;
 use super::camera_model::{AT_REST, SimulatedCamera};
 use super::reading::{CameraPressSensor, PressNoise, PressSensor};
 use super::trial::{PressCase, PressEstimator, PressScene, given_indentation_std};
 use super::truth::{DiscMarkers, TruePress, object_press, soft_body};
-use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
 /// Error of displacements that are interpolated in the tables of a layer, compared with a direct solution. It is

@@ -2,7 +2,7 @@
 
 use palpate_estimators::tracks_table;
 use palpate_press::ObjectContact;
-use palpate_study::config::LengthUnit;
+use palpate_study::config::{LengthUnit, PressEstimatorConfig};
 use palpate_study::number::shortest;
 use palpate_study::readings::{PRESSES, table_columns};
 use palpate_study::{Column, Table, Unit};
@@ -134,7 +134,8 @@ impl PressScene {
                 estimate.indentation.value,
             )?),
         };
-        let moves_tangentially = body.moves_tangentially();
+        let estimator = &self.config.estimator;
+        let moves_tangentially = !matches!(estimator, PressEstimatorConfig::Gaussian { .. });
         // If the estimator fits a Gaussian, the estimated gain is the amplitude of the displacement. For other
         // estimators, the estimated gain is a property of the sensor, which does not change the displacement.
         let amplitude = estimate

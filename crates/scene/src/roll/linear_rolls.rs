@@ -87,7 +87,7 @@ impl LinearRolls {
                 .iter()
                 .map(|roll| LinearRoll::new(mobility, radius, fraction, roll))
                 .collect(),
-            error: error.map(|error| error.distribution()),
+            error: error.map(|error| error.distribution),
         })
     }
 

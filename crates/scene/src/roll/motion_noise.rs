@@ -48,7 +48,7 @@ impl MotionNoise {
         if self.side == Side::Measurement {
             return 0.0;
         }
-        let bound = match self.error.distribution() {
+        let bound = match self.error.distribution {
             Distribution::Uniform => self.error.fraction(),
             Distribution::Gaussian => f64::INFINITY,
         };
