@@ -18,10 +18,7 @@ use palpate_study::config::{LengthUnit, StudyConfig};
 pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyMismatch> {
     RollOptions::from_study(study, unit, |config| {
         let scene = RollScene::new(config, study.seed)?;
-        Ok((
-            scene.reading_noise,
-            scene.series_noise().unwrap_or_default(),
-        ))
+        Ok((scene.reading_noise, scene.series_noise.unwrap_or_default()))
     })
 }
 
@@ -32,6 +29,6 @@ pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, Stud
     PressOptions::from_study(study, unit, |config| {
         let models = SharedModels::default();
         let scene = PressScene::new(config, study.length_unit, study.seed, &models)?;
-        Ok(scene.stated_stds())
+        Ok(scene.stated_stds)
     })
 }

@@ -88,7 +88,9 @@ impl PressScene {
             .filter(|_| camera.is_none())
             .and_then(|contact| setup.bounds(&noise, &contact, has_tangential));
         let estimator = setup.estimator(&noise, &case, tables)?;
+        let fit = estimator.fit();
         Ok(Self {
+            stated_stds: fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std]),
             config: config.clone(),
             choice,
             places,

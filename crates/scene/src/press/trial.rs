@@ -87,6 +87,9 @@ pub struct PressScene {
     pub(super) has_tangential: bool,
     pub(super) noise: PressNoise,
     pub(super) estimator: PressEstimator,
+    /// Standard deviations of normal and tangential displacements that the estimator assumes (length); `None` if the
+    /// estimator computes them from the residuals.
+    pub stated_stds: [Option<f64>; 2],
     pub(super) bounds: Option<Bounds>,
     pub(super) young: Option<f64>,
     /// Estimate from noiseless readings. It is computed when it is first used.
@@ -155,13 +158,6 @@ pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<
 }
 
 impl PressScene {
-    /// Standard deviations of normal and tangential displacements that the estimator assumes (length); `None` if the
-    /// estimator computes them from the residuals.
-    pub fn stated_stds(&self) -> [Option<f64>; 2] {
-        let fit = self.estimator.fit();
-        fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
-    }
-
     /// Reads the press. The reading has the noise of trial number `trial`; it has no noise if `trial` is `None`.
     pub(super) fn reading(&self, trial: Option<u64>) -> Result<PressReading, PressFailure> {
         let (truth, sensor) = self.case.press()?;

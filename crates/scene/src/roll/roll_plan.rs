@@ -79,6 +79,7 @@ impl RollScene {
             seed,
             fit,
             linear,
+            series_noise: sampled.as_ref().map(|sampled| sampled.noise),
             sampled,
             estimator: config.estimator.clone(),
             roller,

@@ -57,6 +57,8 @@ pub struct RollScene {
     pub(super) rotation_sensor: RotationSensor,
     /// Noise that the estimator assumes for readings at the ends of rolls.
     pub reading_noise: ReadingNoise,
+    /// Noise that the estimator assumes for time series; `None` if the sensor reads only the ends of rolls.
+    pub series_noise: Option<SeriesNoise>,
     pub(super) fit: RollFit,
     /// Closed form of the rolls. It exists if the displacement of the contact is linear in the rotation for all rolls,
     /// and the reported rotations are the same in every trial; otherwise `None`.
@@ -234,11 +236,6 @@ impl RollScene {
     fn series_method(&self) -> Option<(&SampledRolls, SeriesMethod)> {
         let sampled = self.sampled.as_ref()?;
         Some((sampled, sampled.method?))
-    }
-
-    /// Noise that the estimator assumes for time series; `None` if the sensor reads only the ends of rolls.
-    pub fn series_noise(&self) -> Option<SeriesNoise> {
-        self.sampled.as_ref().map(|sampled| sampled.noise)
     }
 
     #[inline(always)]
