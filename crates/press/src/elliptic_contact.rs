@@ -115,7 +115,7 @@ impl EllipticContact {
     }
 
     /// Geometric mean (length) of the contact's semi-axes.
-    pub fn radius(&self) -> f64 {
+    pub(crate) fn radius(&self) -> f64 {
         let [long, short] = self.semi_axes;
         long.sqrt() * short.sqrt()
     }

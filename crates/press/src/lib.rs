@@ -35,7 +35,7 @@ pub use image_fit::{
     DeparturePrior, ImageFit, PictureSlopes, Rest, Seen, SensorState, Steps, View,
 };
 pub use markers::{MarkerDisplacement, Markers, skin_widening};
-pub use object_press::{ObjectContact, ObjectPress, UnequalCurvatures};
+pub use object_press::{ObjectContact, ObjectPress};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use regime::{ContactRegime, LARGE_CONTACT, sneddon_indentation, within_object};
 pub use skin::{Place, Skin};

@@ -11,25 +11,17 @@ pub struct ObjectPress {
     /// Curvature 1/R_o of the object, positive if the object is convex. If the object has two different curvatures,
     /// `curvature` is their mean.
     pub curvature: f64,
-    /// The principal curvatures of the object; `None` if they are equal.
-    pub principal: Option<UnequalCurvatures>,
+    /// The smaller and the larger curvature of the object; `None` if they are equal.
+    pub unequal: Option<[f64; 2]>,
+    /// Angle between the direction of the smaller curvature and the x axis at the contact (radians); 0 if the
+    /// curvatures are equal.
+    pub axis: f64,
     /// Indentation of the skin (length).
     pub indentation: f64,
     /// Coordinates of the contact in the chart of the skin.
     pub at: [f64; 2],
     /// Sideways displacement (length) of the object along x, which begins after the object has touched the skin.
     pub shift: f64,
-}
-
-/// Principal curvatures of an object, which differ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnequalCurvatures {
-    /// The smaller curvature.
-    pub smaller: f64,
-    /// The larger curvature.
-    pub larger: f64,
-    /// Angle between the direction of the smaller curvature and the x axis at the contact (radians).
-    pub axis: f64,
 }
 
 /// Contact of the skin with an object.
@@ -54,11 +46,10 @@ impl ObjectPress {
         markers: &Markers,
     ) -> Result<ObjectContact<'b>, PressError> {
         let skin = markers.skin();
-        if let Some(principal) = self.principal {
+        if let Some(curvatures) = self.unequal {
             let what = "a layer has no model of an object with two different curvatures";
             let half_space = body.sideways().ok_or(PressError::Undetermined { what });
             let (poisson, depth) = half_space?;
-            let curvatures = [principal.smaller, principal.larger];
             let contact = skin.elliptic_contact(poisson, curvatures, self.indentation)?;
             return Ok(ObjectContact::Elliptic(contact, depth));
         }
@@ -90,8 +81,9 @@ impl ObjectPress {
         body: &Body,
         markers: &Markers,
     ) -> Result<Vec<MarkerDisplacement>, PressError> {
-        let Self { at, shift, .. } = *self;
-        let axis = self.principal.map_or(0.0, |both| both.axis);
+        let Self {
+            axis, at, shift, ..
+        } = *self;
         let mut moved = match contact {
             ObjectContact::Round(contact) => markers.displacements(contact, at),
             ObjectContact::Elliptic(contact, depth) => {
@@ -175,8 +167,7 @@ impl ForwardFit {
                 self.bounds(markers, contact, press.at, tangential, indentation_std)
             }
             ObjectContact::Elliptic(contact, _) => {
-                let axis = press.principal?.axis;
-                self.is_elliptic.then(|| of_ellipse(contact, axis))?
+                self.is_elliptic.then(|| of_ellipse(contact, press.axis))?
             }
         }
     }

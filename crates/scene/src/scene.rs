@@ -11,8 +11,7 @@ use palpate_sweep::{Observation, Record, Trial};
 use crate::glide::GlideScene;
 use crate::ladder::Ladder;
 use crate::measured_sensor::MeasuredSensor;
-use crate::press::PressScene;
-use crate::press::SharedModels;
+use crate::press::{PressScene, SharedModels};
 use crate::roll::{Arch, RollScene};
 use crate::trace::{Trace, TraceError};
 

@@ -100,27 +100,4 @@ impl AngularVelocityError {
             self.distribution.draw(stream),
         ) * size
     }
-
-    /// Errors of a measured rotation (rad) at the fractions `fractions` of a roll with the duration `duration_s`. The
-    /// error of the angular velocity is drawn anew in each of `pieces` equal pieces of the roll.
-    pub fn rotations(
-        &self,
-        stream: &mut Stream,
-        rate_rad_per_s: f64,
-        (pieces, duration_s): (u32, f64),
-        fractions: &[f64],
-    ) -> Vec<Vector2<f64>> {
-        let mut sums = vec![Vector2::zeros()];
-        let piece_s = duration_s / f64::from(pieces);
-        for _ in 0..pieces {
-            let last = sums[sums.len() - 1];
-            sums.push(last + self.draw(stream, rate_rad_per_s) * piece_s);
-        }
-        let at = |fraction: &f64| {
-            let piece = (fraction * f64::from(pieces)).clamp(0.0, f64::from(pieces));
-            let before = (piece as usize).min(sums.len() - 2);
-            sums[before] + (sums[before + 1] - sums[before]) * (piece - before as f64)
-        };
-        fractions.iter().map(at).collect()
-    }
 }

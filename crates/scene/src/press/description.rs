@@ -62,7 +62,7 @@ impl PressScene {
             ContactRegime::Concave => ": the object is hollow, but less curved than the sensor",
             ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
         };
-        let ellipse = match truth.geometry.principal {
+        let ellipse = match truth.geometry.unequal {
             Some(_) => "; it is an ellipse, because the object has two different curvatures",
             None => "",
         };

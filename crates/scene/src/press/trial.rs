@@ -213,10 +213,7 @@ impl PressScene {
     fn true_value(&self, quantity: Quantity) -> Option<f64> {
         let object = &self.geometry;
         let truth = self.case.press().ok().map(|(truth, _)| truth);
-        let [smaller, larger] = match object.principal {
-            Some(both) => [both.smaller, both.larger],
-            None => [object.curvature; 2],
-        };
+        let [smaller, larger] = object.unequal.unwrap_or([object.curvature; 2]);
         let relative_curvature = self.markers.skin().curvature() + object.curvature;
         match quantity {
             Quantity::RELATIVE_CURVATURE => Some(relative_curvature),
@@ -231,7 +228,7 @@ impl PressScene {
             Quantity::PRINCIPAL_CURVATURE_MAX => Some(larger),
             Quantity::PRINCIPAL_CURVATURE_MIN => Some(smaller),
             Quantity::FORCE => finite(truth?.force_per_young? * self.young?),
-            Quantity::AXIS_DEG => Some(half_turn(object.principal?.axis.to_degrees())),
+            Quantity::AXIS_DEG => object.unequal.map(|_| half_turn(object.axis.to_degrees())),
             _ => None,
         }
     }

@@ -5,8 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use palpate_chromatouch::{DiscMotion, MarkerMotion};
 use palpate_estimators::{body_error, sensor_body, within_sensor};
 use palpate_press::{
-    Body, MarkerDisplacement, Markers, ObjectContact, ObjectPress, PressError, UnequalCurvatures,
-    skin_widening,
+    Body, MarkerDisplacement, Markers, ObjectContact, ObjectPress, PressError, skin_widening,
 };
 use palpate_statistics::Number;
 use palpate_study::FieldError;
@@ -55,14 +54,15 @@ pub(super) fn object_press(config: &PressConfig, radius: f64) -> Result<ObjectPr
         let message = format!("|shift| must be less than the sensor's radius {radius}, is {shift}");
         return Err(FieldError::at("scene.motion.shift", message));
     }
-    let principal = unequal_curvatures(&config.object);
-    let curvature = match principal {
-        Some(both) => 0.5 * both.smaller + 0.5 * both.larger,
+    let (unequal, axis) = unequal_curvatures(&config.object).unzip();
+    let curvature = match unequal {
+        Some([smaller, larger]) => 0.5 * smaller + 0.5 * larger,
         None => object_radius(&config.object).map_or(0.0, f64::recip),
     };
     Ok(ObjectPress {
         curvature,
-        principal,
+        unequal,
+        axis: axis.unwrap_or(0.0),
         indentation: motion.indentation,
         at: contact_place(motion.contact_deg, radius)?,
         shift: motion.shift,
@@ -81,25 +81,22 @@ pub(super) fn object_radius(config: &PressObjectConfig) -> Option<f64> {
     }
 }
 
-fn unequal_curvatures(config: &PressObjectConfig) -> Option<UnequalCurvatures> {
-    let (smaller, larger, axis) = match *config {
+/// The smaller and the larger curvature of the object, and the angle (radians) between the direction of the smaller one
+/// and the x axis; `None` for an object with the same curvature in all directions.
+fn unequal_curvatures(config: &PressObjectConfig) -> Option<([f64; 2], f64)> {
+    match *config {
         PressObjectConfig::Cylinder {
             radius,
             direction_deg,
-        } => (0.0, radius.recip(), direction_deg.to_radians()),
+        } => Some(([0.0, radius.recip()], direction_deg.to_radians())),
         PressObjectConfig::Ellipsoid {
             semi_axes: [x, y, z],
-        } if x != y => match ((z / x) / x, (z / y) / y) {
-            (along_x, along_y) if along_x < along_y => (along_x, along_y, 0.0),
-            (along_x, along_y) => (along_y, along_x, FRAC_PI_2),
-        },
-        _ => return None,
-    };
-    Some(UnequalCurvatures {
-        smaller,
-        larger,
-        axis,
-    })
+        } if x != y => Some(match ((z / x) / x, (z / y) / y) {
+            (along_x, along_y) if along_x < along_y => ([along_x, along_y], 0.0),
+            (along_x, along_y) => ([along_y, along_x], FRAC_PI_2),
+        }),
+        _ => None,
+    }
 }
 
 /// Chart coordinates of the point of the skin at the angles `polar` and `azimuth`.

@@ -133,8 +133,18 @@ impl NoiseTrial {
             return vec![Vector2::zeros(); fractions.len()];
         };
         let rate = command.angular_velocity.norm();
-        let pieces = (noise.instants, command.duration_s);
-        noise.error.rotations(stream, rate, pieces, fractions)
+        let pieces = f64::from(noise.instants);
+        let mut sums = vec![Vector2::zeros()];
+        for _ in 0..noise.instants {
+            let last = sums[sums.len() - 1];
+            sums.push(last + noise.error.draw(stream, rate) * (command.duration_s / pieces));
+        }
+        let at = |fraction: &f64| {
+            let piece = (fraction * pieces).clamp(0.0, pieces);
+            let before = (piece as usize).min(sums.len() - 2);
+            sums[before] + (sums[before + 1] - sums[before]) * (piece - before as f64)
+        };
+        fractions.iter().map(at).collect()
     }
 
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
