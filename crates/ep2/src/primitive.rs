@@ -317,10 +317,8 @@ impl ShapeSettings {
             Some(shape) => std::slice::from_ref(shape),
             None => Shape::VARIANTS,
         };
-        let mut fits: Vec<RobustFit> = shapes
-            .iter()
-            .map(|&shape| robust_fit(shape, cloud))
-            .collect();
+        let fits = shapes.iter().map(|&shape| robust_fit(shape, cloud));
+        let mut fits: Vec<RobustFit> = fits.collect();
         let to_few: Option<Vec<_>> = fits.iter().map(|fit| fit.inliers_of_few(cloud)).collect();
         let most = |inliers: &Vec<bool>| inliers.iter().filter(|one| **one).count();
         if let Some(inliers) = to_few.and_then(|all| all.into_iter().max_by_key(most)) {
@@ -337,6 +335,10 @@ impl ShapeSettings {
         };
         let best = fits.iter().min_by(by_noise).unwrap_or(&fits[0]);
         let (best, is_used) = (best.solution, best.is_used.clone());
+        // The fits do not use a stated noise that the contacts contradict. If it is too large, it widens the intervals.
+        let ratios = best.noise_ratios(stated);
+        let of_intervals = [0, 1].map(|kind| stated[kind].filter(|_| ratios[kind] <= 1.0));
+        let stated = [0, 1].map(|kind| stated[kind].filter(|_| ratios[kind] == 1.0));
         let runs = distinct.run_of_row.iter().zip(&rows);
         let misfits = runs.filter(|(run, _)| !is_used[**run]);
         outliers.extend(misfits.map(|(_, row)| Outlier {
@@ -375,6 +377,10 @@ impl ShapeSettings {
         };
         let candidate = &mut candidates[chosen];
         candidate.solution.pose = candidate.solution.within_noise();
+        if of_intervals != stated {
+            let (pose, correlations) = (candidate.solution.pose, candidate.lack.correlations);
+            candidate.solution = solve(pose, &used, of_intervals, correlations, 0);
+        }
         let [position_correlation, normal_correlation] = candidate.lack.with_rounding;
         let readings = EffectiveReadings {
             contacts: count - outliers.len(),
@@ -393,11 +399,8 @@ impl ShapeSettings {
     }
 
     fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {
-        let per_contact = if contacts.first().is_some_and(|one| one.normal.is_some()) {
-            3
-        } else {
-            1
-        };
+        let has_normals = contacts.first().is_some_and(|one| one.normal.is_some());
+        let per_contact = if has_normals { 3 } else { 1 };
         let equations = per_contact * contacts.len();
         let needed = match self.shape {
             Some(Shape::Plane) => 4,

@@ -2,7 +2,7 @@
 //! and outliers are left out.
 
 use nalgebra::{SymmetricEigen, Vector3};
-use palpate_statistics::student_half_width;
+use palpate_statistics::{SIGNIFICANCE_LEVEL, chi_squared_tail, student_half_width};
 
 use super::intervals::MAX_RELATIVE_NOISE;
 use super::pose::{CURVATURE, Cloud, Equations, Gram, Pose, Row, UNKNOWNS};
@@ -10,6 +10,7 @@ use super::start::{middle, starts};
 use crate::Shape;
 use crate::gross_outliers::{MAX_OUTLIER_SHARE, OUTLIER_PROBABILITY};
 use crate::noise::MIN_OUTLIER_STEPS;
+use crate::surface_outliers::median;
 
 const ITERATIONS: usize = 20;
 const VARIANCE_ITERATIONS: usize = 8;
@@ -52,6 +53,10 @@ const MAX_CONTACTS: usize = 20_000;
 /// contacts. Then the contacts have too many outliers, which is an error. This constant is the limit for the ratio of
 /// the first variance to the second.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
+
+/// Stated noise is contradicted only if the ratio of the estimated to the stated standard deviation, or its inverse,
+/// exceeds this value.
+const MAX_NOISE_RATIO: f64 = 1.5;
 
 /// Stated standard deviations of positions (in the unit of the contacts' spread) and normals (rad).
 pub(super) type StatedNoise = [Option<f64>; 2];
@@ -348,6 +353,22 @@ impl Solution {
         Pose::new(pose.shape, point, normal, axis, pose.curvature / stretch)
     }
 
+    /// Estimated variances of positions and of normals, divided by the stated ones; 1 for noise that the contacts do not
+    /// contradict. The estimated variances must not depend on the stated noise.
+    pub(super) fn noise_ratios(&self, stated: StatedNoise) -> [f64; 2] {
+        let bending = [0.0, self.bending_share() * self.variances[1]];
+        std::array::from_fn(|kind| {
+            let Some(std) = stated[kind] else { return 1.0 };
+            let ratio = self.variances[kind] / (std * std + bending[kind]);
+            let freedom = self.equations.counts[kind] as usize;
+            let freedom = freedom.saturating_sub(self.pose.unknowns());
+            let larger = chi_squared_tail(freedom as f64 * ratio, freedom);
+            let is_far = ratio.max(ratio.recip()) > MAX_NOISE_RATIO * MAX_NOISE_RATIO
+                && 2.0 * larger.min(1.0 - larger) < SIGNIFICANCE_LEVEL;
+            if is_far { ratio } else { 1.0 }
+        })
+    }
+
     /// Weights of squared distances and of squared deviations of normals in the fit. The weight of the normals is less
     /// than the inverse of their variance if this variance is less than expected from the errors of the positions.
     pub(super) fn weights(&self) -> [f64; 2] {
@@ -484,13 +505,8 @@ fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
 }
 
 fn median_distance(pose: &Pose, cloud: &Cloud) -> f64 {
-    let mut distances: Vec<f64> = cloud
-        .places
-        .iter()
-        .map(|place| pose.distance(place).abs())
-        .collect();
-    let middle = distances.len() / 2;
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    let places = cloud.places.iter();
+    median(places.map(|place| pose.distance(place).abs()).collect())
 }
 
 /// Limits for outliers: the largest distance of a contact from the shape, and the largest deviation of its normal.
@@ -508,11 +524,10 @@ impl Limits {
         // component) and for the deviation of a unit normal (two components).
         let medians = [0.6745, 1.1774];
         let mut kind = 0;
-        let of = residuals(pose, cloud).map(|mut all| {
-            let middle = all.len() / 2;
+        let of = residuals(pose, cloud).map(|all| {
             let median = match all.is_empty() {
                 true => f64::INFINITY,
-                false => *all.select_nth_unstable_by(middle, f64::total_cmp).1,
+                false => median(all),
             };
             kind += 1;
             deviations * correction * (median / medians[kind - 1]).max(MIN_STD)
