@@ -243,24 +243,18 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const JET: Jet = Jet {
-        w: 0.3,
-        u: 0.4,
-        v: -0.7,
-        uu: 0.9,
-        uv: 0.2,
-        vv: -0.5,
-    };
+    /// Height of a graph, its slopes u and v, and its second derivatives uu, uv and vv.
+    const JET: [f64; 6] = [0.3, 0.4, -0.7, 0.9, 0.2, -0.5];
 
-    fn curvature(jet: Jet, covariance: Option<&JetCovariance>, scale: f64) -> Curvature {
-        let wide = |number: f64| Lanes::splat(number);
+    fn curvature(jet: [f64; 6], covariance: Option<&JetCovariance>, scale: f64) -> Curvature {
+        let [w, u, v, uu, uv, vv] = jet.map(Lanes::splat);
         let jet = Jet {
-            w: wide(jet.w),
-            u: wide(jet.u),
-            v: wide(jet.v),
-            uu: wide(jet.uu),
-            uv: wide(jet.uv),
-            vv: wide(jet.vv),
+            w,
+            u,
+            v,
+            uu,
+            uv,
+            vv,
         };
         let curvatures = Curvatures::of_graph(&jet, covariance, scale).unwrap();
         assert_eq!(curvatures.at(0), curvatures.at(1));
@@ -273,13 +267,7 @@ mod tests {
         for index in 0..DERIVATIVES {
             let moved = |step: f64| {
                 let mut jet = JET;
-                *[
-                    &mut jet.u,
-                    &mut jet.v,
-                    &mut jet.uu,
-                    &mut jet.uv,
-                    &mut jet.vv,
-                ][index] += step;
+                jet[1 + index] += step;
                 curvature(jet, None, 1.0)
             };
             let (high, low) = (moved(step), moved(-step));
@@ -298,15 +286,12 @@ mod tests {
     fn a_plane_has_an_uncertain_gaussian_curvature() {
         let mut covariance = JetCovariance::default();
         (0..DERIVATIVES).for_each(|index| covariance[index][index] = Lanes::splat(0.01));
-        let plane = curvature(Jet::default(), Some(&covariance), 2.0);
+        let plane = curvature([0.0; 6], Some(&covariance), 2.0);
         // On a plane, K has the variance Var(rt − s²) = σ⁴ + 2σ⁴. Here r, s and t are the second derivatives, with
         // independent errors of variance σ².
         let told = plane.uncertainty.unwrap();
-        assert_relative_eq!(
-            told.gaussian_std,
-            3.0_f64.sqrt() * 0.01 / 4.0,
-            epsilon = 1e-15
-        );
+        let expected = 3.0_f64.sqrt() * 0.01 / 4.0;
+        assert_relative_eq!(told.gaussian_std, expected, epsilon = 1e-15);
         // The mean curvature of a plane is −(r + t)/2, so its variance is Var(r + t)/4. Here r and t are second
         // derivatives.
         assert_relative_eq!(told.mean_std, 0.5_f64.sqrt() * 0.1 / 2.0, epsilon = 1e-15);

@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::Contact;
 use crate::gross_outliers::{MAX_BLOCK, MAX_OUTLIER_SHARE};
-use crate::patch::FingerMap;
+use crate::patch::{FingerMap, by_finger};
 use crate::surface_outliers::median;
 
 /// A step is the distance between consecutive contacts of a finger. Consecutive contacts count as one reading if their
@@ -346,10 +346,7 @@ fn breaks(contacts: &[Contact], runs: &Runs, longest: f64) -> [usize; 2] {
 /// the share of these pairs whose distance is at most `limit`. Pairs in the same run of merged contacts do not count as
 /// near.
 fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
-    let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
-    for (row, contact) in contacts.iter().enumerate() {
-        fingers.entry(contact.finger).push(row);
-    }
+    let fingers = by_finger(contacts);
     let is_near = |&(one, other): &(&usize, &usize)| {
         let distance = (contacts[*one].position - contacts[*other].position).norm();
         runs.of_row[*one] != runs.of_row[*other] && distance <= limit
@@ -418,10 +415,7 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
 /// of a finger: these are near its median position, and the other contacts are far from it. `None` if there is no such
 /// rest.
 fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
-    let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
-    for (row, contact) in contacts.iter().enumerate() {
-        fingers.entry(contact.finger).push(row);
-    }
+    let fingers = by_finger(contacts);
     let mut moved = Vec::new();
     for rows in fingers.iter().filter(|rows| rows.len() >= MIN_NOISY_REST) {
         let position = |&row: &usize| contacts[row].position;
@@ -433,11 +427,8 @@ fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
         let steps = steps.map(|pair| (position(&pair[1]) - position(&pair[0])).norm());
         let limit = MAX_NOISY_EXTENT * median(steps.collect());
         let is_near = |at: Point3<f64>| (at - centre).norm() <= limit;
-        let near: Vec<usize> = rows
-            .iter()
-            .copied()
-            .filter(|row| is_near(position(row)))
-            .collect();
+        let near = rows.iter().copied().filter(|row| is_near(position(row)));
+        let near: Vec<usize> = near.collect();
         let count = near.len();
         if count < MIN_NOISY_REST || 2 * count <= rows.len() {
             continue;

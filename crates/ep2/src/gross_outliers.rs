@@ -9,6 +9,7 @@ use strum::IntoStaticStr;
 
 use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
+use crate::surface_outliers::median;
 use crate::{Contact, ShapeError};
 
 /// A contact is a gross outlier if its distance from the spatial median of all contacts exceeds this multiple of the
@@ -92,17 +93,8 @@ impl SoundContacts {
         let has_normal = |one: &Contact| one.normal != Some(Vector3::zeros());
         let rows = || contacts.iter().enumerate();
         let without = rows().filter(|(_, one)| !has_normal(one));
-        let places: Vec<_> = without
-            .map(|(row, &one)| {
-                (
-                    row,
-                    Contact {
-                        normal: None,
-                        ..one
-                    },
-                )
-            })
-            .collect();
+        let mut places: Vec<_> = without.map(|(row, one)| (row, *one)).collect();
+        places.iter_mut().for_each(|(_, one)| one.normal = None);
         check(places.iter().map(|(row, one)| (*row, one)))?;
         check(rows().filter(|(_, one)| has_normal(one)))?;
         let distinct = DistinctContacts::without_rests(contacts);
@@ -160,10 +152,8 @@ fn far_contacts(contacts: &[Contact], runs: &[Contact]) -> Vec<Outlier> {
             count <= MAX_BLOCK * starts.count()
         })
         .unwrap_or(MAX_DISTANCE_RATIO);
-    let far = contacts
-        .iter()
-        .enumerate()
-        .filter(|(_, contact)| ratio(&contact.position) > limit || is_lost(contact));
+    let is_far = |one: &Contact| ratio(&one.position) > limit || is_lost(one);
+    let far = contacts.iter().enumerate().filter(|(_, one)| is_far(one));
     let mut counts: HashMap<[u64; 3], usize> = HashMap::new();
     for (_, contact) in far.clone() {
         *counts.entry(key(&contact.position)).or_default() += 1;
@@ -222,17 +212,10 @@ fn centre_and_distance(places: &[Vector3<f64>]) -> Option<(Point3<f64>, f64)> {
     if places.len() < 3 {
         return None;
     }
-    let median = |values: &mut Vec<f64>| {
-        let middle = values.len() / 2;
-        *values.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    let mut centre = Vector3::from_fn(|axis, _| {
-        let mut values: Vec<f64> = places.iter().map(|place| place[axis]).collect();
-        median(&mut values)
-    });
+    let mut centre =
+        Vector3::from_fn(|axis, _| median(places.iter().map(|place| place[axis]).collect()));
     let distance = |centre: &Vector3<f64>| {
-        let mut values: Vec<f64> = places.iter().map(|place| (place - centre).norm()).collect();
-        median(&mut values)
+        median(places.iter().map(|place| (place - centre).norm()).collect())
     };
     let near = 1e-6 * distance(&centre);
     for _ in 0..MEDIAN_ITERATIONS {

@@ -7,7 +7,7 @@ use palpate_statistics::evenly_spaced;
 use crate::effective_readings::{
     DistinctContacts, EffectiveReadings, correlation_time, distinct_contacts,
 };
-use crate::patch::{FingerMap, check};
+use crate::patch::{by_finger, check};
 use crate::{
     Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Penalised, Shape, ShapeFit,
     ShapeSettings, StrokeCurvature, stroke_curvature,
@@ -130,15 +130,11 @@ impl IndependentFit {
             let (contacts, extent) = (contacts.len(), 0.0);
             return Err(Ep2Error::Coincident { contacts, extent });
         }
-        let mut strokes: FingerMap<Vec<usize>> = FingerMap::default();
-        for (index, contact) in distinct.contacts.iter().enumerate() {
-            strokes.entry(contact.finger).push(index);
-        }
         let mut log = Log {
             method: &method,
             outward,
             count: contacts.len(),
-            strokes: strokes.iter().cloned().collect(),
+            strokes: by_finger(&distinct.contacts),
             block: distinct.contacts.len().div_ceil(MAX_FITTED),
             distinct,
         };
@@ -268,12 +264,12 @@ impl IndependentFit {
         if self.patch.has_normals() {
             return false;
         }
-        let mut fingers: FingerMap<Vec<Contact>> = FingerMap::default();
-        for contact in &self.contacts {
-            fingers.entry(contact.finger).push(*contact);
-        }
+        let contacts = |rows: Vec<usize>| rows.iter().map(|&row| self.contacts[row]).collect();
+        let fingers = by_finger(&self.contacts)
+            .into_iter()
+            .map(contacts)
+            .collect();
         let by_gap = self.strokes().1;
-        let fingers: Vec<_> = fingers.iter().cloned().collect();
         let is_stroke = |contacts: &Vec<Contact>| stroke_curvature(contacts, outward).is_some();
         let are_two = |strokes: &Vec<_>| strokes.len() == 2 && strokes.iter().all(is_stroke);
         // Noise may leave a gap in a single stroke, so that it seems to be two strokes side by side. Therefore all

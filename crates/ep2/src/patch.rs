@@ -74,6 +74,15 @@ impl<T: Default> FingerMap<T> {
     }
 }
 
+/// The indices of the contacts of each finger, in the order of `contacts`.
+pub(crate) fn by_finger(contacts: &[Contact]) -> Vec<Vec<usize>> {
+    let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
+    for (index, contact) in contacts.iter().enumerate() {
+        fingers.entry(contact.finger).push(index);
+    }
+    fingers.values
+}
+
 /// A contact in the patch's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {

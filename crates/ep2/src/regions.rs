@@ -193,51 +193,40 @@ mod tests {
     use approx::assert_relative_eq;
     use nalgebra::Point3;
 
-    fn map(
-        side: usize,
-        step: f64,
-        curvature: impl Fn(usize, usize) -> (f64, f64),
-    ) -> Vec<MapPoint> {
-        (0..side * side)
-            .map(|index| {
-                let (row, column) = (index / side, index % side);
-                let (gaussian, mean) = curvature(row, column);
-                let spread = (mean * mean - gaussian).max(0.0).sqrt();
-                MapPoint {
-                    position: Point3::new(row as f64 * step, column as f64 * step, 0.0),
-                    normal: Vector3::z(),
-                    curvature: Curvature {
-                        gaussian,
-                        mean,
-                        uncertainty: None,
-                    },
-                    k_min: mean - spread,
-                    k_max: mean + spread,
-                    direction_of_min: Vector3::x(),
-                    direction_of_max: Vector3::y(),
-                    shape_index: None,
-                }
-            })
-            .collect()
+    /// A plane map with a curvature for each row: the Gaussian and the mean curvature.
+    fn map(side: usize, step: f64, of_row: impl Fn(usize) -> [f64; 2]) -> Vec<MapPoint> {
+        let point = |index: usize| {
+            let [x, y] = [index / side, index % side].map(|place| place as f64 * step);
+            let [gaussian, mean] = of_row(index / side);
+            let spread = (mean * mean - gaussian).max(0.0).sqrt();
+            MapPoint {
+                position: Point3::new(x, y, 0.0),
+                normal: Vector3::z(),
+                curvature: Curvature {
+                    gaussian,
+                    mean,
+                    uncertainty: None,
+                },
+                k_min: mean - spread,
+                k_max: mean + spread,
+                direction_of_min: Vector3::x(),
+                direction_of_max: Vector3::y(),
+                shape_index: None,
+            }
+        };
+        (0..side * side).map(point).collect()
     }
 
     #[test]
     fn corners_do_not_connect_and_areas_add_up() {
         // The map is a plane that a ridge divides into two separate regions.
-        let points = map(
-            5,
-            0.5,
-            |row, _| if row == 2 { (0.0, 0.2) } else { (0.0, 0.0) },
-        );
+        let points = map(5, 0.5, |row| [0.0, if row == 2 { 0.2 } else { 0.0 }]);
         let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
         let Regions { of_point, regions } =
             regions(5, &points, &thresholds).expect("finite points");
-        let classes: Vec<_> = regions.iter().map(|region| region.class).collect();
-        assert_eq!(classes.len(), 3);
-        assert_eq!(
-            regions.iter().map(|region| region.points).sum::<usize>(),
-            25
-        );
+        assert_eq!(regions.len(), 3);
+        let count: usize = regions.iter().map(|region| region.points).sum();
+        assert_eq!(count, 25);
         let whole: f64 = regions.iter().map(|region| region.area).sum();
         assert_relative_eq!(whole, 4.0, epsilon = 1e-12);
         let ridge = of_point[12];
@@ -247,17 +236,14 @@ mod tests {
         let direction = regions[ridge].direction_of_max.unwrap();
         assert_relative_eq!(direction.y.abs(), 1.0, epsilon = 1e-12);
         assert_relative_eq!(regions[ridge].coherence, 1.0, epsilon = 1e-12);
-        assert!(
-            regions
-                .iter()
-                .any(|region| region.direction_of_max.is_none())
-        );
+        let mut directions = regions.iter().map(|region| region.direction_of_max);
+        assert!(directions.any(|one| one.is_none()));
     }
 
     #[test]
     fn means_do_not_need_an_area() {
         for (side, step) in [(1, 1.0), (4, 0.0), (4, 1e140), (4, 1e-150)] {
-            let points = map(side, step, |_, _| (0.04, 0.2));
+            let points = map(side, step, |_| [0.04, 0.2]);
             let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
             let Regions { regions, .. } =
                 regions(side, &points, &thresholds).expect("finite points");

@@ -13,7 +13,7 @@ use palpate_statistics::evenly_spaced;
 use crate::chebyshev::{count, products};
 use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
 use crate::noise::{MIN_OUTLIER_STEPS, Resolution};
-use crate::patch::{FingerMap, Sample, sample};
+use crate::patch::{Sample, by_finger, sample};
 use crate::square_quadric::Square;
 use crate::{Contact, Patch, Penalised, ShapeError};
 
@@ -68,6 +68,8 @@ const MAX_RELATIVE_NEIGHBOUR_SHARE: f64 = 1.2;
 /// limit increases by `MAX_SKIPPED_STEP_RATIO` for each skipped contact.
 const MAX_STEP_RATIO: f64 = 3.0;
 const MAX_SKIPPED_STEP_RATIO: f64 = 1.5;
+/// A step out of the surface has at least this share of its length along the normal of the patch.
+const MIN_RISE: f64 = 0.5;
 /// Largest number of successive outliers that the path of a finger skips.
 const MAX_SKIPPED: usize = 30;
 
@@ -89,15 +91,16 @@ impl SoundContacts {
         }
         let resolution = Resolution::new(self.rows.iter().map(|&row| &contacts[row]));
         let all = &self.distinct.contacts;
-        let is_beside_path = beside_paths(all);
+        let mut is_beside_path = beside_paths(all);
         let mut is_outlier = outliers(all, &counts, &is_beside_path, &resolution, outward);
+        for contact in shifted_runs(all, &is_outlier, outward) {
+            (is_beside_path[contact], is_outlier[contact]) = (true, true);
+        }
         let pairs = is_outlier.iter().zip(&is_beside_path);
         let on_path: Vec<bool> = pairs.map(|(one, is_beside)| *one && !is_beside).collect();
         if on_path.contains(&true) && !are_scattered(all, &on_path, outward) {
-            is_outlier
-                .iter_mut()
-                .zip(on_path)
-                .for_each(|(one, is_on_path)| *one &= !is_on_path);
+            let pairs = is_outlier.iter_mut().zip(on_path);
+            pairs.for_each(|(one, is_on_path)| *one &= !is_on_path);
         }
         if !is_outlier.contains(&true) {
             return Ok(self);
@@ -120,10 +123,7 @@ impl SoundContacts {
 /// such a contact is suspect even if other contacts lie close to it. In contacts without an order, the median step is
 /// long too, so there are no jumps, and no contact is beside the path.
 fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
-    let mut fingers: FingerMap<Vec<usize>> = FingerMap::default();
-    for (index, contact) in contacts.iter().enumerate() {
-        fingers.entry(contact.finger).push(index);
-    }
+    let fingers = by_finger(contacts);
     let distance =
         |one: usize, other: usize| (contacts[one].position - contacts[other].position).norm();
     let steps_of = |finger: &Vec<usize>| -> Vec<f64> {
@@ -170,6 +170,30 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
         }
     }
     is_beside
+}
+
+/// The contacts of shifted runs, such as those after a slip of a finger or of its frame. A jump out of the surface
+/// separates a shifted run from the other contacts of its finger, and most contacts of the run are outliers. A bump of
+/// the object has no such jumps.
+fn shifted_runs(contacts: &[Contact], is_outlier: &[bool], outward: &Vector3<f64>) -> Vec<usize> {
+    let patch = Patch::new(&selected(contacts.iter()), outward);
+    let normal = patch.map(|patch| patch.frame.direction_in_world(&Vector3::z()));
+    let normal = normal.unwrap_or_default();
+    let step = |one: usize, next: usize| contacts[next].position - contacts[one].position;
+    let outliers = |run: &[usize]| run.iter().filter(|one| is_outlier[**one]).count();
+    let mut shifted = Vec::new();
+    for finger in by_finger(contacts).iter().filter(|finger| finger.len() > 1) {
+        let lengths = finger.windows(2).map(|pair| step(pair[0], pair[1]).norm());
+        let longest = MAX_STEP_RATIO * median(lengths.collect());
+        let is_path = |one: &usize, next: &usize| {
+            let step = step(*one, *next);
+            step.norm() <= longest || step.dot(&normal).abs() < MIN_RISE * step.norm()
+        };
+        let runs = finger.chunk_by(is_path);
+        let runs = runs.filter(|run| run.len() < finger.len() && 2 * outliers(run) > run.len());
+        shifted.extend(runs.flatten());
+    }
+    shifted
 }
 
 /// Whether outliers are scattered among the other contacts. Contacts that lie together, such as those of a bump, are

@@ -225,6 +225,24 @@ fn outliers_are_left_out_of_any_smooth_surface() {
     assert!(clean <= 36 && 50 * kept <= count && lost <= 36, "{figures}");
 }
 
+/// A finger slips off its path and continues beside it. All contacts after the slip are left out.
+#[test]
+fn contacts_after_a_slip_are_left_out() {
+    let cases = [
+        (Surface::Sphere(25.0), 60..100),
+        (Surface::Saddle(30.0, 0.7), 130..160),
+    ];
+    for (surface, rows) in cases {
+        let exact = surface.strokes(9.0, 4, 100);
+        let mut log = noisy(&mut Random::new(17), &exact, 100, 0.03, None);
+        let moved = log[rows.clone()].iter_mut();
+        moved.for_each(|one| one.position += Vector3::new(1.0, 1.0, 3.0));
+        let sound = SoundContacts::new(&log).unwrap();
+        let sound = sound.without_misfits(&log, &Vector3::z()).unwrap();
+        assert!(sound.outliers.iter().map(|one| one.contact).eq(rows));
+    }
+}
+
 /// In a dense log, outliers are nearer to each other than to the surface.
 #[test]
 fn scattered_outliers_of_dense_logs_are_left_out() {
@@ -265,13 +283,8 @@ fn strokes_are_counted_and_not_fingers() {
         let up = Vector3::z();
         let mut fit = IndependentFit::new(|_| Penalised::default(), log, None, &up).unwrap();
         fit.widen_to_shape(&up, false).unwrap();
-        fit.fit
-            .centre()
-            .unwrap()
-            .curvature
-            .uncertainty
-            .unwrap()
-            .mean_std
+        let centre = fit.fit.centre().unwrap();
+        centre.curvature.uncertainty.unwrap().mean_std
     };
     let three = twelve.iter().map(|contact| Contact {
         finger: contact.finger / 4,
@@ -281,10 +294,8 @@ fn strokes_are_counted_and_not_fingers() {
     let all = std(&twelve);
     let of_three = std(&three.collect::<Vec<_>>());
     let of_lines = std(&lines.copied().collect::<Vec<_>>());
-    assert!(
-        of_three < 1.3 * all && of_lines > 2.0 * all,
-        "{all} {of_three} {of_lines}"
-    );
+    let figures = format!("{all} {of_three} {of_lines}");
+    assert!(of_three < 1.3 * all && of_lines > 2.0 * all, "{figures}");
 }
 
 /// In the log of seven fingers, the contacts alternate between the fingers. Outliers are found by comparison with a
