@@ -1,11 +1,15 @@
 //! Warnings about logs: contacts that were left out or are not independent, and sizes that the contacts do not
 //! determine.
 
-use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, Vector3};
 use palpate_ep2::{
-    Contact, Curvature, EffectiveReadings, Outlier, OutlierReason, Shape, ShapeFit, StrokeCurvature,
+    Contact, Curvature, EffectiveReadings, Outlier, OutlierReason, Patch, Sample, Shape, ShapeFit,
+    StrokeCurvature,
 };
-use palpate_statistics::{NORMAL_95, Number};
+use palpate_statistics::{NORMAL_95, Number, evenly_spaced, ratio_tail};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
@@ -24,17 +28,26 @@ const MAX_RELATIVE_MISFIT: f64 = 0.2;
 /// The normals of contacts contradict a shape if the mean cosine of their angles to the normals of the shape is below
 /// this value.
 const MIN_MEAN_COSINE: f64 = 0.8;
-const GROUP_ITERATIONS: usize = 5;
 
-/// Two groups of contacts cause a warning only if the gap between them, divided by the width of the wider group, is
-/// above this value.
-const MIN_GAP_RATIO: f64 = 0.5;
-/// Two groups of contacts cause a warning only if the gap between them, divided by the largest gap within a group
-/// (between two strokes), is above this value.
-const MIN_GAPS_RATIO: f64 = 2.0;
-/// A group of contacts counts as a line if the ratio of its width to its length is below this value. Width and length
-/// are root mean square distances of the contacts from the centre of the group.
-const MIN_WIDTH_RATIO: f64 = 0.2;
+/// The gap between two groups of contacts has at least this share of the range of all contacts.
+const MIN_GAP: f64 = 0.15;
+/// Smallest ratio of the gap between two groups of contacts to the next largest gap, which is between two strokes.
+const MIN_GAPS_RATIO: f64 = 1.3;
+/// Largest number of contacts with which two groups are compared.
+const MAX_CONTACTS: usize = 2000;
+/// Two groups of contacts count as two objects only if the mean square distance of the contacts from a common surface
+/// exceeds that from separate surfaces by this share of the mean square distance of a group from its own plane.
+const MIN_EXCESS: f64 = 0.02;
+/// Two groups of contacts count as two objects only if the p-value of a common surface is below this value. The limit is
+/// small, because surfaces that are no polynomials fit a common polynomial worse than two polynomials.
+const MAX_P_VALUE: f64 = 1e-4;
+/// Terms of polynomials, as ranges of the terms in [`residual`].
+const IMPLICIT_QUADRIC: Range<usize> = 0..9;
+const PLANE: Range<usize> = 3..6;
+const QUADRIC: Range<usize> = 3..9;
+const CUBIC: Range<usize> = 3..13;
+/// Singular values of a fit count as 0 if they are below this share of the largest one.
+const RANK_TOLERANCE: f64 = 1e-9;
 
 /// Text that lists the rows `rows`; if there are many, only the first of them.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
@@ -123,72 +136,78 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups with a gap that is clearly wider than the gaps within each group. If a group
-/// is a single stroke, a wider gap is accepted, because two strokes may belong to two fingers.
-pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warning> {
-    let place = |contact: &Contact| contact.position.coords;
-    let farthest = |from: Vector3<f64>| {
-        let places = contacts.iter().map(place);
-        places.max_by(|one, other| (one - from).norm().total_cmp(&(other - from).norm()))
-    };
-    let first = farthest(place(contacts.first()?))?;
-    let mut centres = [first, farthest(first)?];
-    let nearer = |contact: &Contact, [one, other]: &[Vector3<f64>; 2]| {
-        usize::from((place(contact) - one).norm() > (place(contact) - other).norm())
-    };
-    for _ in 0..GROUP_ITERATIONS {
-        let (mut sums, mut counts) = ([Vector3::zeros(); 2], [0.0; 2]);
-        for contact in contacts {
-            let group = nearer(contact, &centres);
-            sums[group] += place(contact) - centres[group];
-            counts[group] += 1.0;
-        }
-        if counts.contains(&0.0) {
-            return None;
-        }
-        centres = [0, 1].map(|group| centres[group] + sums[group] / counts[group]);
-    }
-    let axis = centres[1] - centres[0];
-    let axis = axis.try_normalize(0.0)?;
-    let along = |contact: &Contact| axis.dot(&(place(contact) - centres[0]));
-    let mut radius: f64 = 0.0;
-    let mut scatters = [Matrix3::zeros(); 2];
-    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    for contact in contacts {
-        let group = nearer(contact, &centres);
-        let offset = place(contact) - centres[group];
-        radius = radius.max(offset.norm());
-        scatters[group] += offset * offset.transpose();
-        let [low, high] = &mut ends[group];
-        (*low, *high) = (low.min(along(contact)), high.max(along(contact)));
-    }
-    let gap = ends[1][0] - ends[0][1];
-    let widths = ends.map(|[low, high]| high - low);
-    let widest = widths[0].max(widths[1]);
-    let is_line = scatters.iter().any(|scatter| {
-        let mut squares: [f64; 3] = scatter.symmetric_eigenvalues().into();
-        squares.sort_unstable_by(f64::total_cmp);
-        squares[1] <= MIN_WIDTH_RATIO * MIN_WIDTH_RATIO * squares[2]
+/// Warning if the contacts form two groups that are apart and do not lie on one simple surface. The groups are on both
+/// sides of a wide gap along one of four directions. `distinct` is the number of contacts without copies.
+pub(super) fn two_groups(
+    contacts: &[Contact],
+    distinct: usize,
+    unit: LengthUnit,
+) -> Option<Warning> {
+    let selection = evenly_spaced(contacts.len(), MAX_CONTACTS);
+    let contacts: Vec<Contact> = selection.map(|contact| contacts[contact]).collect();
+    let patch = Patch::new(&contacts, &Vector3::z()).ok()?;
+    let samples: Vec<&Sample> = patch.samples.iter().collect();
+    let directions = [0.0, 0.5, 1.0, 1.5].map(|turn| libm::sincos(FRAC_PI_2 * turn));
+    let gaps = directions.into_iter().filter_map(|(sin, cos)| {
+        let mut sorted = samples.clone();
+        let along = |one: &&Sample| one.u * cos + one.v * sin;
+        sorted.sort_unstable_by(|one, other| along(one).total_cmp(&along(other)));
+        let gaps = sorted
+            .windows(2)
+            .map(|pair| along(&pair[1]) - along(&pair[0]));
+        let mut gaps: Vec<(f64, usize)> = gaps.zip(1..).collect();
+        gaps.sort_unstable_by(|one, other| other.0.total_cmp(&one.0));
+        let (gap, split) = *gaps.first()?;
+        let next = gaps.get(1).map_or(0.0, |one| one.0);
+        let range: f64 = gaps.iter().map(|one| one.0).sum();
+        let is_wide = gap > MIN_GAP * range && gap > MIN_GAPS_RATIO * next;
+        (is_wide && are_two_surfaces(sorted.split_at(split), distinct)).then_some(gap)
     });
-    let least = match is_line {
-        true => 2.0 * radius,
-        false if gap > MIN_GAP_RATIO * widest => {
-            let mut places: Vec<f64> = contacts.iter().map(along).collect();
-            places.sort_unstable_by(f64::total_cmp);
-            let mut gaps: Vec<f64> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            gaps.sort_unstable_by(|one, other| other.total_cmp(one));
-            let next = gaps.get(1).copied().unwrap_or(0.0);
-            MIN_GAPS_RATIO * next
+    let gap = patch.frame.scale() * gaps.max_by(f64::total_cmp)?;
+    let (shown, unit) = (Number::rounded(gap), unit.as_str());
+    let text = format!(
+        "the contacts form two groups that are {shown} {unit} apart, and no simple surface fits both: are they of two objects?"
+    );
+    Some(Warning::new("two-groups", text, [("distance", gap)]))
+}
+
+/// Whether separate quadrics through two groups of contacts fit clearly better than one surface through both groups:
+/// a cubic, or an implicit quadric such as an ellipsoid.
+fn are_two_surfaces(groups: (&[&Sample], &[&Sample]), distinct: usize) -> bool {
+    let groups = [groups.0, groups.1];
+    let all = groups.concat();
+    let apart: f64 = groups.map(|group| residual(group, QUADRIC)).iter().sum();
+    let together = residual(&all, CUBIC).min(residual(&all, IMPLICIT_QUADRIC));
+    let bends = groups.map(|group| residual(group, PLANE) / group.len() as f64);
+    let excess = together - apart;
+    let freedom = all.len().min(distinct);
+    let freedom = freedom.saturating_sub(2 * QUADRIC.len());
+    excess > MIN_EXCESS * bends[0].max(bends[1]) * all.len() as f64
+        && ratio_tail(excess, 3, apart, freedom) < MAX_P_VALUE
+}
+
+/// Sum of the squared residuals of heights after a least-squares fit of the polynomial whose terms are `terms`.
+fn residual(samples: &[&Sample], terms: Range<usize>) -> f64 {
+    let heights = DVector::from_iterator(samples.len(), samples.iter().map(|one| one.w));
+    let rows = samples.iter().flat_map(|sample| {
+        let Sample { u, v, w, .. } = **sample;
+        let [uu, vv] = [u * u, v * v];
+        let products = [w * w, u * w, v * w, 1.0, u, v, uu, u * v, vv];
+        let cubic = [uu * u, uu * v, u * vv, vv * v];
+        let all: Vec<f64> = products.into_iter().chain(cubic).collect();
+        all[terms.clone()].to_vec()
+    });
+    let rows: Vec<f64> = rows.collect();
+    let svd = DMatrix::from_row_slice(samples.len(), terms.len(), &rows).svd(true, false);
+    let least = RANK_TOLERANCE * svd.singular_values.max();
+    let mut left = heights.clone();
+    let vectors = svd.u.iter().flat_map(|vectors| vectors.column_iter());
+    for (vector, value) in vectors.zip(&svd.singular_values) {
+        if *value > least {
+            left.axpy(-vector.dot(&heights), &vector, 1.0);
         }
-        false => f64::INFINITY,
-    };
-    (gap > least && gap.is_finite()).then(|| {
-        let (shown, unit) = (Number::rounded(gap), unit.as_str());
-        let text = format!(
-            "the contacts form two groups that are {shown} {unit} apart: are they of two objects?"
-        );
-        Warning::new("two-groups", text, [("distance", gap)])
-    })
+    }
+    left.norm_squared()
 }
 
 /// Warnings about a fitted shape. A single stroke (`is_stroke`) does not bound the radius of the shape.
@@ -219,12 +238,8 @@ pub(super) fn shape_warnings(
     // probability is below this value.
     let limit = match fit.shape {
         Shape::Plane => {
-            let kinds = if contacts.iter().any(|one| one.normal.is_some()) {
-                3.0
-            } else {
-                1.0
-            };
-            let equations = kinds * fit.readings.effective();
+            let has_normals = contacts.iter().any(|one| one.normal.is_some());
+            let equations = if has_normals { 3.0 } else { 1.0 } * fit.readings.effective();
             MIN_PROBABILITY.min(1.0 / (1.0 + libm::exp(0.5 * 3.84) / equations.sqrt()))
         }
         Shape::Sphere | Shape::Cylinder => MIN_PROBABILITY,
