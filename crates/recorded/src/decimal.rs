@@ -15,14 +15,15 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err(format!("must be finite, is {text}")),
         Err(_) if text.is_empty() => Err("is empty".to_owned()),
+        Err(_) if text.contains(':') => Err(format!("`{text}` is a time of day; write seconds")),
         Err(_) => Err(format!("`{text}` is not a number")),
     }
 }
 
 /// Whether a field states that its number is missing. Lost readings have such fields.
 pub(super) fn is_missing(text: &str) -> bool {
-    let text = text.trim_start_matches(['+', '-']);
-    let mut words = ["", "nan", "na", "n/a", "#n/a", "null", "none"].into_iter();
+    let text = text.trim_start_matches(['+', '-', '#']);
+    let mut words = ["", "nan", "inf", "infinity", "na", "n/a", "null", "none"].into_iter();
     words.any(|word| word.eq_ignore_ascii_case(text))
 }
 

@@ -44,7 +44,7 @@ impl RecordedFile {
     pub fn new(name: impl Into<String>, bytes: Vec<u8>) -> Self {
         Self {
             name: name.into(),
-            bytes,
+            bytes: without_nan(bytes),
             form: Form::default(),
         }
     }
@@ -54,13 +54,14 @@ impl RecordedFile {
     /// # Errors
     /// [`RecordedError::File`] if the file does not exist or cannot be read.
     pub fn read(path: &Path) -> Result<Self, RecordedError> {
-        let file = Self::new(path.display().to_string(), Vec::new());
+        let name = path.display().to_string();
+        let file = Self::new(name.clone(), Vec::new());
         let bytes = read_limited(path, MAX_MIB).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => file.error("no such file"),
             std::io::ErrorKind::IsADirectory => file.error("is a directory, not a file"),
             _ => file.error(format!("cannot be read: {error}")),
         })?;
-        Ok(Self { bytes, ..file })
+        Ok(Self::new(name, bytes))
     }
 
     /// Reads a stream, such as standard input, to its end. `name` is the name of the stream in messages.
@@ -100,7 +101,9 @@ impl RecordedFile {
             return Err(self.error(*message));
         }
         if bytes.contains(&0) {
-            return Err(self.error("has bytes 0, as text in UTF-16 has; save it as UTF-8"));
+            return Err(
+                self.error("has bytes 0, so it is UTF-16 text or no text; save it as UTF-8")
+            );
         }
         let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;
         if text.trim().is_empty() {
@@ -119,4 +122,32 @@ impl RecordedFile {
             ))
         })
     }
+}
+
+/// Replaces the tokens that Python writes into JSON for numbers that are not finite by empty texts of the same length.
+/// JSON has no such tokens. Rows with empty texts are left out.
+fn without_nan(mut bytes: Vec<u8>) -> Vec<u8> {
+    let first = bytes.iter().find(|byte| !byte.is_ascii_whitespace());
+    if !matches!(first, Some(b'{' | b'[')) {
+        return bytes;
+    }
+    let tokens: [&[u8]; 3] = [b"NaN", b"Infinity", b"-Infinity"];
+    let (mut is_text, mut place) = (false, 0);
+    while place < bytes.len() {
+        match bytes[place] {
+            b'\\' if is_text => place += 1,
+            b'"' => is_text = !is_text,
+            b'N' | b'I' | b'-' if !is_text => {
+                let rest = &mut bytes[place..];
+                if let Some(token) = tokens.iter().find(|token| rest.starts_with(token)) {
+                    rest[..token.len()].fill(b' ');
+                    rest[..2].fill(b'"');
+                    place += token.len() - 1;
+                }
+            }
+            _ => {}
+        }
+        place += 1;
+    }
+    bytes
 }

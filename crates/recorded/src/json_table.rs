@@ -254,8 +254,8 @@ fn sequence<'a>(
     let is_list = text.all.trim_start().starts_with('[');
     let lines = || text.rows_after(0).map(|(row, line)| (row.trim(), line));
     let rows = if is_list {
-        let rows: Vec<&RawValue> = serde_json::from_str(text.all)
-            .map_err(|error| no_json(file, text.line, text.all, &error))?;
+        let rows: Vec<&RawValue> =
+            serde_json::from_str(text.all).map_err(|error| no_json(file, text.line, &error))?;
         let is_one_line = lines().nth(1).is_none();
         let mut rest = text;
         let row = |(row, number): (&&'a RawValue, usize)| {
@@ -267,7 +267,7 @@ fn sequence<'a>(
         let mut rows = Vec::new();
         for (line, number) in lines() {
             for row in serde_json::Deserializer::from_str(line).into_iter::<&RawValue>() {
-                let row = row.map_err(|error| no_json(file, number, line, &error))?;
+                let row = row.map_err(|error| no_json(file, number, &error))?;
                 rows.push((row.get(), number));
             }
         }
@@ -303,7 +303,7 @@ fn value(
     line: usize,
     row: &str,
 ) -> Result<Json, RecordedError> {
-    let row = serde_json::from_str(row).map_err(|error| no_json(file, line, row, &error))?;
+    let row = serde_json::from_str(row).map_err(|error| no_json(file, line, &error))?;
     let Some(names) = names else {
         return Ok(row);
     };
@@ -523,23 +523,8 @@ fn is_of_axis(name: &str) -> bool {
 
 const NEEDED: &str = "a list of objects is needed, or an object per line";
 
-fn no_json(
-    file: &RecordedFile,
-    line: usize,
-    text: &str,
-    error: &serde_json::Error,
-) -> RecordedError {
-    let skipped = error.line().saturating_sub(1);
-    let (mut lines, line) = (text.lines().skip(skipped), line + skipped);
-    let before = error.column().saturating_sub(1);
-    let rest = lines.next().and_then(|line| line.get(before..));
-    let is_no_number = |name: &&str| rest.is_some_and(|rest| rest.starts_with(*name));
-    if let Some(name) = ["NaN", "Infinity"].into_iter().find(is_no_number) {
-        return file.fail(
-            line,
-            format!("`{name}` is no number of JSON; leave such rows out"),
-        );
-    }
+fn no_json(file: &RecordedFile, line: usize, error: &serde_json::Error) -> RecordedError {
+    let line = line + error.line().saturating_sub(1);
     let message = error.to_string();
     let message = message.split(" at line ").next().unwrap_or_default();
     let place = match error.column() {

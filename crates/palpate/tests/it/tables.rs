@@ -156,7 +156,8 @@ fn units_come_from_the_header_or_the_option() {
 
 const NO_ROLLS: &str = r#"
 2.125 => 2,125 | - | :2 | decimal signs
-2.125 => inf | - | :2 | column `shift_u_mm`: must be finite, is inf
+2.125 => 1e999 | - | :2 | column `shift_u_mm`: must be finite, is 1e999
+2.125 => 12:00:01 | - | :2 | column `shift_u_mm`: `12:00:01` is a time of day; write seconds
 0.3,0,-0.25 => 17.2,0,-0.25 | - | - | probe 1 turned by 17.2 rad, 80.4 times as far as on a plane
 rotation_x_rad,rotation_y_rad => rotation_x_mrad,rotation_y_mrad | - | - | the contact moved 
 0,0,-0.3 => 0.5,0,-0.3 | - | :2 | column `probe`: must be a whole number from 0
@@ -243,7 +244,7 @@ fn invalid_tables_are_refused_with_the_line() {
     refuses(|table, form| press(table, form), "", NO_PRESSES);
     for (bytes, words) in [
         (&b"probe\n\xb5m"[..], "byte 0xb5 in line 2"),
-        (b"\xff\xfep\0r", "has bytes 0, as text in UTF-16 has"),
+        (b"\xff\xfep\0r", "has bytes 0, so it is UTF-16"),
     ] {
         let error = roll(bytes, Form::default()).unwrap_err();
         assert!(
