@@ -134,7 +134,7 @@ impl<'a> Header<'a> {
         })
     }
 
-    fn place(&self, column: &Column) -> Result<Option<Place>, String> {
+    pub(super) fn place(&self, column: &Column) -> Result<Option<Place>, String> {
         match self.assigned(column) {
             Some((key, name, unit)) => self.assigned_place(column, key, name, unit).map(Some),
             None => self.own_place(column),

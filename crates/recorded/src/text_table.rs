@@ -195,7 +195,8 @@ impl<'a> TextTable<'a> {
             Delimiter::ALL.into_iter().any(|delimiter| {
                 let header: Vec<String> = names(*text, row, delimiter);
                 let header = Header::new(&header, &self.file.form.columns);
-                columns.iter().filter(|column| header.has(column)).count() > 1
+                let has = |column: &&Column| matches!(header.place(column), Ok(Some(_)));
+                columns.iter().filter(has).count() > 1
             })
         };
         let mut rows = text.rows_after(self.header_line).take(MAX_TITLE_LINES);

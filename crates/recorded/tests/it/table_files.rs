@@ -238,6 +238,9 @@ fn columns_are_proposed_by_their_quantity() {
     let both =
         ["old_tip_", "new_tip_"].map(|place| format!("setting `columns` '{}'", contacts(place)));
     assert!(error.ends_with(&both.join(" or ")), "{error}");
+    // A row of numbers is no header, also if the setting `columns` is given.
+    let error = glide("a,b,c\n1,2,3\n", "x=a,y=b").unwrap_err();
+    assert!(!error.contains("names columns"), "{error}");
 }
 
 /// The radius of a tip is a single number beside the arrays, or a column with a unit.
