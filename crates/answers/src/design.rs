@@ -15,6 +15,7 @@
 
 use std::cell::Cell;
 
+use palpate_report::Stretch;
 use palpate_study::config::Study;
 use palpate_sweep::{Clock, Runner};
 
@@ -23,7 +24,7 @@ use crate::error::AnswerError;
 use crate::grid::{combinations, neighbours};
 use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
-use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
+use crate::search::{Curves, ScoreRequest, Search, Side, search};
 
 /// Number of trials at the best tested value if no value meets the target. This number is large, so that the answer can
 /// state accurately how far the best value misses the target.
@@ -41,7 +42,7 @@ const REFINEMENTS: usize = 3;
 ///
 /// ```
 /// use std::time::Instant;
-/// use palpate_answers::{Answer, Extreme, Question, Side, Sought, design};
+/// use palpate_answers::{Answer, Extreme, Question, Sought, design};
 /// use palpate_study::config::parse;
 /// use palpate_sweep::{RunOptions, Runner};
 ///
@@ -63,7 +64,7 @@ const REFINEMENTS: usize = 3;
 /// let question = Question::new(target, vec![noise.parse()?], None)?;
 /// let region = design(&study, &question, &runner, &|| start.elapsed(), &|_, _| ())?;
 /// let [meets, misses] = region.columns[0].runs[..] else { panic!("{}", region.lines()[0]) };
-/// assert!(meets.side == Side::Meets && meets.to < misses.from && misses.from < 1.06 * meets.to);
+/// assert!(meets.meets && meets.to < misses.from && misses.from < 1.06 * meets.to);
 ///
 /// // Two objects, and the largest noise that still meets the target.
 /// let fields = vec!["scene.object.radius=20,60".parse()?, noise.parse()?];
@@ -207,7 +208,7 @@ impl Searches<'_> {
 
 /// Whether the value `value` of the searched field meets or misses the target. Each range in `runs` contains only
 /// values that meet the target, or only values that miss it. `None` if no range contains `value`.
-fn side_of(runs: &[Run], value: f64) -> Option<Side> {
+fn side_of(runs: &[Stretch], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
-    run.map(|run| run.side)
+    run.map(Side::from)
 }

@@ -1,7 +1,7 @@
 //! The result of `distinguish`: how reliably the estimates put objects in the order of their true values. It is output
 //! as sentences, table, JSON and figure.
 
-use palpate_report::{Figure, Heat, HeatPanel, ReportError, heat_figure};
+use palpate_report::{AnswerChart, AnswerFigure, Figure, HeatPanel, ReportError, answer_figure};
 use palpate_study::config::Study;
 use palpate_study::{Label, Quantity, Table, label, number};
 use palpate_sweep::{Order, Repeats, TrialMeans};
@@ -342,15 +342,17 @@ impl Answer for Discrimination {
             .iter()
             .map(|column| Label::of_field(column).words)
             .collect();
-        heat_figure(&Heat {
+        answer_figure(&AnswerFigure {
             name: name.to_owned(),
             title: title.to_owned(),
             subtitle: format!(
                 "Share of pairs of single trials with {right}; {} trials of each object.",
                 number::grouped(most.unwrap_or(0))
             ),
-            axis: objects.join(", "),
-            panels: self.groups.iter().map(panel).collect(),
+            chart: AnswerChart::Heat {
+                axis: objects.join(", "),
+                panels: self.groups.iter().map(panel).collect(),
+            },
             notes: vec![format!("A failed trial counts as wrong{equal}.")],
         })
     }

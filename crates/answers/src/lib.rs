@@ -41,7 +41,6 @@ pub use error::AnswerError;
 pub use field::Field;
 pub use question::{Extreme, Question, Sought};
 pub use region::{Best, Region, RegionColumn};
-pub use search::{Run, Side};
 pub use sensitivity::{FieldEffect, Sensitivity, sensitivity};
 
 /// The result of [`design`], [`distinguish`] or [`sensitivity`], in the forms in which it can be output.

@@ -3,7 +3,7 @@
 
 use std::cmp::Ordering;
 
-use palpate_report::{Figure, ReportError};
+use palpate_report::{Figure, ReportError, Stretch};
 use palpate_scene::quantities_of;
 use palpate_study::config::Study;
 use palpate_study::{Bound, Table, Target};
@@ -14,7 +14,7 @@ use crate::cell_trials::TrialCounts;
 use crate::error::{AnswerError, MAX_CELLS};
 use crate::field::Field;
 use crate::question::{Extreme, Question, Sought};
-use crate::search::{EndReason, Run, Side};
+use crate::search::{EndReason, Side};
 
 /// The values of one or several fields that together meet a target.
 ///
@@ -52,7 +52,7 @@ pub struct RegionColumn {
     pub(crate) points: Vec<DesignPoint>,
     /// Ranges of neighbouring values of the searched field that all meet or all miss the target, in ascending order.
     /// For listed values, the ranges contain the indices of the values.
-    pub runs: Vec<Run>,
+    pub runs: Vec<Stretch>,
     /// Number of range ends that fresh trials (trials that the search had not used) did not confirm at the first
     /// attempt. The ranges were shortened at these ends.
     pub narrowed: usize,
@@ -102,8 +102,8 @@ pub struct Best<'a> {
 
 impl RegionColumn {
     /// The ranges of the searched field whose values all meet the target, or all miss it, as `side` states.
-    pub fn on(&self, side: Side) -> impl Iterator<Item = &Run> {
-        self.runs.iter().filter(move |run| run.side == side)
+    pub(crate) fn on(&self, side: Side) -> impl Iterator<Item = &Stretch> {
+        self.runs.iter().filter(move |run| Side::from(*run) == side)
     }
 
     pub(crate) fn samples(&self) -> impl Iterator<Item = &Sample> {

@@ -1,15 +1,14 @@
 //! Makes the figure of a [`Region`], which is the answer of `palpate design`.
 
 use palpate_report::{
-    CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
-    MapPanel, ReportError, Stretch, design_figure,
+    AnswerChart, AnswerFigure, CurveLine, CurvePoint, FieldAxis, Figure, MapPanel, ReportError,
+    answer_figure,
 };
 use palpate_statistics::Number;
 use palpate_study::number;
 
 use crate::field::Field;
 use crate::region::{DesignPoint, Region, RegionColumn, Sample};
-use crate::search::Side;
 use crate::words::settings_in_words;
 
 /// If a study has at most this number of cells, the figure has one line per cell. Otherwise, a single line shows the
@@ -24,20 +23,19 @@ impl Region {
     pub(crate) fn region_figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
         let mut notes = vec![self.sentence()];
         let chart = match self.grid.split_last() {
-            Some((last, further)) => DesignChart::Map(self.map(last, further)),
-            None => DesignChart::Curve(self.curve(&mut notes)),
+            Some((last, further)) => self.map(last, further),
+            None => self.curve(&mut notes),
         };
-        design_figure(&DesignFigure {
+        answer_figure(&AnswerFigure {
             name: name.to_owned(),
             title: title.to_owned(),
             subtitle: format!("Target: {}.", self.target_in_words()),
             notes,
-            searched: axis(&self.searched),
             chart,
         })
     }
 
-    fn map(&self, last: &Field, further: &[Field]) -> DesignMap {
+    fn map(&self, last: &Field, further: &[Field]) -> AnswerChart {
         let is_beside = |one: &RegionColumn, other: &RegionColumn| {
             one.at[..further.len()] == other.at[..further.len()]
         };
@@ -56,7 +54,7 @@ impl Region {
             MapPanel {
                 title: words.collect::<Vec<_>>().join(", "),
                 columns: columns
-                    .map(|column| (column.at[further.len()], stretches(column)))
+                    .map(|column| (column.at[further.len()], column.runs.clone()))
                     .collect(),
                 best: here.map(|(column, value)| (column.at[further.len()], value)),
             }
@@ -67,14 +65,15 @@ impl Region {
             format!("{} {}", sought.extreme.words()[0], field.label.words)
         });
         let is_marked = panels.iter().any(|panel| panel.best.is_some());
-        DesignMap {
+        AnswerChart::Map {
+            searched: axis(&self.searched),
             other: axis(last),
             panels,
             best: words.filter(|_| is_marked),
         }
     }
 
-    fn curve(&self, notes: &mut Vec<String>) -> DesignCurve {
+    fn curve(&self, notes: &mut Vec<String>) -> AnswerChart {
         let (column, statistic) = (&self.columns[0], self.label());
         let line = |label: String, sample_of: &dyn Fn(&DesignPoint) -> Option<Sample>| {
             let points = column.points.iter().filter_map(|point| {
@@ -116,22 +115,14 @@ impl Region {
             ));
         }
         let limit = self.question.target.limit;
-        DesignCurve {
+        AnswerChart::Curve {
+            searched: axis(&self.searched),
             limit: (limit, statistic.value(&Number(limit).to_string())),
             statistic,
             lines,
-            runs: stretches(column),
+            runs: column.runs.clone(),
         }
     }
-}
-
-fn stretches(column: &RegionColumn) -> Vec<Stretch> {
-    let runs = column.runs.iter().map(|run| Stretch {
-        from: run.from,
-        to: run.to,
-        meets: run.side == Side::Meets,
-    });
-    runs.collect()
 }
 
 fn axis(field: &Field) -> FieldAxis {

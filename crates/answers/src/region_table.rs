@@ -120,7 +120,7 @@ impl Region {
             for run in &column.runs {
                 let ends = [run.from, run.to].map(|value| field.text(value));
                 let row = self.grid_texts(column).chain(ends);
-                let row = row.chain([verdict(Some(run.side)).to_owned()]);
+                let row = row.chain([verdict(Some(run.into())).to_owned()]);
                 table.rows.push(row.collect());
             }
         }

@@ -1,11 +1,12 @@
 //! The answer of `palpate design` (a region of values that meet the target) in sentences.
 
+use palpate_report::Stretch;
 use palpate_statistics::Number;
 use palpate_study::{Bound, Label, Statistic, number};
 
 use crate::question::Sought;
 use crate::region::{Best, DesignPoint, Region, RegionColumn, Sample};
-use crate::search::{EndReason, Run, Side};
+use crate::search::{EndReason, Side};
 use crate::words::{DIGITS, capitalized, joined, percent, settings_in_words};
 
 const ERROR_DIGITS: usize = 1;
@@ -272,7 +273,7 @@ impl Region {
         }
     }
 
-    fn run(&self, run: &Run) -> String {
+    fn run(&self, run: &Stretch) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         if field.is_listed() || run.from == run.to {
             return field.value(run.from);

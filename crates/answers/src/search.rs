@@ -16,15 +16,15 @@ mod verify;
 
 use std::time::Duration;
 
+use palpate_report::Stretch;
 use palpate_sweep::Clock;
 
 use limits::{Effort, Rules};
 
 pub(crate) use explore::EndReason;
 pub(crate) use explore::SearchRange;
-pub use points::Side;
+pub(crate) use points::Side;
 pub(crate) use span::Span;
-pub use verify::Run;
 
 /// Scores of one cell of the study for the two conditions of a target. A score is the number of standard errors by
 /// which the condition is met; it is negative if the condition is missed. The first condition limits the statistic, the
@@ -87,7 +87,7 @@ pub(crate) struct SearchResult {
     pub(crate) tested: Vec<TestedValue>,
     /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. It is undecided whether
     /// values between two ranges meet the target.
-    pub(crate) runs: Vec<Run>,
+    pub(crate) runs: Vec<Stretch>,
     /// Number of range ends that fresh trials (trials that the search has not used) did not confirm at the first
     /// attempt. Each such end was moved inwards, or its range was dropped.
     pub(crate) narrowed: usize,

@@ -1,6 +1,6 @@
 //! Finds the numeric field of a scene that changes the error of an estimate most.
 
-use palpate_report::{Bars, Figure, ReportError, bar_figure};
+use palpate_report::{AnswerChart, AnswerFigure, Figure, ReportError, answer_figure};
 use palpate_scene::{Scene, Scenes, SharedModels, quantities_of};
 use palpate_study::config::{ConfigError, Study, Takes};
 use palpate_study::{Label, Quantity, Table, number};
@@ -385,7 +385,7 @@ impl Answer for Sensitivity {
             let words = Label::of_field(&one.column).words;
             (words, one.effect, one.effect_std)
         });
-        bar_figure(&Bars {
+        answer_figure(&AnswerFigure {
             name: name.to_owned(),
             title: title.to_owned(),
             subtitle: format!(
@@ -393,8 +393,10 @@ impl Answer for Sensitivity {
                 self.quantity.words,
                 number::grouped(self.trials)
             ),
-            axis: "change of the error per 1 % of the field (%)".to_owned(),
-            bars: bars.collect(),
+            chart: AnswerChart::Bars {
+                axis: "change of the error per 1 % of the field (%)".to_owned(),
+                bars: bars.collect(),
+            },
             notes: vec!["Lines: 95 % intervals of the Monte Carlo error.".to_owned()],
         })
     }

@@ -63,15 +63,14 @@ impl SceneTarget {
     }
 
     fn estimate(&self, scene: &Scene, batches: &Batches) -> Option<Estimate> {
-        let estimate = batches.estimate(|all| self.statistic(scene, all))?;
+        let mut estimate = batches.estimate(|all| self.statistic(scene, all))?;
         let truth = batches.statistics().quantities[self.place].truth;
-        Some(match (self.target.statistic, truth) {
-            (Statistic::Q05 | Statistic::Q50 | Statistic::Q95, Some(truth)) => {
-                let distance = (estimate.value - truth).abs();
-                estimate.with_resolution(distance * QUANTILE_RESOLUTION)
-            }
-            _ => estimate,
-        })
+        if let (Statistic::Q05 | Statistic::Q50 | Statistic::Q95, Some(truth)) =
+            (self.target.statistic, truth)
+        {
+            estimate.resolution = (estimate.value - truth).abs() * QUANTILE_RESOLUTION;
+        }
+        Some(estimate)
     }
 
     fn statistic(&self, scene: &Scene, all: &CellStatistics) -> Option<f64> {

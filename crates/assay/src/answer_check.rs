@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use palpate::{
-    Order, Question, Region, RunOptions, Runner, SceneTrial, Scenes, Side, design, distinguish,
-    parse,
+    Order, Question, Region, RunOptions, Runner, SceneTrial, Scenes, design, distinguish, parse,
 };
 
 use crate::answer_scenes::{DESIGNS, Design, OBJECTS, Objects};
@@ -124,7 +123,7 @@ pub fn check(scores: &[Score]) -> Result<()> {
 fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     let ask = |seed: u64, gap: f64| -> Result<Region> {
         let mut study = parse(scene.name, scene.config)?;
-        study.override_seed(seed)?;
+        study.override_numbers(Some(seed), None)?;
         let mut question = Question::new(scene.target.parse()?, vec![scene.vary.parse()?], None)?;
         question.gap = gap;
         question.most_trials = 1 << 32;
@@ -149,16 +148,16 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
 /// values that miss it. At both ends of each range, the reference answer must not state the opposite.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
-    let is_wrong = |value: f64, side: Side| {
+    let is_wrong = |value: f64, meets: bool| {
         let mut runs = reference.runs.iter();
-        runs.any(|run| run.side != side && (run.from..=run.to).contains(&value))
+        runs.any(|run| run.meets != meets && (run.from..=run.to).contains(&value))
     };
     let mut ends = answer
         .runs
         .iter()
-        .flat_map(|run| [(run.from, run.side), (run.to, run.side)]);
-    [Side::Meets, Side::Misses].map(|side| answer.on(side).next().is_some()) == [true; 2]
-        && !ends.any(|(value, side)| is_wrong(value, side))
+        .flat_map(|run| [(run.from, run.meets), (run.to, run.meets)]);
+    [true, false].map(|meets| answer.runs.iter().any(|run| run.meets == meets)) == [true; 2]
+        && !ends.any(|(value, meets)| is_wrong(value, meets))
 }
 
 /// Checks each probability that `distinguish` estimates; there is one for each pair of objects and seed. It is compared
@@ -167,7 +166,7 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
     let (config, radii) = (scene.config, scene.radii);
     let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");
     let mut study = parse(scene.name, &format!("{config}{sweep}"))?;
-    study.override_trials(scene.trials)?;
+    study.override_numbers(None, Some(scene.trials))?;
     let mut fresh = Vec::new();
     for cell in 0..study.cell_count() {
         let trial = SceneTrial {
@@ -187,7 +186,7 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
         right: 0,
     };
     for seed in 0..options.seeds {
-        study.override_seed(seed)?;
+        study.override_numbers(Some(seed), None)?;
         let answer = distinguish(&study, Some(scene.quantity), 0.95, runner, &|_, _| ())?;
         for group in &answer.groups {
             for pair in &group.pairs {

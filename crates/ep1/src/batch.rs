@@ -77,7 +77,7 @@ impl Moments {
 
     /// Adds the reading of a probe of `radius` to the sums.
     #[inline]
-    pub fn add(&mut self, radius: f64, reading: &ProbeReading) {
+    pub(crate) fn add(&mut self, radius: f64, reading: &ProbeReading) {
         let rotation = ProbeRotation::new(radius, &reading.rotation);
         self.add_shifts(&rotation, [reading.shift.x, reading.shift.y]);
     }

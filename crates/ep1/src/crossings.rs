@@ -89,7 +89,6 @@ pub(crate) fn crossings(
     for pair in runs.windows(2) {
         let [before, after] = [pair[0], pair[1]];
         let between = after.centre - before.centre;
-        let pairs = cell.edges() / 2;
         let distances = cell.normals().map(|normal| normal.dot(&between));
         let furthest = distances.fold(0.0, f64::max);
         for normal in cell.normals() {
@@ -97,7 +96,7 @@ pub(crate) fn crossings(
             // If two square pads lie in different columns, the contact must cross an edge between columns; if they lie
             // in different rows, it must also cross an edge between rows. Between hexagonal pads, it must cross only
             // the edge along whose normal their centres are farthest apart (two edges, if both distances are equal).
-            let is_crossed = match pairs {
+            let is_crossed = match cell.pairs() {
                 2 => distance > 0.5 * pitch,
                 _ => distance > furthest - 1e-6 * pitch && distance > 0.5 * pitch,
             };

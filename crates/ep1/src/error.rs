@@ -75,13 +75,6 @@ pub enum Ep1Error {
     OutOfRange,
 }
 
-impl Ep1Error {
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
-}
-
 fn unresolved(direction_rad: f64, radius_below: Option<f64>) -> String {
     let direction = direction_rad.to_degrees();
     let bound = match radius_below {

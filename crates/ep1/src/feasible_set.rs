@@ -425,7 +425,7 @@ fn multiply_areas(
     }
     for (node, area) in areas.iter_mut().enumerate() {
         let mut slack: [f64; 6] = std::array::from_fn(|edge| slacks[edge][node]);
-        *area *= match (is_start_known, cell.edges()) {
+        *area *= match (is_start_known, 2 * cell.pairs()) {
             (true, _) => f64::from(u8::from(slack.iter().all(|slack| *slack >= 0.0))),
             (false, 4) => {
                 let [u, v] = [slack[0] + slack[2], slack[1] + slack[3]];

@@ -297,7 +297,11 @@ impl LeastSquares {
         let rotations = rotations.map(|one| (one.x * along.y - one.y * along.x).abs());
         let rotation = rotations.fold(0.0, f64::max);
         // On square pads, the contact can move furthest along a diagonal.
-        let resolution = PadCell::square(self.noise.shift_resolution).chord(&along);
+        let square = PadCell {
+            pitch: self.noise.shift_resolution,
+            is_hexagonal: false,
+        };
+        let resolution = square.chord(&along);
         let relative_above = rotation / resolution;
         let radius_below = 1.0 / (relative_above - 1.0 / self.radius);
         let known = radius_below > 0.0 && radius_below.is_finite();

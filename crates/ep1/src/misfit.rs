@@ -237,11 +237,9 @@ impl<'r> Refit<'r> {
                 (self.chi_squared - explained.fall).max(0.0),
                 self.freedom.saturating_sub(explained.freedom),
             );
-            let p_value = match is_noise_stated && !others.is_poor() {
-                true => explained.p_value(),
-                false => explained.p_value_beside(self.chi_squared, self.freedom),
-            };
-            (probe, p_value)
+            let is_known = is_noise_stated && !others.is_poor();
+            let estimated = (!is_known).then_some((self.chi_squared, self.freedom));
+            (probe, explained.p_value(estimated))
         }))
     }
 }

@@ -72,7 +72,7 @@ impl BoundedRoll {
     ) -> Option<Self> {
         let samples = &series.samples;
         let mobility = shape.relative().try_inverse()?;
-        let mut edges = edge_samples(samples, runs, cell.pitch() / radius, cell, &mobility);
+        let mut edges = edge_samples(samples, runs, cell.pitch / radius, cell, &mobility);
         let turned = samples.last()?.rotation;
         // The contact's path is computed at the sample of each bound. If the path bends, it is also computed at samples
         // in between, to limit the path's error.

@@ -75,34 +75,20 @@ impl RollSeries {
 /// use nalgebra::Vector2;
 /// use palpate_ep1::PadCell;
 ///
-/// let cell = PadCell::hexagonal(1.0);
+/// let cell = PadCell { pitch: 1.0, is_hexagonal: true };
 /// assert!(cell.contains(&Vector2::new(0.49, 0.0)) && !cell.contains(&Vector2::new(0.51, 0.0)));
 /// assert!(cell.contains(&Vector2::new(0.0, 0.57)) && !cell.contains(&Vector2::new(0.0, 0.58)));
 /// assert!((cell.chord(&Vector2::new(0.0, 1.0)) - 2.0 / 3.0_f64.sqrt()).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadCell {
-    pitch: f64,
-    /// Number of pairs of opposite edges: 2 for squares, 3 for hexagons.
-    pairs: usize,
+    /// Distance between neighbouring pads.
+    pub pitch: f64,
+    /// Whether the pad is a hexagon, whose neighbours form rows along u, instead of a square with edges along u and v.
+    pub is_hexagonal: bool,
 }
 
 impl PadCell {
-    /// A square pad with edges along u and v. `pitch` is the distance between neighbouring pads.
-    pub const fn square(pitch: f64) -> Self {
-        Self { pitch, pairs: 2 }
-    }
-
-    /// A hexagonal pad, whose neighbours form rows along u. `pitch` is the distance between neighbouring pads.
-    pub const fn hexagonal(pitch: f64) -> Self {
-        Self { pitch, pairs: 3 }
-    }
-
-    /// Distance between neighbouring pads.
-    pub const fn pitch(&self) -> f64 {
-        self.pitch
-    }
-
     /// Whether the pad contains `place`, which is relative to the centre of the pad.
     pub fn contains(&self, place: &Vector2<f64>) -> bool {
         let half = 0.5 * self.pitch;
@@ -115,20 +101,20 @@ impl PadCell {
         self.pitch / across.fold(0.0, f64::max)
     }
 
-    /// Number of edges of the pad.
-    pub(crate) const fn edges(&self) -> usize {
-        2 * self.pairs
+    /// Number of pairs of opposite edges.
+    pub(crate) const fn pairs(&self) -> usize {
+        if self.is_hexagonal { 3 } else { 2 }
     }
 
     /// Unit normals of the edges, in the order of their angles. Each edge is half a pitch away from the centre of the
     /// pad.
     pub(crate) fn normals(&self) -> impl Iterator<Item = Vector2<f64>> + use<> {
         let half_root = 0.5 * 3.0_f64.sqrt();
-        let all = match self.pairs {
-            2 => [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
-            _ => [[1.0, 0.0], [0.5, half_root], [-0.5, half_root]],
+        let all = match self.is_hexagonal {
+            false => [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
+            true => [[1.0, 0.0], [0.5, half_root], [-0.5, half_root]],
         };
-        let pairs = self.pairs;
+        let pairs = self.pairs();
         (0..2 * pairs).map(move |edge| {
             let sign = if edge < pairs { 1.0 } else { -1.0 };
             Vector2::from(all[edge % pairs]) * sign
@@ -165,7 +151,7 @@ pub struct SeriesNoise {
 
 impl SeriesNoise {
     /// Whether the rotations have no noise.
-    pub fn is_exact(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         *self == Self::default()
     }
 }

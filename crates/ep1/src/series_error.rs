@@ -74,10 +74,3 @@ pub enum SeriesError {
     #[error("the contact moved against the direction of the rolls: this is not a rolling contact")]
     NotRolling,
 }
-
-impl SeriesError {
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
-}

@@ -317,7 +317,7 @@ impl Problem<'_> {
             let spin = spin.map_or(0.0, |last| last.rotation.z.abs());
             let (mut all, start_std) = match self.places {
                 Places::Pads(cell) => {
-                    let pitch = cell.pitch() * scale;
+                    let pitch = cell.pitch * scale;
                     let found =
                         crossings(samples, &self.runs[roll], pitch, cell, self.noise, mobility);
                     report.crossings = found.len();

@@ -25,19 +25,7 @@ pub enum SignClass {
     Saddle,
 }
 
-impl SignClass {
-    /// The name of the class, as it is written in files.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-}
-
 impl Curvature {
-    /// The shape class of the place (one of eight). Curvatures below the thresholds count as zero.
-    pub fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
-        thresholds.classify(self.gaussian, self.mean)
-    }
-
     /// The shape class of the place by the signs of the Gaussian and the mean curvature, without thresholds.
     pub fn sign_class(&self) -> SignClass {
         match (self.gaussian > 0.0, self.mean > 0.0) {

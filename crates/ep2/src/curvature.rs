@@ -21,7 +21,7 @@ pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 ///
 /// // A place on a ball of radius 5.
 /// let ball = Curvature { gaussian: 0.04, mean: 0.2, uncertainty: None };
-/// assert_eq!(ball.class(&ShapeThresholds::new(0.01, 0.1)?), ShapeClass::Peak);
+/// assert_eq!(ShapeThresholds::new(0.01, 0.1)?.classify(ball.gaussian, ball.mean), ShapeClass::Peak);
 /// assert_eq!(ball.sign_class(), SignClass::Convex);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -158,9 +158,4 @@ impl Ep2Error {
         BadSetting::unless(is_good, setting, value, expected)?;
         Ok(())
     }
-
-    /// The stable name of this kind of error in files and messages.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
 }

@@ -322,10 +322,9 @@ impl Refit {
             (self.goodness.chi_squared - explained.fall).max(0.0),
             self.goodness.freedom.saturating_sub(explained.freedom),
         );
-        match is_noise_stated && !others.is_poor() {
-            true => explained.p_value(),
-            false => explained.p_value_beside(self.chi_squared, self.freedom),
-        }
+        let is_known = is_noise_stated && !others.is_poor();
+        let estimated = (!is_known).then_some((self.chi_squared, self.freedom));
+        explained.p_value(estimated)
     }
 }
 

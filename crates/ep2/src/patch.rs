@@ -182,7 +182,7 @@ impl Patch {
     }
 
     /// Whether the contacts have normals.
-    pub fn has_normals(&self) -> bool {
+    pub(crate) fn has_normals(&self) -> bool {
         self.samples[0].slopes.is_some()
     }
 

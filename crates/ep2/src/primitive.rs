@@ -39,7 +39,7 @@ const ITERATIONS: usize = 40;
 pub enum ShapeError {
     /// The contacts or the settings are invalid, or there are too few contacts.
     #[error(transparent)]
-    #[strum(serialize = "contacts")]
+    #[strum(transparent)]
     Contacts(#[from] Ep2Error),
     /// More than a fifth of the contacts are outliers.
     #[error(
@@ -54,16 +54,6 @@ pub enum ShapeError {
     },
 }
 
-impl ShapeError {
-    /// The stable name of this kind of error.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Contacts(error) => error.name(),
-            Self::TooManyOutliers { .. } => self.into(),
-        }
-    }
-}
-
 /// A simple shape that can be fitted to contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
@@ -74,13 +64,6 @@ pub enum Shape {
     Sphere,
     /// A circular cylinder.
     Cylinder,
-}
-
-impl Shape {
-    /// Name of the shape in files.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
 }
 
 /// Estimated curvature or radius with its 95 % interval. An end of the interval is `None` if the interval is not
@@ -165,22 +148,8 @@ pub struct ShapeFit {
 
 impl ShapeFit {
     /// Whether the contacts determine the size of a sphere or a cylinder.
-    pub fn is_resolved(&self) -> bool {
+    pub(crate) fn is_resolved(&self) -> bool {
         self.radius.value.is_some()
-    }
-
-    /// Whether the contacts leave the curvature undetermined. False for a plane, because its curvature is 0.
-    pub fn is_open(&self) -> bool {
-        self.shape != Shape::Plane && !self.is_resolved()
-    }
-
-    /// Number of fitted parameters of the shape.
-    pub const fn unknowns(&self) -> usize {
-        match self.shape {
-            Shape::Plane => 3,
-            Shape::Sphere => 4,
-            Shape::Cylinder => 5,
-        }
     }
 
     /// Whether the object is probably neither a plane nor a sphere nor a cylinder: the probability of "none of these"

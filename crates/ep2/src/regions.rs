@@ -57,7 +57,7 @@ pub fn regions(
     }
     let classes: Vec<ShapeClass> = points
         .iter()
-        .map(|point| point.curvature.class(thresholds))
+        .map(|point| thresholds.classify(point.curvature.gaussian, point.curvature.mean))
         .collect();
     const NONE: usize = usize::MAX;
     let mut of_point = vec![NONE; points.len()];

@@ -84,11 +84,6 @@ impl Status {
     pub(crate) const fn is_met(self) -> bool {
         !matches!(self, Self::KnotsExhausted | Self::Unsettled)
     }
-
-    /// The name of the status, as it is written in files.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
 }
 
 #[derive(Clone, Debug, PartialEq)]

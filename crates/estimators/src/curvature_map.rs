@@ -67,9 +67,10 @@ pub fn push_map_point(
     let classes = 0..ShapeClass::ALL.len();
     let probabilities = classes.map(|class| probabilities.as_ref().map(|all| all[class]));
     let text = |number: Option<f64>| number.map_or_else(String::new, shortest);
+    let class = thresholds.classify(curvature.gaussian, curvature.mean);
     let row = (cell.map(|cell| cell.to_string()).into_iter())
         .chain(numbers.map(text))
-        .chain([curvature.class(thresholds).name().to_owned()])
+        .chain([class.name().to_owned()])
         .chain(true_class.map(|class| class.name().to_owned()))
         .chain([region.map_or_else(String::new, |region| region.to_string())])
         .chain(probabilities.map(text));

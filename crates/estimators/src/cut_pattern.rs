@@ -60,7 +60,7 @@ impl CutPattern {
             let message = "must be m, cm, mm or um, because a cutting file is in millimetres";
             study.error_at(0, FieldError::at("length_unit", message))
         })?;
-        planned(&MarkerSphere::of(probe), unit_mm).map_err(|error| study.error_at(0, error))
+        planned(&MarkerSphere::from(probe), unit_mm).map_err(|error| study.error_at(0, error))
     }
 }
 
@@ -95,7 +95,7 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
 /// # Errors
 /// [`ConfigError`] if the scene has no marker sensor, or if the layout is invalid.
 pub fn marker_places(study: &Study) -> Result<Vec<[f64; 2]>, ConfigError> {
-    let places = MarkerSphere::of(probe(study)?).places();
+    let places = MarkerSphere::from(probe(study)?).places();
     places.map_err(|error| study.error_at(0, error))
 }
 

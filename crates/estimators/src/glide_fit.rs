@@ -46,7 +46,7 @@ impl GlideMethod {
         match self {
             Self::Graph(graph) => graph.description(),
             Self::Shape(settings) => match settings.shape {
-                Some(shape) => format!("{} by robust least squares", shape.name()),
+                Some(shape) => format!("{} by robust least squares", <&str>::from(shape)),
                 None => "the most probable of plane, sphere and cylinder".to_owned(),
             },
         }

@@ -60,7 +60,7 @@ impl View for ImageModel {
 
 fn departure(sensor: &SensorState<'_>) -> Option<Departure> {
     let numbers: [f64; Departure::NUMBERS] = sensor.common.try_into().ok()?;
-    Some(Departure::of(numbers))
+    Some(Departure::from(numbers))
 }
 
 fn motions(moved: &[[MarkerDisplacement; 2]]) -> Vec<Option<MarkerMotion>> {

@@ -29,9 +29,9 @@ pub struct MarkerSphere<'a> {
     pub discs: Option<&'a DiscsConfig>,
 }
 
-impl<'a> MarkerSphere<'a> {
-    /// The sensor that a config describes.
-    pub fn of(config: &'a PressProbeConfig) -> Self {
+/// The sensor that a config describes.
+impl<'a> From<&'a PressProbeConfig> for MarkerSphere<'a> {
+    fn from(config: &'a PressProbeConfig) -> Self {
         let PressProbeConfig::MarkerSphere {
             radius,
             marker_depth,
@@ -47,7 +47,9 @@ impl<'a> MarkerSphere<'a> {
             discs: discs.as_ref(),
         }
     }
+}
 
+impl<'a> MarkerSphere<'a> {
     /// Positions (x, y) of the markers on the skin (length). A marker lies in the direction (x, y) from the apex, at
     /// the distance √(x² + y²) along the skin.
     pub fn places(&self) -> Result<Vec<[f64; 2]>, FieldError> {
@@ -82,7 +84,7 @@ impl<'a> MarkerSphere<'a> {
         let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
             .map_err(|error| optics_error(&error))?;
         // `array` returns an error if the skin cannot contain discs of these depths and diameters.
-        self.array(&[[0.0; 2]])?;
+        self.array(&[[0.0; 2]], None)?;
         let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, self.radius - depth);
         let larger = f64::max(
             angle(diameters.magenta, depths.magenta),
@@ -144,20 +146,15 @@ impl<'a> MarkerSphere<'a> {
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
 
-    /// Markers with both discs at the positions `places`, without misalignments between the discs.
-    pub fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, FieldError> {
+    /// Markers with both discs at the positions `places`. If `seed` is given, the discs have random misalignments, as
+    /// they result from manufacture. `seed` is the seed of the random numbers.
+    pub fn array(&self, places: &[[f64; 2]], seed: Option<u64>) -> Result<MarkerArray, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
-        MarkerArray::new(self.radius, places, diameters, depths)
-            .map_err(|error| optics_error(&error))
-    }
-
-    /// Markers with both discs at the positions `places`, with random misalignments between the discs, as they result
-    /// from manufacture. `seed` is the seed of the random numbers.
-    pub fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, FieldError> {
-        let array = self.array(places)?;
-        match self.discs()?.misalignment {
-            0.0 => Ok(array),
-            most => array
+        let array = MarkerArray::new(self.radius, places, diameters, depths);
+        let array = array.map_err(|error| optics_error(&error))?;
+        match (seed, self.discs()?.misalignment) {
+            (None, _) | (_, 0.0) => Ok(array),
+            (Some(seed), most) => array
                 .misaligned(most, seed, 0)
                 .map_err(|error| optics_error(&error)),
         }

@@ -1,7 +1,7 @@
 //! Builds the estimator of a press from its settings and the parameters of the sensor.
 
 use palpate_press::{
-    Body, ForwardFit, LARGE_CONTACT, Markers, PressError, Prior, calibrated_c, sneddon_indentation,
+    Body, ForwardFit, Markers, PressError, Prior, calibrated_c, sneddon_indentation,
 };
 use palpate_statistics::{BadSetting, Number};
 use palpate_study::config::{
@@ -54,7 +54,7 @@ impl PressFitSetup<'_> {
                     true => Prior::Free,
                     false => Prior::Exact,
                 },
-                within,
+                Prior::from,
             ),
             baseline: baseline(priors.baseline),
             normal_std: self.stds[0],
@@ -224,6 +224,10 @@ pub fn body_error(table: &str, error: PressError) -> FieldError {
         _ => FieldError::at(table, error),
     }
 }
+
+/// Limit of small-strain theory: ratio of the contact's radius to the radius of the sensor or of the object. Above this
+/// ratio, the errors of the theory are noticeable.
+const LARGE_CONTACT: f64 = 0.3;
 
 /// Returns a warning if the contact, compared with the sensor or the object, is too wide for small-strain theory.
 pub fn large_contact_warning(

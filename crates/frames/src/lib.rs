@@ -28,15 +28,6 @@ const FORMATS: [(ImageFormat, &str); 5] = [
 const SCAN: &[u8] = b"\xff\xda";
 const END: &[u8] = b"\xff\xd9";
 
-/// The contents of an image file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Decoded {
-    /// Pixels of the image.
-    pub image: RgbImage,
-    /// Lossy compression of the file; `None` if the file's format stores all pixels exactly.
-    pub compression: Option<Compression>,
-}
-
 /// Reason why a file cannot be decoded.
 #[derive(Debug, Error)]
 pub enum FrameError {
@@ -79,7 +70,7 @@ pub enum FrameError {
 /// # Errors
 /// [`FrameError`] if the bytes are no PNG, JPEG, BMP, TIFF or WebP image, if the image is broken or truncated, if a
 /// side is longer than 8192 px, or if a pixel is transparent.
-pub fn decode(bytes: &[u8]) -> Result<Decoded, FrameError> {
+pub fn decode(bytes: &[u8]) -> Result<(RgbImage, Option<Compression>), FrameError> {
     if bytes.is_empty() {
         return Err(FrameError::Empty);
     }
@@ -113,26 +104,20 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, FrameError> {
     {
         return Err(FrameError::Transparent);
     }
-    Ok(Decoded {
-        image: image.into_rgb8(),
-        compression: Compression::of(format, bytes),
-    })
+    Ok((image.into_rgb8(), Compression::of(format, bytes)))
 }
 
-/// Encodes an image as PNG.
+/// Encodes an image as PNG. If `size` is given, the image is first reduced to this width and height; each pixel then has
+/// the mean colour of the pixels that it covers.
 ///
 /// # Errors
 /// The error of the encoder if the image has no pixels.
-pub fn png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
+pub fn png(image: &RgbImage, size: Option<[u32; 2]>) -> Result<Vec<u8>, ImageError> {
+    let reduced = size.map(|[width, height]| thumbnail(image, width, height));
+    let image = reduced.as_ref().unwrap_or(image);
     let mut bytes = Cursor::new(Vec::new());
     image.write_with_encoder(PngEncoder::new(&mut bytes))?;
     Ok(bytes.into_inner())
-}
-
-/// Reduces an image to `width` by `height` pixels. A pixel of the result has the mean colour of the pixels that it
-/// covers.
-pub fn reduced(image: &RgbImage, [width, height]: [u32; 2]) -> RgbImage {
-    thumbnail(image, width, height)
 }
 
 /// Lossy compression of a frame. It shifts the edges of markers and changes their colours.

@@ -117,13 +117,13 @@ pub fn formula(bytes: &[u8]) -> Outcome {
 pub fn readings(bytes: &[u8]) -> Outcome {
     let file = || RecordedFile::new("fuzz.csv", bytes.to_vec());
     let is_short = bytes.iter().filter(|&&byte| byte == b'\n').count() <= MAX_ROWS;
-    let roll = finite(palpate_recorded::parse_roll(file())).map(|readings| {
+    let roll = finite(palpate_recorded::RollRecording::try_from(file())).map(|readings| {
         let estimate = palpate_recorded::estimate_roll(readings, &RollOptions::new(1.0));
         let _ = finite(estimate).map(|estimate| {
             check_finite(&estimate);
         });
     });
-    let glide = finite(palpate_recorded::parse_glide(file())).map(|readings| {
+    let glide = finite(palpate_recorded::GlideRecording::try_from(file())).map(|readings| {
         let options = GlideOptions {
             estimator: GlideEstimatorConfig::Quadric(StatedNoise::default()),
             grid: 3,
@@ -133,7 +133,7 @@ pub fn readings(bytes: &[u8]) -> Outcome {
             let _ = finite(palpate_recorded::estimate_glide(&readings, &options));
         }
     });
-    let press = finite(palpate_recorded::parse_press(file())).map(|readings| {
+    let press = finite(palpate_recorded::PressRecording::try_from(file())).map(|readings| {
         let mut options = PressOptions {
             marker_depth: Some(2.0),
             indentation: Some(1.0),
@@ -160,7 +160,7 @@ pub fn readings(bytes: &[u8]) -> Outcome {
 /// If a marker is not finite, or an error has no message.
 pub fn frame(bytes: &[u8]) -> Outcome {
     let file = RecordedFile::new("fuzz.png", bytes.to_vec());
-    let frame = with_message(palpate_recorded::parse_frame(&file))?;
+    let frame = with_message(palpate_recorded::Frame::try_from(&file))?;
     if frame.image.width().saturating_mul(frame.image.height()) > MAX_PIXELS {
         return Ok(());
     }
@@ -178,7 +178,7 @@ pub fn frame(bytes: &[u8]) -> Outcome {
 /// message.
 pub fn calibration(bytes: &[u8]) -> Outcome {
     let file = || RecordedFile::new("fuzz", bytes.to_vec());
-    let points = finite(palpate_recorded::parse_calibration_points(&file())).map(|points| {
+    let points = finite(palpate_recorded::CalibrationPoints::try_from(&file())).map(|points| {
         let _ = finite(palpate_recorded::calibrate(
             &[points],
             &CalibrateOptions::default(),
@@ -192,9 +192,9 @@ pub fn calibration(bytes: &[u8]) -> Outcome {
                 .unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
             assert_eq!(palpate_recorded::calibration_toml(&again, unit), written);
         });
-    let camera = finite(palpate_recorded::parse_camera(&file())).map(|camera| {
+    let camera = finite(palpate_recorded::CameraEstimate::try_from(&file())).map(|camera| {
         let again = RecordedFile::new("again.toml", camera.to_toml().into_bytes());
-        let again = palpate_recorded::parse_camera(&again)
+        let again = palpate_recorded::CameraEstimate::try_from(&again)
             .unwrap_or_else(|error| panic!("{error}\nof\n{}", camera.to_toml()));
         assert_eq!(again, camera);
     });

@@ -82,14 +82,6 @@ impl CurvatureForm {
         Matrix2::new(self.k_uu, self.k_uv, self.k_uv, self.k_vv)
     }
 
-    pub(crate) fn from_matrix(matrix: &Matrix2<f64>) -> Self {
-        Self {
-            k_uu: matrix[(0, 0)],
-            k_uv: 0.5 * (matrix[(0, 1)] + matrix[(1, 0)]),
-            k_vv: matrix[(1, 1)],
-        }
-    }
-
     /// Gaussian curvature `k_min k_max` (1/length²).
     pub fn gaussian_curvature(&self) -> f64 {
         self.k_uu * self.k_vv - self.k_uv * self.k_uv
@@ -174,15 +166,6 @@ impl CurvatureForm {
         self.k_uu * unit.x * unit.x
             + 2.0 * self.k_uv * unit.x * unit.y
             + self.k_vv * unit.y * unit.y
-    }
-
-    /// Converts the curvature form K of one body at a contact to the contact frame of the other body. The other body's
-    /// normal points in the opposite direction, and its axes are rotated by the contact angle ψ. The converted form is
-    /// `K̃ = R_ψ K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
-    pub fn seen_from_other_body(&self, contact_angle_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(contact_angle_rad);
-        let reflection = Matrix2::new(cos, -sin, -sin, -cos);
-        Self::from_matrix(&(reflection * self.matrix() * reflection))
     }
 }
 

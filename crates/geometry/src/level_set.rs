@@ -47,16 +47,6 @@ impl LevelSet {
             k_vv: y.dot(&along_y),
         }
     }
-
-    /// The shape operator S as a linear map of 3D vectors (1/length). For a tangent displacement `dq`, the normal
-    /// changes by `dn = S dq`. S maps the normal to zero.
-    pub fn shape_operator(&self) -> Matrix3<f64> {
-        // `tangential` projects vectors onto the tangent plane. For a unit normal n, it equals I − n nᵀ, but its
-        // diagonal is computed without cancellation.
-        let across = self.normal.cross_matrix();
-        let tangential = across.transpose() * across;
-        tangential * self.second_form * tangential
-    }
 }
 
 /// Normal and second fundamental form of the level set of a function `F`, in a basis with a given tangent. To save

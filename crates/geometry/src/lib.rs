@@ -30,8 +30,8 @@ pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use surface::Surface;
 pub use surfaces::{
-    Ball, Cylinder, Dish, Ellipsoid, Graph, Height, HeightField, HeightJet, Paraboloid, Plane,
-    Saddle, Shape, Sphere, Torus, Visitor,
+    Ball, Cylinder, Dish, Ellipsoid, Graph, HeightField, Paraboloid, Plane, Saddle, Shape, Sphere,
+    Torus, Visitor,
 };
 
 #[cfg(doctest)]

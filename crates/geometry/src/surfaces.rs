@@ -9,7 +9,7 @@ mod torus;
 
 pub use cylinder::Cylinder;
 pub use ellipsoid::Ellipsoid;
-pub use graph::{Graph, Height, HeightField, HeightJet, Paraboloid, Saddle};
+pub use graph::{Graph, HeightField, Paraboloid, Saddle};
 pub use plane::Plane;
 pub use sphere::{Ball, Dish, Sphere};
 pub use torus::Torus;
@@ -69,14 +69,6 @@ impl Shape {
     #[inline]
     pub fn visited_by<V: Visitor>(&self, visitor: V) -> V::Out {
         delegate!(self, surface => visitor.visit(surface))
-    }
-
-    /// Whether the surface is a graph z = f(x, y).
-    pub fn is_graph(&self) -> bool {
-        fn of<S: Surface>(_: &S) -> bool {
-            S::IS_GRAPH
-        }
-        delegate!(self, surface => of(surface))
     }
 
     /// Name of the surface in configs, in kebab case.

@@ -3,7 +3,7 @@
 
 use std::error::Error;
 
-use palpate::recorded::{RollOptions, estimate_roll, parse_roll};
+use palpate::recorded::{RollOptions, RollRecording, estimate_roll};
 
 const HEADER: [&str; 5] = [
     "probe",
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         [1.0, 0.3, 0.0, 0.0, 2.1],
         [2.0, 0.0, 0.3, -2.0, 0.0],
     ];
-    let readings = parse_roll(palpate::readings("rolls", HEADER, &rolls))?;
+    let readings = RollRecording::try_from(palpate::readings("rolls", HEADER, &rolls))?;
     let options = RollOptions {
         noise: RollOptions::noise_of_pads(10.0, 0.1)?,
         ..RollOptions::new(10.0)

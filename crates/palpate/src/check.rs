@@ -154,7 +154,7 @@ pub fn check(
     let threads = runner.threads();
     Ok(Check {
         cells: study.cell_count(),
-        checked: study.sample().len(),
+        checked: study.sample.len(),
         set_up: scenes.len(),
         single: trials.iter().filter(|&&trials| trials == 1).count(),
         trials: trials_of_all,
@@ -204,7 +204,7 @@ fn scenes(
     clock: &Clock<'_>,
     progress: &dyn Fn(usize, usize),
 ) -> Result<Vec<CellScene>, ConfigError> {
-    let (start, sample) = (clock(), study.sample());
+    let (start, sample) = (clock(), &study.sample);
     let is_whole = sample.len() == study.cell_count();
     let (mut scenes, parts) = (Vec::new(), SharedModels::default());
     for (done, place) in spread(sample.len()).enumerate() {

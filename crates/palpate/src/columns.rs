@@ -36,17 +36,6 @@ pub(crate) fn swept_column(study: &Study, place: usize) -> Column {
     }
 }
 
-/// Name of a column without its length unit: `x` for `x_mm`. Other units stay in the name, as in `rotation_x_rad`.
-pub fn stem(name: &str, length_unit: LengthUnit) -> &str {
-    let length = length_unit.as_str();
-    let endings = [
-        format!("_per_{length}2"),
-        format!("_per_{length}"),
-        format!("_{length}"),
-    ];
-    (endings.iter().find_map(|end| name.strip_suffix(end))).unwrap_or(name)
-}
-
 fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
     let (_, tail) = config::field(header);
     let of_tail = unit_of(&format!("_{tail}"), length_unit);

@@ -53,23 +53,23 @@ mod readings;
 mod run_files;
 mod shard;
 mod simulation;
-pub mod study_options;
+mod study_options;
 mod trace_pass;
 mod warnings;
 
 pub use check::{CellGroup, Check, Rungs, check};
-pub use columns::{Values, columns, stem, unit_of};
+pub use columns::{Values, columns, unit_of};
 pub use coverage::{Coverage, FAMILY_TABLES, Family, coverage, family_scene};
 pub use output_check::check_outputs;
 pub use palpate_answers::{
     Answer, AnswerError, Best, Discrimination, Extreme, Field, FieldEffect, Group, Object, Pair,
-    Question, Region, RegionColumn, Run, Sensitivity, Side, Sought, TrialCounts, design,
-    distinguish, sensitivity,
+    Question, Region, RegionColumn, Sensitivity, Sought, TrialCounts, design, distinguish,
+    sensitivity,
 };
 pub use palpate_estimators::{CutPattern, marker_places};
 pub use palpate_recorded as recorded;
 pub use palpate_report as report;
-pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
+pub use palpate_report::{Figure, Files, ReportError, Stretch, figure, press_figures};
 pub use palpate_scene::{
     Accuracy, Arch, CameraTrace, Ladder, Need, Rung, Scene, SceneTrial, Scenes, Trace, TraceError,
 };
@@ -86,7 +86,8 @@ pub use planner::{FailingCell, Goal, MODEL_ERROR_SHARE, Plan, PlanError};
 pub use readings::{frame, readings};
 pub use run_files::{resolved, result_columns};
 pub use shard::Shard;
-pub use simulation::{CellResults, CellRows, Ran, RunError, Simulation, run};
+pub use simulation::{CellRows, Ran, Simulation, run};
+pub use study_options::{press_options, roll_options};
 pub use trace_pass::trace;
 pub use warnings::{Warnings, warning_files};
 

@@ -70,7 +70,7 @@ fn check_stop_rule(study: &Study) -> Result<(), ConfigError> {
     let sets_kind =
         |path: &String| path == "scene" || path == "scene.kind" || path == "scene.object";
     if study.paths.iter().any(sets_kind) {
-        for &number in study.sample() {
+        for &number in &study.sample {
             known(&study.cell(number)?.config.scene)?;
         }
     }

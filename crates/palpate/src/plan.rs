@@ -58,7 +58,7 @@ pub fn plan(
     let (planned, plan) = planner::plan(&cells, goal, runner, clock)?;
     let mut study = planned.study;
     if let Some(trials) = plan.trials() {
-        let chosen = study.override_trials(trials.get());
+        let chosen = study.override_numbers(None, Some(trials.get()));
         chosen.map_err(PlanError::SetUp)?;
     }
     Ok((study, plan))

@@ -8,12 +8,12 @@ use palpate_study::{Column, Table};
 /// of [`recorded`](crate::recorded) accept. Error messages use `file` as the file's name.
 ///
 /// ```
-/// use palpate::recorded::parse_press;
+/// use palpate::recorded::PressRecording;
 ///
 /// // Three markers of a sensor that is pressed by 1 mm.
 /// let header = ["x_mm", "y_mm", "normal_displacement_mm"];
 /// let markers = [[0.0, 0.0, 1.0], [2.0, 0.0, 0.8], [0.0, 2.0, 0.8]];
-/// let readings = parse_press(palpate::readings("a press", header, &markers))?;
+/// let readings = PressRecording::try_from(palpate::readings("a press", header, &markers))?;
 /// assert!(!readings.has_tangential());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -45,7 +45,7 @@ pub(crate) fn states_bounds(study: &Study) -> bool {
     let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
     // A sweep of one of these two fields may change the kind of the scene. No other field can.
     let sets_kind = |path: &String| path == "scene" || path == "scene.kind";
-    let mut sample = study.sample().iter();
+    let mut sample = study.sample.iter();
     is_press(&study.config.scene)
         || study.paths.iter().any(sets_kind)
             && sample.any(|&number| {

@@ -9,12 +9,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_scene::{Arch, Need, Scene, SceneTrial, Scenes, SharedModels, map_table_of};
 use palpate_study::config::{Cell, ConfigError, Output, Study};
-use palpate_study::{Column, FieldError, Table, Warning, header};
+use palpate_study::{Column, FieldError, Table, Warning};
 use palpate_sweep::{
-    CellStatistics, Failure, NoThreads, RunOptions, Runner, StoppingRule, Sweep, SweepError,
-    SweepOutput, Task, TrialObservations, drop_undefined_moments,
+    CellStatistics, Failure, RunOptions, Runner, StoppingRule, Sweep, SweepError, SweepOutput,
+    Task, TrialObservations, drop_undefined_moments,
 };
-use thiserror::Error;
 
 use crate::run_files::{self, Row};
 use crate::shard::{Shard, ShardTasks};
@@ -142,7 +141,7 @@ impl<'a> Simulation<'a> {
         let count = self.tasks.tasks() as usize;
         self.runner.check(count, |place| {
             let number = self.tasks.cell(place as u64);
-            if self.is_sampled() && self.study.sample().binary_search(&number).is_err() {
+            if self.is_sampled() && self.study.sample.binary_search(&number).is_err() {
                 return Ok(());
             }
             let cell = self.study.cell(number)?;
@@ -185,11 +184,6 @@ impl<'a> Simulation<'a> {
         self.tasks.tasks() > MAX_CHECKED
     }
 
-    /// Number of tasks of all shards together. Each cell is one task.
-    pub fn all_tasks(&self) -> u64 {
-        self.tasks.cells.len() as u64
-    }
-
     /// Number of the cell that this task runs.
     pub fn cell_of(&self, task: u64) -> usize {
         self.tasks.cell(task)
@@ -209,7 +203,7 @@ impl<'a> Simulation<'a> {
 
     /// Runs all tasks from number `first` on. Stops if another thread sets `cancelled`, or if `take` returns `Break`.
     ///
-    /// `make` converts the results of a cell; it may be called on any thread. `take` receives the converted results in
+    /// `make` converts the table rows of a cell; it may be called on any thread. `take` receives the converted rows in
     /// the order of the tasks. If the rows of trials are output, `take` receives them before the result of their cell.
     /// `progress` receives the number of trials that were done since its previous call; it may be called on any
     /// thread.
@@ -220,6 +214,18 @@ impl<'a> Simulation<'a> {
     /// # Panics
     /// Panics if `progress`, `make` or `take` panics.
     pub fn stream<R: Send>(
+        &self,
+        first: u64,
+        cancelled: &AtomicBool,
+        progress: &(dyn Fn(u64) + Sync),
+        make: impl Fn(CellRows) -> R + Sync,
+        take: &mut (dyn FnMut(u64, SweepOutput<R>) -> ControlFlow<()> + Send),
+    ) -> Result<(), SweepError<ConfigError>> {
+        let make = |results: CellResults| make(self.rows(&results));
+        self.stream_results(first, cancelled, progress, make, take)
+    }
+
+    fn stream_results<R: Send>(
         &self,
         first: u64,
         cancelled: &AtomicBool,
@@ -250,7 +256,7 @@ impl<'a> Simulation<'a> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Ran, SweepError<ConfigError>> {
         let mut cells: Vec<CellResults> = Vec::new();
-        let mut trials = header(&run_files::trial_columns());
+        let mut trials = Table::new(run_files::trial_columns()).to_csv();
         let take = &mut |_: u64, taken: SweepOutput<CellResults>| {
             match taken {
                 SweepOutput::TrialRows(rows) => trials.push_str(&rows),
@@ -258,7 +264,7 @@ impl<'a> Simulation<'a> {
             }
             ControlFlow::Continue(())
         };
-        self.stream(0, cancelled, progress, |results| results, take)?;
+        self.stream_results(0, cancelled, progress, |results| results, take)?;
         // In a sampled study, each cell reports its warnings when it runs, so do not count the warnings of the check
         // again.
         let mut warnings = match self.is_sampled() {
@@ -402,11 +408,11 @@ impl<R: Send, F: Fn(CellResults) -> R + Sync> Sweep for Tasks<'_, '_, F> {
 }
 
 impl Simulation<'_> {
-    /// Table rows of a cell.
-    pub fn rows(&self, results: &CellResults) -> CellRows {
+    fn rows(&self, results: &CellResults) -> CellRows {
         let rows = [results.row()];
         let map = results.map.as_ref();
         CellRows {
+            cell: results.cell,
             cells: run_files::cells_csv(self.study, &rows[0], self.states_bounds),
             failures: run_files::failures(&rows).rows_to_csv(),
             map: map.map_or_else(String::new, Table::rows_to_csv),
@@ -444,20 +450,6 @@ pub struct Ran {
     pub trials: Option<String>,
 }
 
-/// Reason why a study cannot be run.
-#[derive(Debug, Error)]
-pub enum RunError {
-    /// No thread could be started.
-    #[error(transparent)]
-    NoThreads(#[from] NoThreads),
-    /// The config of a cell has an invalid field.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// The trials failed or were cancelled.
-    #[error(transparent)]
-    Sweep(#[from] SweepError<ConfigError>),
-}
-
 /// Runs all cells of a study on all processors.
 ///
 /// ```
@@ -482,18 +474,17 @@ pub enum RunError {
 /// ```
 ///
 /// # Errors
-/// [`RunError`], before any trial is run.
-pub fn run(study: &Study) -> Result<Ran, RunError> {
+/// [`SweepError`] if no thread can be started, or if a cell cannot be set up.
+pub fn run(study: &Study) -> Result<Ran, SweepError<ConfigError>> {
     let runner = Runner::new(&RunOptions::default())?;
-    let simulation = Simulation::new(study, 0..study.cell_count(), &runner)?;
-    Ok(simulation.run(&AtomicBool::new(false), &|_| ())?)
+    let simulation = Simulation::new(study, 0..study.cell_count(), &runner);
+    let simulation = simulation.map_err(SweepError::SetUp)?;
+    simulation.run(&AtomicBool::new(false), &|_| ())
 }
 
 /// Results of a cell after its last trial.
-#[derive(Clone, Debug)]
-pub struct CellResults {
-    /// Number of the cell in the study.
-    pub cell: usize,
+struct CellResults {
+    cell: usize,
     truth: Arc<CellTruth>,
     warnings: Vec<Warning>,
     map: Option<Table>,
@@ -505,6 +496,8 @@ pub struct CellResults {
 /// Table rows of a cell, as CSV text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellRows {
+    /// Number of the cell in the study.
+    pub cell: usize,
     /// Rows of `cells.csv`.
     pub cells: String,
     /// Rows of `failures.csv`.

@@ -67,6 +67,16 @@ pub enum Prior {
     Free,
 }
 
+/// Prior around the ideal value, with this standard deviation. If it is 0, the parameter is not fitted.
+impl From<f64> for Prior {
+    fn from(std: f64) -> Self {
+        match std > 0.0 {
+            true => Self::Within(std),
+            false => Self::Exact,
+        }
+    }
+}
+
 /// Cramér–Rao bounds, which are the smallest possible standard errors of unbiased estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {

@@ -37,8 +37,9 @@ pub use image_fit::{
 pub use markers::{MarkerDisplacement, Markers, skin_widening};
 pub use object_press::{ObjectContact, ObjectPress};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
-pub use regime::{ContactRegime, LARGE_CONTACT, sneddon_indentation, within_object};
-pub use skin::{Place, Skin};
+pub use regime::{ContactRegime, sneddon_indentation, within_object};
+use skin::Place;
+pub use skin::Skin;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]

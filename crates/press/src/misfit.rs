@@ -97,11 +97,11 @@ impl Noise {
     /// with this noise.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
-            Self::Stated => explained.p_value(),
+            Self::Stated => explained.p_value(None),
             Self::Found {
                 chi_squared,
                 freedom,
-            } => explained.p_value_beside(chi_squared, freedom),
+            } => explained.p_value(Some((chi_squared, freedom))),
         }
     }
 }

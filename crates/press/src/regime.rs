@@ -55,10 +55,6 @@ impl ContactRegime {
     }
 }
 
-/// Limit of small-strain theory: ratio of the contact's radius to the radius of the sensor or of the object. Above this
-/// ratio, the errors of the theory are noticeable.
-pub const LARGE_CONTACT: f64 = 0.3;
-
 /// Largest allowed ratio of the contact's radius to the radius of a convex object.
 const MAX_CONTACT: f64 = 0.9;
 

@@ -33,13 +33,13 @@ pub struct Skin {
 
 /// A place on the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub(crate) struct Place {
     /// Direction of the place from the sensor's centre.
-    pub direction: UnitVector3<f64>,
+    pub(crate) direction: UnitVector3<f64>,
     /// The x axis of the apex, transported to this place.
-    pub x_axis: Vector3<f64>,
+    pub(crate) x_axis: Vector3<f64>,
     /// The y axis of the apex, transported to this place.
-    pub y_axis: Vector3<f64>,
+    pub(crate) y_axis: Vector3<f64>,
 }
 
 impl Skin {
@@ -77,7 +77,7 @@ impl Skin {
     /// The place with the coordinates (x, y). Coordinates that correspond to more than half a turn around the sphere
     /// are reduced by whole turns. If x/R_s and y/R_s, with the skin's radius R_s, are not finite angles, the result is
     /// the apex.
-    pub fn place(&self, [x, y]: [f64; 2]) -> Place {
+    pub(crate) fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x, y].map(|along| along / self.place_radius());
         let angle = libm::hypot(x, y);
         let (angle, along) = if angle > 0.0 && angle.is_finite() {

@@ -69,12 +69,9 @@ impl Study {
     /// Copy of the study with another number of trials and another seed; `None` keeps the value of the study.
     pub(crate) fn with(&self, trials: Option<u64>, seed: Option<u64>) -> PyResult<palpate::Study> {
         let mut study = palpate::Study::clone(&self.study);
-        if let Some(trials) = trials {
-            study.override_trials(trials).map_err(error::config)?;
-        }
-        if let Some(seed) = seed {
-            study.override_seed(seed).map_err(error::config)?;
-        }
+        study
+            .override_numbers(seed, trials)
+            .map_err(error::config)?;
         Ok(study)
     }
 

@@ -2,7 +2,7 @@
 
 use numpy::PyArray1;
 use palpate::config::LengthUnit;
-use palpate::{Column, Table, Values, columns, stem, unit_of};
+use palpate::{Column, Table, Values, columns, unit_of};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -35,6 +35,17 @@ pub(crate) fn table<'py>(
     }
     let class = py.import("palpate._table")?.getattr("Table")?;
     class.call1((arrays, units, csv))
+}
+
+/// Name of a column without its length unit: `x` for `x_mm`. Other units stay in the name, as in `rotation_x_rad`.
+fn stem(name: &str, length_unit: LengthUnit) -> &str {
+    let length = length_unit.as_str();
+    let endings = [
+        format!("_per_{length}2"),
+        format!("_per_{length}"),
+        format!("_{length}"),
+    ];
+    (endings.iter().find_map(|end| name.strip_suffix(end))).unwrap_or(name)
 }
 
 /// Converts the rows of a table to a `palpate.Table`. Its lengths are in `unit`.

@@ -77,64 +77,68 @@ const MAX_TURN: f64 = 0.5;
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
-    let table = TextTable::of(file, &[])?;
-    let columns = columns(&header(&table, &COLUMNS)?);
-    let mut sheet = ReadingTable::read(&table, &columns, &[])?;
-    sheet.first_lost.take().map_or(Ok(()), Err)?;
-    let place = |column: Column| columns.iter().position(|one| *one == column);
-    let (has_hue, has_growth) = (place(HUE).is_some(), place(GROWTH).is_some());
-    let mut points = CalibrationPoints {
-        unit: sheet.unit,
-        file: sheet.source.name.clone(),
-        has_hue,
-        has_growth,
-        ..CalibrationPoints::default()
-    };
-    for (line, numbers) in sheet.rows() {
-        let of = |column: Column| place(column).map(|place| numbers[place]);
-        let index = |column: Column| {
-            let number = of(column);
-            let index = number.map(|number| sheet.index(line, column.name, number));
-            index.transpose()
+impl TryFrom<&RecordedFile> for CalibrationPoints {
+    type Error = RecordedError;
+
+    fn try_from(file: &RecordedFile) -> Result<Self, RecordedError> {
+        let table = TextTable::of(file, &[])?;
+        let columns = columns(&header(&table, &COLUMNS)?);
+        let mut sheet = ReadingTable::read(&table, &columns, &[])?;
+        sheet.first_lost.take().map_or(Ok(()), Err)?;
+        let place = |column: Column| columns.iter().position(|one| *one == column);
+        let (has_hue, has_growth) = (place(HUE).is_some(), place(GROWTH).is_some());
+        let mut points = CalibrationPoints {
+            unit: sheet.unit,
+            file: sheet.source.name.clone(),
+            has_hue,
+            has_growth,
+            ..CalibrationPoints::default()
         };
-        if let Some(hue) = of(HUE).filter(|hue| hue.abs() > MAX_TURN) {
-            let message = format!(
-                "column `{}`: a change of hue must be between -{MAX_TURN} and {MAX_TURN} turns, is {hue}: is it in degrees?",
-                HUE.name
-            );
-            return Err(sheet.fail(line, message));
-        }
-        let (series, line) = (index(SERIES)?, Some(line));
-        let marker = index(MARKER)?.map(|marker| marker as usize);
-        let normal = of(NORMAL);
-        if let Some(normal) = normal.filter(|_| has_hue || has_growth) {
-            let point = NormalPoint {
-                marker,
-                normal,
-                hue_turns: of(HUE).unwrap_or(0.0),
-                growth: of(GROWTH).unwrap_or(0.0),
+        for (line, numbers) in sheet.rows() {
+            let of = |column: Column| place(column).map(|place| numbers[place]);
+            let index = |column: Column| {
+                let number = of(column);
+                let index = number.map(|number| sheet.index(line, column.name, number));
+                index.transpose()
             };
-            points.normal.push(Located {
-                point,
-                series,
-                line,
-            });
+            if let Some(hue) = of(HUE).filter(|hue| hue.abs() > MAX_TURN) {
+                let message = format!(
+                    "column `{}`: a change of hue must be between -{MAX_TURN} and {MAX_TURN} turns, is {hue}: is it in degrees?",
+                    HUE.name
+                );
+                return Err(sheet.fail(line, message));
+            }
+            let (series, line) = (index(SERIES)?, Some(line));
+            let marker = index(MARKER)?.map(|marker| marker as usize);
+            let normal = of(NORMAL);
+            if let Some(normal) = normal.filter(|_| has_hue || has_growth) {
+                let point = NormalPoint {
+                    marker,
+                    normal,
+                    hue_turns: of(HUE).unwrap_or(0.0),
+                    growth: of(GROWTH).unwrap_or(0.0),
+                };
+                points.normal.push(Located {
+                    point,
+                    series,
+                    line,
+                });
+            }
+            if let Some((tangential, shift)) = of(TANGENTIAL).zip(of(SHIFT)) {
+                let point = LateralPoint {
+                    tangential: [tangential, 0.0],
+                    shift_px: [shift, 0.0],
+                    normal,
+                };
+                points.lateral.push(Located {
+                    point,
+                    series,
+                    line,
+                });
+            }
         }
-        if let Some((tangential, shift)) = of(TANGENTIAL).zip(of(SHIFT)) {
-            let point = LateralPoint {
-                tangential: [tangential, 0.0],
-                shift_px: [shift, 0.0],
-                normal,
-            };
-            points.lateral.push(Located {
-                point,
-                series,
-                line,
-            });
-        }
+        Ok(points)
     }
-    Ok(points)
 }
 
 fn columns(header: &Header<'_>) -> Vec<Column> {
@@ -199,7 +203,7 @@ pub fn frame_calibration_points(
         points.hue_turns = Some(frames.hue_at_rest());
         let lens = known
             .px_per_rad
-            .map(|px_per_rad| Equidistant::new(frames.centre_px, px_per_rad))
+            .map(|px_per_rad| Equidistant::new(frames.centre_px, px_per_rad, [0.0; 2]))
             .transpose()
             .map_err(|error| refused(error.to_string()))?;
         let change = |track: &Track| match &lens {
@@ -341,7 +345,7 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
             NormalFrom::Size | NormalFrom::Both if !one.has_growth => GROWTH.name,
             _ => continue,
         };
-        let from = from.name();
+        let from: &str = from.into();
         let message = format!("no column `{missing}`; setting `from` {from} needs it");
         return Err(RecordedError::readings(&one.file, message));
     }

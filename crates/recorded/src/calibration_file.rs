@@ -55,8 +55,8 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
         length_unit,
         markers: calibration.markers,
         hue_turns: calibration.hue_turns,
-        normal: calibration.normal_part().map(NormalPart::of),
-        lateral: calibration.lateral_part().copied(),
+        normal: calibration.normal_part.as_ref().map(NormalPart::of),
+        lateral: calibration.lateral_part.as_ref().copied(),
     };
     let body = toml::to_string(&file).expect("numbers, words and tables of them have a TOML form");
     // Write −0 as 0.

@@ -67,7 +67,7 @@ impl CalibrationReport {
     /// Lines of text that describe the calibration.
     pub fn summary(&self) -> Vec<String> {
         let mut lines = Vec::new();
-        if let Some(part) = self.calibration.normal_part() {
+        if let Some(part) = self.calibration.normal_part.as_ref() {
             let words = Words {
                 title: format!("normal displacement from {}", feature(part.from)),
                 signal: match part.from {
@@ -88,7 +88,7 @@ impl CalibrationReport {
                 ));
             }
         }
-        if let Some(part) = self.calibration.lateral_part() {
+        if let Some(part) = self.calibration.lateral_part.as_ref() {
             let unit = self.length_unit;
             let words = Words {
                 title: "tangential displacement from the centroid".to_owned(),
@@ -113,8 +113,8 @@ impl CalibrationReport {
     /// Warnings about the data and the result of the calibration.
     pub fn warnings(&self) -> Vec<Warning> {
         let unit = self.length_unit.as_str();
-        let normal = self.calibration.normal_part();
-        let lateral = self.calibration.lateral_part();
+        let normal = self.calibration.normal_part.as_ref();
+        let lateral = self.calibration.lateral_part.as_ref();
         let normal = normal.map(|part| {
             let residual = part.line.residual_rms;
             (

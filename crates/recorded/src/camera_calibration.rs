@@ -35,8 +35,8 @@ pub fn calibrate_camera(
     study: &StudyConfig,
 ) -> Result<CameraEstimate, RecordedError> {
     let fail = |message: String| RecordedError::readings(&rest.file, message);
-    let of_study = |error: FieldError| fail(format!("{}: {}", error.path, error.message));
-    let press = press_of(study).map_err(|error| fail(format!("{}: {error}", error.path())))?;
+    let of_study = |error: FieldError| fail(error.to_string());
+    let press = press_of(study).map_err(of_study)?;
     let nominal = NominalSensor::of(press).and_then(NominalSensor::through_blemishes);
     let nominal = nominal.map_err(of_study)?;
     usable(rest, nominal.camera).map_err(fail)?;

@@ -116,22 +116,26 @@ pub struct Residual {
 /// [`RecordedError::File`] if the file is a calibration of displacements instead of a camera. The same error if a field
 /// is missing or unknown, if a number is not finite, if the scale or a standard error is not positive, or if the matrix
 /// is no covariance or contradicts the standard errors.
-pub fn parse_camera(file: &RecordedFile) -> Result<CameraEstimate, RecordedError> {
-    let text =
-        file.text("a camera is needed, as `sensor calibrate` writes it from a frame at rest")?;
-    let table: toml::Table = text.parse().unwrap_or_default();
-    let parts = ["normal", "lateral"];
-    if let Some(part) = parts.iter().find(|part| table.contains_key(**part)) {
-        return Err(file.error(format!(
+impl TryFrom<&RecordedFile> for CameraEstimate {
+    type Error = RecordedError;
+
+    fn try_from(file: &RecordedFile) -> Result<Self, RecordedError> {
+        let text =
+            file.text("a camera is needed, as `sensor calibrate` writes it from a frame at rest")?;
+        let table: toml::Table = text.parse().unwrap_or_default();
+        let parts = ["normal", "lateral"];
+        if let Some(part) = parts.iter().find(|part| table.contains_key(**part)) {
+            return Err(file.error(format!(
             "is a calibration of displacements (`{part}`); the method image takes the camera that `sensor calibrate` writes from a frame at rest"
         )));
+        }
+        let camera: CameraEstimate = toml::from_str(text).map_err(|error| {
+            let message = error.to_string();
+            file.error(format!("is no camera: {}", message.trim_end()))
+        })?;
+        check(&camera).map_err(|message| file.error(message))?;
+        Ok(camera)
     }
-    let camera: CameraEstimate = toml::from_str(text).map_err(|error| {
-        let message = error.to_string();
-        file.error(format!("is no camera: {}", message.trim_end()))
-    })?;
-    check(&camera).map_err(|message| file.error(message))?;
-    Ok(camera)
 }
 
 pub(super) fn is_camera(text: &str) -> bool {

@@ -147,7 +147,7 @@ impl<'a> CameraPrior<'a> {
         // rounding, they could look equal.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
-            let value = Number::known_to(value, digit);
+            let value = known_to(value, digit);
             let std = match std > 0.0 {
                 true => format!(" +- {}", Number::rounded(std)),
                 false => String::new(),
@@ -235,4 +235,31 @@ fn scales(camera: &CameraEstimate) -> [f64; CAMERA.len()] {
     scales[2] = camera.px_per_rad;
     scales[6..9].fill(1.0_f64.to_degrees());
     scales
+}
+
+/// The number, rounded to the decimal place at which its standard deviation `std` has two significant digits. The
+/// number keeps at least three significant digits.
+fn known_to(number: f64, std: f64) -> Number {
+    let size = |number: f64| libm::floor(libm::log10(number.abs()));
+    let digits = size(number) - size(std) + 1.0;
+    // `digits` is the number of digits after the decimal point of the scientific notation. It is at most 16: together
+    // with the digit before the point, 17 significant digits identify every double-precision number.
+    let digits = if digits.is_finite() {
+        digits.clamp(2.0, 16.0)
+    } else {
+        2.0
+    };
+    let rounded = format!("{number:.*e}", digits as usize);
+    Number(rounded.parse().unwrap_or(number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::known_to;
+
+    #[test]
+    fn numbers_keep_the_digits_that_their_std_leaves() {
+        let shown = [0.00456, 2.0, 500.0].map(|std| known_to(320.0347, std).to_string());
+        assert_eq!(shown, ["320.0347", "320", "320"]);
+    }
 }

@@ -181,7 +181,8 @@ fn of_calibration(
         return Ok(Some((linear, srgb_warning(&rest, "calibration"))));
     }
     if calibration
-        .normal_part()
+        .normal_part
+        .as_ref()
         .is_none_or(|part| part.weights[0] == 0.0)
     {
         return Ok(None);
@@ -207,7 +208,7 @@ const MAX_SLOPE_SHARE: f64 = 0.05;
 /// Relative standard error of the slope with which a calibration computes normal displacements; 0 if the calibration
 /// does not state it.
 fn slope_share(calibration: &Calibration) -> f64 {
-    let line = calibration.normal_part().map(|part| part.line);
+    let line = calibration.normal_part.as_ref().map(|part| part.line);
     line.and_then(|line| Some((line.slope_std? / line.slope).abs()))
         .unwrap_or(0.0)
 }
@@ -254,18 +255,18 @@ impl CameraReading {
         let fail = |message: String| source.fail(message);
         let refused = |error: CalibrationError| fail(error.to_string());
         calibration.fits(frames.at_rest()).map_err(refused)?;
-        if calibration.normal_part().is_none() {
+        if calibration.normal_part.as_ref().is_none() {
             let message =
                 "the calibration has no normal displacements, but the estimate needs them";
             return Err(source.fail(message));
         }
-        let lateral = calibration.lateral_part();
+        let lateral = calibration.lateral_part.as_ref();
         let distance = options.radius() - options.depth();
         let calibrated = lateral.map(|lateral| lateral.px_per_length * distance);
         let px_per_rad = px_per_rad.or(calibrated).ok_or_else(|| {
             source.fail("the calibration has no px per length: state setting `px_per_rad`")
         })?;
-        let lens = Equidistant::new(frames.centre_px, px_per_rad).map_err(refused)?;
+        let lens = Equidistant::new(frames.centre_px, px_per_rad, [0.0; 2]).map_err(refused)?;
         let mut displaced = Vec::new();
         for (marker, track) in frames.tracks.iter().enumerate() {
             let Some((rest, change)) = track.rest.zip(lens.change(track)) else {

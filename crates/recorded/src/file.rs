@@ -30,13 +30,15 @@ const FORMATS: [(&[u8], &str); 12] = [
     (b"#ROSBAG", "is a ROS bag; save one topic as CSV"),
 ];
 
-/// A recorded file: its name for messages, its bytes, and the settings that describe the form of its table (such as the
-/// delimiter).
+/// A recorded file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordedFile {
-    pub(super) name: String,
-    pub(super) bytes: Vec<u8>,
-    pub(super) form: Form,
+    /// Name of the file in messages.
+    pub name: String,
+    /// Content of the file.
+    pub bytes: Vec<u8>,
+    /// Settings that describe the form of the file's table.
+    pub form: Form,
 }
 
 impl RecordedFile {
@@ -73,12 +75,6 @@ impl RecordedFile {
             Self::new(name, Vec::new()).error(format!("cannot be read: {error}"))
         })?;
         Ok(Self::new(name, bytes))
-    }
-
-    /// Returns the same file with the settings `form` (such as the delimiter), with which its table is read.
-    #[must_use]
-    pub fn written(self, form: Form) -> Self {
-        Self { form, ..self }
     }
 
     pub(super) fn error(&self, message: impl Into<String>) -> RecordedError {

@@ -65,13 +65,18 @@ impl Frame {
 /// # Errors
 /// [`RecordedError::File`] if the file is no PNG, JPEG, BMP, TIFF or WebP image, if it is broken or truncated, if a
 /// side is longer than 8192 px, or if a pixel is transparent.
-pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
-    let decoded = decode(&file.bytes).map_err(|error| file.error(error.to_string()))?;
-    Ok(Frame {
-        file: file.name.clone(),
-        image: decoded.image,
-        compression: decoded.compression,
-    })
+impl TryFrom<&RecordedFile> for Frame {
+    type Error = RecordedError;
+
+    fn try_from(file: &RecordedFile) -> Result<Self, RecordedError> {
+        let decoded = decode(&file.bytes);
+        let (image, compression) = decoded.map_err(|error| file.error(error.to_string()))?;
+        Ok(Frame {
+            file: file.name.clone(),
+            image,
+            compression,
+        })
+    }
 }
 
 /// Tracks of the markers from a frame at rest to a pressed frame.

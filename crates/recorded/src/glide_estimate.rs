@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 use palpate_ep2::{
     Contact, Curvature, EffectiveReadings, Ep2Error, IndependentFit, MapPoint, Method, MisfitTest,
-    Outlier, Patch, Regions, RoundTip, ShapeError, ShapeFit, SoundContacts, Status,
-    StrokeCurvature, regions, stroke_curvature,
+    Outlier, Patch, Regions, RoundTip, ShapeError, ShapeFit, SoundContacts, StrokeCurvature,
+    regions, stroke_curvature,
 };
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -26,7 +26,7 @@ use super::glide_warnings::{
 use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings, two_groups};
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
-use super::shape_report::{LeftOut, ShapeReport, StrokeReport};
+use super::shape_report::{LeftOut, ShapeReport, StrokeReport, is_undetermined, unknowns};
 use super::value::{FORMAT_VERSION, Value, finite};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
@@ -57,7 +57,8 @@ pub struct GlideFitResult<'r> {
     /// Curvature along the stroke, if all contacts form a single stroke; otherwise `None`.
     stroke: Option<StrokeCurvature>,
     centre: MapPoint,
-    limits: ShapeThresholds,
+    /// Thresholds of the Gaussian and the mean curvature, below which a curvature counts as zero.
+    pub thresholds: ShapeThresholds,
     limits_from: &'static str,
 }
 
@@ -192,7 +193,7 @@ impl<'r> GlideFitResult<'r> {
                 (used, Surface::Shape(Box::new(fit)), stroke, centre, sides)
             }
         };
-        let (limits, limits_from) = match stated {
+        let (thresholds, limits_from) = match stated {
             Some(thresholds) => (thresholds, "given"),
             None => (
                 of_size(sides)
@@ -210,7 +211,7 @@ impl<'r> GlideFitResult<'r> {
             surface,
             stroke,
             centre,
-            limits,
+            thresholds,
             limits_from,
         })
     }
@@ -240,7 +241,7 @@ impl<'r> GlideFitResult<'r> {
     fn is_open(&self) -> bool {
         let is_unresolved = match &self.surface {
             Surface::Graph(_) => false,
-            Surface::Shape(fit) => fit.is_open() || fit.is_none_of_these(),
+            Surface::Shape(fit) => is_undetermined(fit) || fit.is_none_of_these(),
         };
         self.stroke.is_some() || is_unresolved
     }
@@ -262,11 +263,6 @@ impl<'r> GlideFitResult<'r> {
         }
     }
 
-    /// Thresholds of the Gaussian and the mean curvature, below which a curvature counts as zero.
-    pub fn thresholds(&self) -> &ShapeThresholds {
-        &self.limits
-    }
-
     /// The estimate, and the map of curvatures.
     ///
     /// # Errors
@@ -274,7 +270,7 @@ impl<'r> GlideFitResult<'r> {
     pub fn estimate(&self) -> Result<(GlideEstimate, GlideMap), RecordedError> {
         let Self { options, unit, .. } = self;
         let points = self.points(false)?;
-        let regions = regions(options.grid, &points, &self.limits);
+        let regions = regions(options.grid, &points, &self.thresholds);
         let regions = regions.map_err(|error| self.refused(&error))?;
         let estimate = self.report(&regions);
         let (points, regions, extras) = match options.map_at_contacts {
@@ -287,7 +283,7 @@ impl<'r> GlideFitResult<'r> {
         let map = GlideMap {
             points,
             regions,
-            thresholds: self.limits,
+            thresholds: self.thresholds,
             unit: *unit,
             extras,
         };
@@ -409,7 +405,7 @@ impl<'r> GlideFitResult<'r> {
 
     fn report(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
-        let (limits, unit, is_open) = (&self.limits, self.unit, self.is_open());
+        let (limits, unit, is_open) = (&self.thresholds, self.unit, self.is_open());
         let size = match &self.surface {
             Surface::Graph(_) => None,
             Surface::Shape(fit) => fit.curvature.std.map(|std| (std, fit.curvature.interval95)),
@@ -452,7 +448,7 @@ impl<'r> GlideFitResult<'r> {
             }
             Surface::Shape(fit) => {
                 let report = ShapeReport::new(fit, unit, self.stroke.is_some());
-                (fit.noise, None, fit.unknowns() as f64, Some(report))
+                (fit.noise, None, unknowns(fit.shape) as f64, Some(report))
             }
         };
         let mean_curvature = value(curvature.mean, mean_std, Unit::PerLength);
@@ -477,7 +473,7 @@ impl<'r> GlideFitResult<'r> {
             direction_of_min: tidy(&centre.direction_of_min),
             direction_of_max: tidy(&centre.direction_of_max),
             shape_index: centre.shape_index.filter(|_| !is_open),
-            class: (!is_open).then(|| curvature.class(limits).name()),
+            class: (!is_open).then(|| limits.classify(curvature.gaussian, curvature.mean).name()),
             class_probabilities: curvature
                 .class_probabilities(limits)
                 .filter(|_| !is_open)
@@ -486,13 +482,13 @@ impl<'r> GlideFitResult<'r> {
                     names.zip(all).collect()
                 }),
             sign_class: (!is_open && curvature.gaussian != 0.0)
-                .then(|| curvature.sign_class().name()),
+                .then(|| curvature.sign_class().into()),
             thresholds: Thresholds::new(limits, self.limits_from, unit),
             noise: noise.map(|noise| PatchNoise {
                 position_std: bare(noise.position_std, Unit::Length),
                 normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
             }),
-            status: status.map(Status::name),
+            status: status.map(<&str>::from),
             effective_unknowns,
             grid: options.grid,
             regions: match is_open {

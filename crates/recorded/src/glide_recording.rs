@@ -18,7 +18,7 @@ use super::table_layout::numbered_quaternion;
 use super::text_table::TextTable;
 use palpate_statistics::Number;
 use palpate_study::config::{LengthUnit, SettingError};
-use palpate_study::readings::{Column, GLIDES, Measure, quaternion_part, spelt};
+use palpate_study::readings::{COLUMNS, Column, Measure, quaternion_part, spelt};
 
 /// Largest accepted relative difference between the stated radius of fingertips and the radius in a column.
 const MAX_RADIUS_ERROR: f64 = 0.01;
@@ -186,63 +186,73 @@ impl Fingers {
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> {
-    let orders = [&GLIDES[1..4], &GLIDES[..4], &GLIDES[1..], &GLIDES];
-    let table = TextTable::of(&file, &orders)?;
-    let header = header(&table, &GLIDES)?;
-    let [finger, places @ .., _, _, _] = &GLIDES;
-    let names_fingers = header.has(finger);
-    let with_normals = GLIDES[4..].iter().any(|column| header.has(column));
-    let is_read = |column: &Column| match column {
-        column if column == finger => names_fingers,
-        column => places.contains(column) || with_normals,
-    };
-    let (columns, others): (Vec<Column>, Vec<Column>) = GLIDES.into_iter().partition(is_read);
-    let sheet = ReadingTable::read(&table, &columns, &others)?;
-    let mut contacts = Vec::with_capacity(sheet.source.lines.len());
-    // Finger numbers in the file may be arbitrary. Number the fingers anew, in the order in which they first appear.
-    let mut indices = Fingers::default();
-    for (line, numbers) in sheet.rows() {
-        let (finger, numbers) = match names_fingers {
-            true => {
-                let number = sheet.index(line, finger.name, numbers[0])?;
-                (indices.place(number), &numbers[1..])
-            }
-            false => (0, numbers),
+impl TryFrom<RecordedFile> for GlideRecording {
+    type Error = RecordedError;
+
+    fn try_from(file: RecordedFile) -> Result<Self, RecordedError> {
+        let orders = [
+            &COLUMNS.glides[1..4],
+            &COLUMNS.glides[..4],
+            &COLUMNS.glides[1..],
+            &COLUMNS.glides,
+        ];
+        let table = TextTable::of(&file, &orders)?;
+        let header = header(&table, &COLUMNS.glides)?;
+        let [finger, places @ .., _, _, _] = &COLUMNS.glides;
+        let names_fingers = header.has(finger);
+        let with_normals = COLUMNS.glides[4..].iter().any(|column| header.has(column));
+        let is_read = |column: &Column| match column {
+            column if column == finger => names_fingers,
+            column => places.contains(column) || with_normals,
         };
-        let normal = with_normals.then(|| Vector3::from_column_slice(&numbers[3..6]));
-        contacts.push(Contact::new(
-            finger,
-            Point3::from_slice(&numbers[..3]),
-            normal,
-        ));
-    }
-    let note = (!names_fingers).then(|| {
-        let unit = sheet.unit.unwrap_or_default().as_str();
-        let positions: Vec<_> = contacts.iter().map(|contact| contact.position).collect();
-        let assigned = |places: &[Point3<f64>]| assign_fingers(places, &sheet.after_gaps, unit);
-        let (fingers, note) = match assigned(&positions) {
-            (found, _) if found.last() > Some(&0) => assigned(&with_outliers_moved(&contacts)),
-            one => one,
-        };
-        for (contact, finger) in contacts.iter_mut().zip(fingers) {
-            contact.finger = finger;
+        let (columns, others): (Vec<Column>, Vec<Column>) =
+            COLUMNS.glides.into_iter().partition(is_read);
+        let sheet = ReadingTable::read(&table, &columns, &others)?;
+        let mut contacts = Vec::with_capacity(sheet.source.lines.len());
+        // Finger numbers in the file may be arbitrary. Number the fingers anew, in the order in which they first appear.
+        let mut indices = Fingers::default();
+        for (line, numbers) in sheet.rows() {
+            let (finger, numbers) = match names_fingers {
+                true => {
+                    let number = sheet.index(line, finger.name, numbers[0])?;
+                    (indices.place(number), &numbers[1..])
+                }
+                false => (0, numbers),
+            };
+            let normal = with_normals.then(|| Vector3::from_column_slice(&numbers[3..6]));
+            contacts.push(Contact::new(
+                finger,
+                Point3::from_slice(&numbers[..3]),
+                normal,
+            ));
         }
-        note
-    });
-    let fingers = contacts.iter().map(|contact| contact.finger).max();
-    Ok(GlideRecording {
-        contacts,
-        fingers: fingers.map_or(0, |most| most + 1),
-        source: sheet.source,
-        unit: sheet.unit,
-        extras: sheet.extras,
-        tip: header
-            .own_name(&places[0])
-            .filter(|name| may_be_tip(name))
-            .map(str::to_owned),
-        note,
-    })
+        let note = (!names_fingers).then(|| {
+            let unit = sheet.unit.unwrap_or_default().as_str();
+            let positions: Vec<_> = contacts.iter().map(|contact| contact.position).collect();
+            let assigned = |places: &[Point3<f64>]| assign_fingers(places, &sheet.after_gaps, unit);
+            let (fingers, note) = match assigned(&positions) {
+                (found, _) if found.last() > Some(&0) => assigned(&with_outliers_moved(&contacts)),
+                one => one,
+            };
+            for (contact, finger) in contacts.iter_mut().zip(fingers) {
+                contact.finger = finger;
+            }
+            note
+        });
+        let fingers = contacts.iter().map(|contact| contact.finger).max();
+        Ok(GlideRecording {
+            contacts,
+            fingers: fingers.map_or(0, |most| most + 1),
+            source: sheet.source,
+            unit: sheet.unit,
+            extras: sheet.extras,
+            tip: header
+                .own_name(&places[0])
+                .filter(|name| may_be_tip(name))
+                .map(str::to_owned),
+            note,
+        })
+    }
 }
 
 /// Returns the positions of the contacts for the search for steps between fingers. A gross outlier gets the position of
@@ -279,7 +289,7 @@ pub(super) fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedEr
         _ => None,
     };
     let message = signs.map_or(message.clone(), |signs| format!("{message}; {signs}"));
-    let message = explained(message, error.name());
+    let message = explained(message, error.into());
     match contact {
         Some(contact) => recorded.source.fail_at(contact, message),
         None => recorded.source.fail(message),
@@ -306,7 +316,7 @@ pub(super) fn stroke_refused(
 ) -> RecordedError {
     let error_text = remedied(error, recorded.fingers);
     let message = format!("{}: {error_text}", across(stroke, unit).text);
-    recorded.source.fail(explained(message, error.name()))
+    recorded.source.fail(explained(message, error.into()))
 }
 
 /// Converts the error of a shape fit to an error that states the rows of the readings.
@@ -316,7 +326,7 @@ pub(super) fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> Re
         ShapeError::TooManyOutliers { outliers, .. } => {
             let rows = listed(outliers.iter().map(|&row| recorded.source.row(row)));
             let message = format!("{error}: {rows}");
-            recorded.source.fail(explained(message, error.name()))
+            recorded.source.fail(explained(message, error.into()))
         }
     }
 }

@@ -142,17 +142,11 @@ pub struct GlideEstimate {
     pub(super) shape: Option<ShapeReport>,
     /// Warnings: contradictions between the contacts and the model, each with its p-value, and likely mistakes.
     pub(super) warnings: Vec<Warning>,
-    #[serde(skip)]
-    pub(super) covariance: Option<[[f64; 2]; 2]>,
-}
-
-impl GlideEstimate {
     /// Covariance matrix of the Gaussian and the mean curvature in the middle of the patch. The unit is 1/length⁴ for
     /// the variance of the Gaussian curvature, 1/length² for the variance of the mean curvature, and 1/length³ for
     /// their covariance. `None` if the method states no uncertainty.
-    pub fn covariance(&self) -> Option<[[f64; 2]; 2]> {
-        self.covariance
-    }
+    #[serde(skip)]
+    pub covariance: Option<[[f64; 2]; 2]>,
 }
 
 /// Map of the estimated curvature, on a grid over the patch or at the contacts.

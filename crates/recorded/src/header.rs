@@ -1,6 +1,6 @@
 //! Finds the columns that palpate reads, by their names in the header of a table.
 
-use palpate_study::readings::{Column, ColumnNames, ColumnUnit, Measure, QUATERNION, spelt};
+use palpate_study::readings::{COLUMNS, Column, ColumnNames, ColumnUnit, Measure, spelt};
 
 use super::heading::{
     Heading, has_no_need, has_unit, is_quaternion, is_similar, no_unit, suffix, two_units,
@@ -35,7 +35,7 @@ impl<'a> Header<'a> {
                 let mut groups = headings.iter().filter_map(Heading::in_group);
                 groups.any(|other| other == (group, part))
             };
-            if QUATERNION.into_iter().all(is_there) {
+            if COLUMNS.quaternion.into_iter().all(is_there) {
                 headings[index].part = Some(column);
             }
         }
@@ -222,7 +222,7 @@ impl<'a> Header<'a> {
         let has = |part: Column| self.headings.iter().any(|other| other.part == Some(part));
         if column.measure == Measure::Angle
             && heading.part.is_some()
-            && QUATERNION.into_iter().all(has)
+            && COLUMNS.quaternion.into_iter().all(has)
         {
             return Err(format!(
                 "{says}, which is part of a quaternion; without this assignment, the quaternion is read"

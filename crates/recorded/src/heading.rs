@@ -1,6 +1,6 @@
 //! Interprets the name of a single column: its unit, and the columns of palpate that the name may mean.
 
-use palpate_study::readings::{Column, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt};
+use palpate_study::readings::{COLUMNS, Column, ColumnUnit, Measure, quaternion_part, spelt};
 
 use super::table_format::pair;
 use super::table_layout::is_one_of;
@@ -41,7 +41,7 @@ impl<'a> Heading<'a> {
     /// Splits a name such as `rotation.x` into the name of the quaternion (`rotation`) and its component (`x`). Returns
     /// `None` if the name does not end with a component.
     pub(super) fn in_group(&self) -> Option<(&str, Column)> {
-        let letters = QUATERNION.into_iter().zip(["i", "j", "k", "r"]);
+        let letters = COLUMNS.quaternion.into_iter().zip(["i", "j", "k", "r"]);
         letters.into_iter().find_map(|(column, letter)| {
             let own = self.base.strip_suffix(&column.name[1..]);
             Some((own.or(self.base.strip_suffix(letter))?, column))

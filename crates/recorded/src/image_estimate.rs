@@ -48,7 +48,7 @@ pub(super) fn estimate_images(
     file: Option<String>,
 ) -> Result<(CameraReading, TrackedPress), RecordedError> {
     let at_rest = |message: String| RecordedError::readings(&rest.file, message);
-    let of_study = |error: FieldError| at_rest(format!("{}: {}", error.path, error.message));
+    let of_study = |error: FieldError| at_rest(error.to_string());
     let nominal = NominalSensor::of(&options.press).map_err(of_study)?;
     usable(rest, nominal.camera).map_err(at_rest)?;
     let of_press = |message| RecordedError::readings(&press.file, message);
@@ -263,7 +263,7 @@ impl Scene<'_> {
             peak_pressure,
             warnings: left_out.into_iter().chain(large).chain(misfits).collect(),
             wrong_markers,
-            ..PressReport::of(estimate, options.press.estimator.name(), unit)
+            ..PressReport::of(estimate, (&options.press.estimator).into(), unit)
         })
     }
 

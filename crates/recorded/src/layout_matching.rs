@@ -87,7 +87,7 @@ impl Matched {
         let from = |height: f64| {
             let mut raised = [0.0; Departure::NUMBERS];
             raised[HEIGHT] = height * nominal.stds[HEIGHT];
-            let raised = optics.departed(&Departure::of(raised));
+            let raised = optics.departed(&Departure::from(raised));
             Self::about(nominal, raised.map_err(other_layout)?, found)
         };
         HEIGHTS
@@ -232,11 +232,11 @@ impl Matched {
             turn_rad,
             odd_terms: [k3, k5],
             ..
-        } = Departure::of(departure);
+        } = Departure::from(departure);
         let pose = optics.pose();
         let camera = optics.camera();
         let turn = pose.turn_rad();
-        let terms = camera.lens().odd_terms().unwrap_or_default();
+        let terms = camera.odd_terms().unwrap_or_default();
         // The first nine rows of the covariance are for the image centre, scale, position and rotation of the camera,
         // followed by the rows for the lens coefficients k3 and k5.
         let std_of_term = |at: usize| (nominal.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
@@ -337,7 +337,7 @@ fn other_layout(error: impl std::fmt::Display) -> String {
 /// Images of the markers at rest that the model predicts, for the sensor that was estimated in `rest` or, without
 /// `rest`, for the nominal sensor. `None` for a marker outside of the frame.
 fn law(fit: &ImageFit, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
-    let markers = fit.markers.places().len();
+    let markers = fit.markers.count();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
     let aligned = vec![[0.0; 2]; markers];
     let sensor = match rest {
@@ -363,7 +363,7 @@ fn of_camera(rest: &Rest) -> Result<Departure, String> {
     for number in CAMERA {
         numbers[number] = *rest.common.get(number).ok_or("has no departures")?;
     }
-    Ok(Departure::of(numbers))
+    Ok(Departure::from(numbers))
 }
 
 /// The same marker image with larger standard errors, which allow for the unknown misalignment of the marker's two

@@ -66,21 +66,20 @@ mod value;
 
 pub use calibration::{
     CalibrateOptions, CalibrationPoints, KnownDisplacements, calibrate, frame_calibration_points,
-    parse_calibration_points,
 };
 pub use calibration_file::{calibration_toml, parse_calibration};
 pub use calibration_report::CalibrationReport;
 pub use camera_calibration::calibrate_camera;
-pub use camera_file::{CameraEstimate, Residual, parse_camera};
+pub use camera_file::{CameraEstimate, Residual};
 pub use camera_reading::{FrameReader, FrameReading, TrackedPress};
 pub use error::RecordedError;
 pub use file::RecordedFile;
-pub use frame_pair::{Frame, FramePair, TrackCounts, difference_image, parse_frame, track_frames};
+pub use frame_pair::{Frame, FramePair, TrackCounts, difference_image, track_frames};
 pub use glide_estimate::{GlideFitResult, estimate_glide};
 pub use glide_options::{GlideOptions, TipReports};
-pub use glide_recording::{GlideRecording, parse_glide};
+pub use glide_recording::GlideRecording;
 pub use glide_report::{GlideEstimate, GlideMap};
-pub use load_curve::{LoadCurve, LoadEstimate, LoadOptions, estimate_force, parse_load_curve};
+pub use load_curve::{LoadCurve, LoadEstimate, LoadOptions, estimate_force};
 pub use overlay::overlay;
 pub use palpate_ep1::ReadingNoise;
 pub use palpate_ep2::{Curvature, MapPoint};
@@ -89,14 +88,13 @@ pub use palpate_geometry::{ShapeClass, ShapeThresholds};
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
 pub use press_estimate::estimate_press;
 pub use press_options::{PictureOptions, PressOptions};
-pub use press_recording::{PressRecording, parse_press};
+pub use press_recording::PressRecording;
 pub use press_report::PressReport;
 pub use roll_estimate::{RollEstimate, RollValues, estimate_roll};
 pub use roll_options::{RollOptions, RollSettings};
 pub use roll_recording::RollRecording;
 pub use roll_rotation::RotationFrame;
 pub use roll_series::SeriesOptions;
-pub use roll_table::parse_roll;
-pub use study_options::StudyMismatch;
+
 pub use table_format::{Decimal, Delimiter, Form, column_names};
 pub use value::Value;

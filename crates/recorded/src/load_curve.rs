@@ -129,21 +129,25 @@ pub struct LoadEstimate {
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn parse_load_curve(file: RecordedFile) -> Result<LoadCurve, RecordedError> {
-    let table = TextTable::of(&file, &[&LOADS])?;
-    header(&table, &LOADS)?;
-    let mut sheet = ReadingTable::read(&table, &LOADS, &[])?;
-    let rows: Vec<_> = sheet.rows().map(|(_, row)| [row[0], row[1]]).collect();
-    let repeated = sheet.source.repeated("reading", rows.iter().copied(), 0.0);
-    let repeated = Warning::of("repeated-rows", repeated);
-    sheet.source.notes.extend(repeated);
-    let copied = copies(rows.iter().copied());
-    let distinct = (0..rows.len()).filter(|row| copied.binary_search(row).is_err());
-    Ok(LoadCurve {
-        readings: distinct.map(|row| rows[row]).collect(),
-        unit: sheet.unit,
-        source: sheet.source,
-    })
+impl TryFrom<RecordedFile> for LoadCurve {
+    type Error = RecordedError;
+
+    fn try_from(file: RecordedFile) -> Result<Self, RecordedError> {
+        let table = TextTable::of(&file, &[&LOADS])?;
+        header(&table, &LOADS)?;
+        let mut sheet = ReadingTable::read(&table, &LOADS, &[])?;
+        let rows: Vec<_> = sheet.rows().map(|(_, row)| [row[0], row[1]]).collect();
+        let repeated = sheet.source.repeated("reading", rows.iter().copied(), 0.0);
+        let repeated = Warning::of("repeated-rows", repeated);
+        sheet.source.notes.extend(repeated);
+        let copied = copies(rows.iter().copied());
+        let distinct = (0..rows.len()).filter(|row| copied.binary_search(row).is_err());
+        Ok(LoadCurve {
+            readings: distinct.map(|row| rows[row]).collect(),
+            unit: sheet.unit,
+            source: sheet.source,
+        })
+    }
 }
 
 /// Estimates the effective radius from a load curve. The estimate assumes that the indentations are exact and that all

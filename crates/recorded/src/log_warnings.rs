@@ -14,6 +14,7 @@ use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
 use super::glide_recording::GlideRecording;
+use super::shape_report::is_undetermined;
 
 const LISTED_ROWS: usize = 10;
 /// If the noise is correlated, several consecutive contacts count as one independent contact. A warning is shown if
@@ -217,9 +218,9 @@ pub(super) fn shape_warnings(
     is_stroke: bool,
     unit: LengthUnit,
 ) -> Vec<Warning> {
-    let (unit, name) = (unit.as_str(), fit.shape.name());
+    let (unit, name) = (unit.as_str(), <&str>::from(fit.shape));
     let is_none = fit.is_none_of_these();
-    let is_open = fit.is_open() && !is_none;
+    let is_open = is_undetermined(fit) && !is_none;
     let least = fit.radius.interval95[0].filter(|_| !is_stroke);
     let open = is_open.then(|| match least.map(Number::rounded) {
         Some(least) => {
@@ -260,7 +261,7 @@ pub(super) fn shape_warnings(
     // tested.
     let why = match () {
         () if fit.probabilities.is_some() => return warnings,
-        () if !fit.is_open() && fit.rms_misfit > MAX_RELATIVE_MISFIT * spread(contacts) => {
+        () if !is_undetermined(fit) && fit.rms_misfit > MAX_RELATIVE_MISFIT * spread(contacts) => {
             "which is comparable with the extent of the contacts"
         }
         () if mean_cosine(fit, contacts) < MIN_MEAN_COSINE => "and their normals contradict it",

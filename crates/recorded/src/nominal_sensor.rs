@@ -66,7 +66,7 @@ impl<'a> NominalSensor<'a> {
     pub(super) fn of(press: &'a PressConfig) -> Result<Self, FieldError> {
         let none = || FieldError::at("scene.sensor", "must have a camera");
         let (camera, _) = press.sensor.camera().ok_or_else(none)?;
-        let sphere = MarkerSphere::of(&press.probe);
+        let sphere = MarkerSphere::from(&press.probe);
         let (markers, places) = sphere.markers()?;
         let [centre_px, scale, place, turn_deg] = CAMERA_STDS;
         let [disc_depth, disc_diameter, colour] = DISC_STDS;
@@ -215,7 +215,7 @@ impl<'a> NominalSensor<'a> {
         let CameraConfig {
             size_px, field_deg, ..
         } = *self.camera;
-        let lens = Lens::fisheye(odd_terms);
+        let lens = Lens::from(odd_terms);
         Camera::new(lens, size_px, field_deg).map_err(|error| optics_error(&error))
     }
 
@@ -244,7 +244,7 @@ impl<'a> NominalSensor<'a> {
         let lens = self.lens(geometry.odd_terms)?;
         let middle = lens.centre_px();
         let offset = [0, 1].map(|axis| geometry.centre_px[axis] - middle[axis]);
-        let array = self.sphere.array(&self.places)?;
+        let array = self.sphere.array(&self.places, None)?;
         let pose = Pose::new(geometry.place, geometry.turn_deg.map(f64::to_radians));
         lens.adjusted(offset, geometry.px_per_rad)
             .and_then(|lens| Optics::new(array, lens, Colours::default(), blemishes))

@@ -98,7 +98,7 @@ pub fn estimate_press(
         peak_pressure,
         warnings: warnings.collect(),
         wrong_markers,
-        ..PressReport::of(&estimate, options.estimator.name(), unit)
+        ..PressReport::of(&estimate, (&options.estimator).into(), unit)
     })
 }
 

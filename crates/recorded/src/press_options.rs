@@ -1,6 +1,7 @@
 //! Settings of an estimate from a press: from displacements of markers, or from camera frames.
 
 use palpate_statistics::Number;
+use palpate_study::FieldError;
 use palpate_study::config::{
     LengthUnit, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, SettingError,
     SettingTable, StudyConfig, in_unit, split_settings, with_settings,
@@ -11,7 +12,7 @@ use serde_json::{Map, Value as Json};
 
 use super::camera_file::CameraEstimate;
 use super::nominal_sensor::NominalSensor;
-use super::study_options::{StudyMismatch, factor, press_of};
+use super::study_options::{factor, press_of};
 
 /// Settings of an estimate from displacements, in addition to the readings. Lengths are in the unit of the readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -174,9 +175,9 @@ impl PictureOptions {
     /// converted to `unit`. The study's indentation is not used.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is not a press with a camera, the unit cannot be converted, or the markers are
+    /// [`FieldError`] if the scene is not a press with a camera, the unit cannot be converted, or the markers are
     /// not discs.
-    pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
+    pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, FieldError> {
         let press = in_unit(press_of(study)?, factor(study, unit)?);
         NominalSensor::of(&press)?;
         Ok(Self {
@@ -216,7 +217,7 @@ impl PictureOptions {
     /// Whether the press is fitted to camera frames, that is, whether the method is `image`. The method follows from
     /// the given settings or, if they state none, from the study's estimator.
     pub fn are_asked_for(given: &Map<String, Json>, study: Option<&StudyConfig>) -> bool {
-        let of_study = || Some(press_of(study?).ok()?.estimator.name());
+        let of_study = || Some(<&str>::from(&press_of(study?).ok()?.estimator));
         let kind = given.get("kind").and_then(Json::as_str).or_else(of_study);
         kind == Some("image")
     }
@@ -266,7 +267,7 @@ fn estimator(
     base: &PressOptions,
 ) -> Result<(PressEstimatorConfig, PressModelConfig), SettingError> {
     let kind = given.get("kind").and_then(Json::as_str);
-    if kind.unwrap_or(base.estimator.name()) != "gaussian" {
+    if kind.unwrap_or((&base.estimator).into()) != "gaussian" {
         let estimator = with_settings(&base.estimator, given)?;
         return Ok((estimator, base.model.clone()));
     }

@@ -6,7 +6,7 @@ use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, copies, finite, same_length};
 use super::text_table::TextTable;
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
+use palpate_study::readings::{COLUMNS, Column, columns_of};
 
 /// Recorded readings of a press.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,55 +102,62 @@ impl PressRecording {
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn parse_press(file: RecordedFile) -> Result<PressRecording, RecordedError> {
-    let orders = [&PRESSES[..3], &PRESS_ROW, &PRESSES];
-    let table = TextTable::of(&file, &orders)?;
-    let header = header(&table, &columns_of("press"))?;
-    let has = |column: &Column| header.has(column);
-    let along_a_row = match (has(&PRESS_ROW[0]), PRESSES[..2].iter().all(has)) {
-        (true, true) => {
-            let row = header.is_assigned(&PRESS_ROW[..1]);
-            if row == header.is_assigned(&PRESSES[..2]) {
-                let names = header.pairs(&PRESS_ROW[..1], &PRESS_ROW[..1]);
-                let message = format!(
-                    "there are both places x, y and radial_position; state which to read, as in setting `columns` '{names}'"
-                );
-                return Err(file.fail(table.header_line, message));
-            }
-            row
-        }
-        (along_a_row, _) => along_a_row,
-    };
-    let with_tangential = !along_a_row && PRESSES[3..].iter().any(has);
-    let (columns, others) = match (along_a_row, with_tangential) {
-        (true, _) => (&PRESS_ROW[..], &[][..]),
-        (false, true) => (&PRESSES[..], &[][..]),
-        (false, false) => PRESSES.split_at(3),
-    };
-    let sheet = ReadingTable::read(&table, columns, others)?;
-    let (mut places, mut normal, mut tangential) = (Vec::new(), Vec::new(), Vec::new());
-    for (_, numbers) in sheet.rows() {
-        match *numbers {
-            [position, displacement] => {
-                places.push([position, 0.0]);
-                normal.push(displacement);
-            }
-            [x, y, displacement, ref along @ ..] => {
-                places.push([x, y]);
-                normal.push(displacement);
-                if let [along_x, along_y] = *along {
-                    tangential.push([along_x, along_y]);
+impl TryFrom<RecordedFile> for PressRecording {
+    type Error = RecordedError;
+
+    fn try_from(file: RecordedFile) -> Result<Self, RecordedError> {
+        let orders = [&COLUMNS.presses[..3], &COLUMNS.press_row, &COLUMNS.presses];
+        let table = TextTable::of(&file, &orders)?;
+        let header = header(&table, &columns_of("press"))?;
+        let has = |column: &Column| header.has(column);
+        let along_a_row = match (
+            has(&COLUMNS.press_row[0]),
+            COLUMNS.presses[..2].iter().all(has),
+        ) {
+            (true, true) => {
+                let row = header.is_assigned(&COLUMNS.press_row[..1]);
+                if row == header.is_assigned(&COLUMNS.presses[..2]) {
+                    let names = header.pairs(&COLUMNS.press_row[..1], &COLUMNS.press_row[..1]);
+                    let message = format!(
+                        "there are both places x, y and radial_position; state which to read, as in setting `columns` '{names}'"
+                    );
+                    return Err(file.fail(table.header_line, message));
                 }
+                row
             }
-            _ => {}
+            (along_a_row, _) => along_a_row,
+        };
+        let with_tangential = !along_a_row && COLUMNS.presses[3..].iter().any(has);
+        let (columns, others) = match (along_a_row, with_tangential) {
+            (true, _) => (&COLUMNS.press_row[..], &[][..]),
+            (false, true) => (&COLUMNS.presses[..], &[][..]),
+            (false, false) => COLUMNS.presses.split_at(3),
+        };
+        let sheet = ReadingTable::read(&table, columns, others)?;
+        let (mut places, mut normal, mut tangential) = (Vec::new(), Vec::new(), Vec::new());
+        for (_, numbers) in sheet.rows() {
+            match *numbers {
+                [position, displacement] => {
+                    places.push([position, 0.0]);
+                    normal.push(displacement);
+                }
+                [x, y, displacement, ref along @ ..] => {
+                    places.push([x, y]);
+                    normal.push(displacement);
+                    if let [along_x, along_y] = *along {
+                        tangential.push([along_x, along_y]);
+                    }
+                }
+                _ => {}
+            }
         }
+        Ok(PressRecording {
+            unit: sheet.unit,
+            source: sheet.source,
+            extras: sheet.extras,
+            places,
+            normal,
+            tangential: with_tangential.then_some(tangential),
+        })
     }
-    Ok(PressRecording {
-        unit: sheet.unit,
-        source: sheet.source,
-        extras: sheet.extras,
-        places,
-        normal,
-        tangential: with_tangential.then_some(tangential),
-    })
 }

@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
 
 use palpate_statistics::Number;
-use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::{Column, ColumnNamesError, ColumnUnit, Measure, check_names};
+use palpate_study::readings::{Column, ColumnUnit, Measure, check_names};
+use palpate_study::{FieldError, Warning};
 
 use super::decimal::{DecimalSign, is_missing, number};
 use super::delimited_text::{has_number, tidy};
@@ -241,7 +241,7 @@ pub(super) fn header<'a>(
     columns: &[Column],
 ) -> Result<Header<'a>, RecordedError> {
     let names = &table.file.form.columns;
-    check_names(names, columns).map_err(|ColumnNamesError { message, .. }| {
+    check_names(names, columns).map_err(|FieldError { message, .. }| {
         RecordedError::readings(&table.file.name, format!("setting `columns`: {message}"))
     })?;
     Ok(Header::new(&table.header, names))
@@ -270,7 +270,7 @@ fn length_unit(
         return match stated.as_slice() {
             [] => Ok(None),
             [unit] => {
-                let nearest = unit.nearest();
+                let nearest = nearest(*unit);
                 let is_converted = nearest.map(ColumnUnit::Length) != Some(*unit);
                 match bare.filter(|_| is_converted) {
                     Some(column) => Err(without_unit(header, column, *unit)),
@@ -278,18 +278,18 @@ fn length_unit(
                 }
             }
             [first, second, ..] => {
-                let target = first.nearest().unwrap_or_default().as_str();
+                let target = nearest(*first).unwrap_or_default().as_str();
                 Err(format!(
                     "lengths are in {} and in {}; setting `length_unit` {target} converts them to one unit",
-                    first.name(),
-                    second.name()
+                    unit_name(*first),
+                    unit_name(*second)
                 ))
             }
         };
     };
     for unit in &stated {
         if unit.to(target).is_none() {
-            let (unit, target) = (unit.name(), target.as_str());
+            let (unit, target) = (unit_name(*unit), target.as_str());
             return Err(format!(
                 "the header says {unit}, setting `length_unit` says {target}, and neither is a multiple of the other"
             ));
@@ -303,7 +303,7 @@ fn length_unit(
 
 fn without_unit(header: &Header<'_>, column: (&Column, &Place), other: ColumnUnit) -> String {
     let (column, place) = column;
-    let (stem, name, other) = (column.stem(), header.name(place.index), other.name());
+    let (stem, name, other) = (column.stem(), header.name(place.index), unit_name(other));
     let pair = pair(&format!("{stem}_{other}"), name);
     format!(
         "column `{name}` states no unit, but others are in {other}; write setting `columns` '{pair}' if it is in {other} too"
@@ -401,5 +401,26 @@ impl ExtraColumns {
 
     pub(super) fn named(&self, row: usize) -> BTreeMap<String, String> {
         self.names.iter().cloned().zip(self.row(row)).collect()
+    }
+}
+
+/// Default length unit of the output for readings in this unit: the unit itself or, for inches and nanometres, a
+/// unit that studies can use (millimetres and micrometres). `None` if this unit is not a length.
+fn nearest(unit: ColumnUnit) -> Option<LengthUnit> {
+    match unit {
+        ColumnUnit::Length(length) => Some(length),
+        ColumnUnit::Inch => Some(LengthUnit::Mm),
+        ColumnUnit::Nanometre => Some(LengthUnit::Um),
+        ColumnUnit::Factor(_) => None,
+    }
+}
+
+/// Name of the unit in messages.
+fn unit_name(unit: ColumnUnit) -> &'static str {
+    match unit {
+        ColumnUnit::Length(length) => length.as_str(),
+        ColumnUnit::Inch => "in",
+        ColumnUnit::Nanometre => "nm",
+        ColumnUnit::Factor(_) => "another unit",
     }
 }

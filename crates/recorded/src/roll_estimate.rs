@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use nalgebra::Vector2;
 use palpate_ep1::{
     Ep1Error, Estimate, LeastSquares, Measured, PadCell, PadStart, ProbeReading, ReadingNoise,
-    SeriesEstimate,
+    SeriesEstimate, SeriesNoise,
 };
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::{NORMAL_95, student_half_width};
@@ -299,9 +299,13 @@ impl RollEstimate {
         };
         let bound = |(place, reading): (usize, &ProbeReading)| {
             let resolution = options.noise.shift_resolution;
-            let cell = options.series.pads.unwrap_or(PadCell::square(1.0));
+            let square = PadCell {
+                pitch: 1.0,
+                is_hexagonal: false,
+            };
+            let cell = options.series.pads.unwrap_or(square);
             let drive = Vector2::new(-reading.rotation.y, reading.rotation.x);
-            let resolution = resolution * cell.chord(&drive.normalize()) / cell.pitch();
+            let resolution = resolution * cell.chord(&drive.normalize()) / cell.pitch;
             let radius = 1.0 / (reading.rotation.norm() / resolution - 1.0 / options.probe_radius);
             let row = recorded.rows.get(place);
             let is_bound = resolution > 0.0 && radius > 0.0 && radius.is_finite();
@@ -325,11 +329,11 @@ impl RollEstimate {
 /// probes, and 2.16 for 8 probes ([`palpate_statistics::student_half_width`]).
 ///
 /// ```
-/// use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
+/// use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, RollRecording};
 ///
 /// // A probe of radius 10 that is turned by 0.3 on a ball of radius 20 rolls over 0.3 / (1/10 + 1/20) = 2.
 /// let csv = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.3,2,0\n1,0.3,0,0,2\n";
-/// let readings = parse_roll(RecordedFile::new("readings.csv", csv.as_bytes().to_vec()))?;
+/// let readings = RollRecording::try_from(RecordedFile::new("readings.csv", csv.as_bytes().to_vec()))?;
 /// let estimate = estimate_roll(readings, &RollOptions::new(10.0))?;
 /// let estimate = serde_json::to_value(estimate)?;
 /// let curvature = estimate["mean_curvature"]["value"].as_f64().ok_or("no number")?;
@@ -391,7 +395,7 @@ pub fn estimate_roll(
             }
             _ => error.to_string(),
         };
-        fail(explained(message, error.name()))
+        fail(explained(message, error.into()))
     };
 
     if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
@@ -404,7 +408,7 @@ pub fn estimate_roll(
             residual: estimate.residual(readings).0,
             estimate,
             freedom: None,
-            std_from: match (options.series.noise.is_exact(), has_pads) {
+            std_from: match (options.series.noise == SeriesNoise::default(), has_pads) {
                 (true, true) => "the pads' edges",
                 (true, false) if options.series.contact_std == 0.0 => "the residuals",
                 _ => "the stated noise",

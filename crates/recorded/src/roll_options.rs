@@ -143,7 +143,7 @@ impl RollOptions {
             (Some(pitch), None) => {
                 let square = Self::noise_of_pads(probe_radius, pitch)?;
                 let cell = base.series.pads.filter(|_| own.pad_layout.is_none());
-                let scale = cell.map(|cell| pitch / cell.pitch());
+                let scale = cell.map(|cell| pitch / cell.pitch);
                 scale.map_or(square, |scale| ReadingNoise {
                     shift_std: scale * base.noise.shift_std,
                     shift_resolution: scale * base.noise.shift_resolution,
@@ -181,21 +181,26 @@ impl RollOptions {
     }
 
     fn series(own: &RollSettings, base: SeriesOptions) -> Result<SeriesOptions, SettingError> {
-        let pitch = own.pitch.or(base.pads.map(|cell| cell.pitch()));
-        let is_hexagonal = |cell: PadCell| cell == PadCell::hexagonal(cell.pitch());
+        let pitch = own.pitch.or(base.pads.map(|cell| cell.pitch));
+        let pads = |pitch, is_hexagonal| {
+            Some(PadCell {
+                pitch,
+                is_hexagonal,
+            })
+        };
         let layout = match own.pad_layout {
-            None if own.pitch.is_some() && base.pads.is_some_and(is_hexagonal) => {
+            None if own.pitch.is_some() && base.pads.is_some_and(|cell| cell.is_hexagonal) => {
                 Some(PadLayout::Hexagonal)
             }
             stated => stated,
         };
         let pads = match (layout, pitch) {
             (None | Some(PadLayout::Square), Some(pitch)) if own.pitch.is_some() => {
-                Some(PadCell::square(pitch))
+                pads(pitch, false)
             }
             (None, _) => base.pads.filter(|_| own.shift_std.is_none()),
-            (Some(PadLayout::Square), Some(pitch)) => Some(PadCell::square(pitch)),
-            (Some(PadLayout::Hexagonal), Some(pitch)) => Some(PadCell::hexagonal(pitch)),
+            (Some(PadLayout::Square), Some(pitch)) => pads(pitch, false),
+            (Some(PadLayout::Hexagonal), Some(pitch)) => pads(pitch, true),
             (Some(PadLayout::Uniform), _) => {
                 let reason = "must be square or hexagonal: other pads have no straight edges";
                 return Err(SettingError::new("pad_layout", reason));

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use palpate_statistics::Number;
-use palpate_study::readings::{AXIS_ANGLE, Column, MATRIX, QUATERNION, ROTATION_VECTOR};
+use palpate_study::readings::{COLUMNS, Column};
 
 use super::header::Header;
 use super::table_format::pair;
@@ -74,11 +74,11 @@ impl RotationForm {
 
     pub(super) const fn columns(self) -> &'static [Column] {
         match self {
-            Self::Vector => ROTATION_VECTOR.split_at(2).0,
-            Self::WholeVector => &ROTATION_VECTOR,
-            Self::Quaternion => &QUATERNION,
-            Self::Matrix => &MATRIX,
-            Self::AxisAngle => &AXIS_ANGLE,
+            Self::Vector => COLUMNS.rotation_vector.split_at(2).0,
+            Self::WholeVector => &COLUMNS.rotation_vector,
+            Self::Quaternion => &COLUMNS.quaternion,
+            Self::Matrix => &COLUMNS.matrix,
+            Self::AxisAngle => &COLUMNS.axis_angle,
         }
     }
 
@@ -165,7 +165,7 @@ pub(super) const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
 /// Value of the setting `columns` that assigns the file's columns `names` to the components of a quaternion. `order`
 /// contains the positions of x, y, z and w in `names`.
 pub(super) fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
-    let pairs = QUATERNION.iter().zip(order);
+    let pairs = COLUMNS.quaternion.iter().zip(order);
     let pairs: Vec<String> = pairs
         .map(|(column, place)| pair(column.name, names[place]))
         .collect();

@@ -197,7 +197,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
         ),
         _ => error.to_string(),
     };
-    explained(message, error.name())
+    explained(message, error.into())
 }
 
 /// Checks that the distances between the active pads are possible in a lattice with the stated pitch.
@@ -211,16 +211,15 @@ fn all_on_lattice(
     let Some(first) = all().next() else {
         return Ok(());
     };
-    let is_hexagonal = *cell == PadCell::hexagonal(cell.pitch());
-    let lattice = match is_hexagonal {
+    let lattice = match cell.is_hexagonal {
         true => "hexagonal pads lie in rows along u",
         false => "square pads lie in rows along u and v",
     };
     let error_of = |place: &Vector2<f64>| {
-        let pitches = (place - first.place) / cell.pitch();
+        let pitches = (place - first.place) / cell.pitch;
         // The rows of hexagonal pads lie along u. Neighbouring rows are √3/2 pitches apart along v, and are shifted by
         // half a pitch along u.
-        let [u, v] = match is_hexagonal {
+        let [u, v] = match cell.is_hexagonal {
             true => {
                 let row = pitches.y / (0.5 * 3.0_f64.sqrt());
                 [pitches.x - 0.5 * row.round(), row]
@@ -240,7 +239,7 @@ fn all_on_lattice(
                     "probe {} after {} s: there is no pad at ({u}, {v}) {unit}: with a pitch of {} {unit}, counted from the pad of the first sample, {lattice}",
                     recorded.probe(roll),
                     Number(sample.time_s),
-                    Number(cell.pitch()),
+                    Number(cell.pitch),
                     unit = unit.as_str()
                 ));
             }

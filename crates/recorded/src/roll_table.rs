@@ -7,9 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use palpate_ep1::RollSeries;
 use palpate_statistics::Number;
 use palpate_study::Warning;
-use palpate_study::readings::{
-    CONTACTS, Column, GLIDES, QUATERNION, ROLL_SERIES, ROLL_STARTS, ROLLS, columns_of,
-};
+use palpate_study::readings::{COLUMNS, Column, columns_of};
 
 use super::RecordedFile;
 use super::error::RecordedError;
@@ -36,14 +34,18 @@ use super::roll_recording::{RollRecording, reading, sample};
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
-pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
-    let (recording, _) = read_rolls(&file)?;
-    Ok(recording)
+impl TryFrom<RecordedFile> for RollRecording {
+    type Error = RecordedError;
+
+    fn try_from(file: RecordedFile) -> Result<Self, RecordedError> {
+        let (recording, _) = read_rolls(&file)?;
+        Ok(recording)
+    }
 }
 
 /// The rolls of a file, and whether the shifts are consistent with a probe that rolls by the stated rotations.
 fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedError> {
-    let table = TextTable::of(file, &[&ROLLS[1..], &columns_of("roll")])
+    let table = TextTable::of(file, &[&COLUMNS.rolls[1..], &columns_of("roll")])
         .map_err(|error| without_header(file).unwrap_or(error))?;
     let header = header(&table, &columns_of("roll"))?;
     let fail = |message: String| Err(file.fail(table.header_line, message));
@@ -52,44 +54,45 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         Err(message) => return fail(message),
     };
     let has = |column: &Column| header.has(column);
-    let names_probes = has(&ROLLS[0]);
+    let names_probes = has(&COLUMNS.rolls[0]);
     let form = RotationForm::of(&header);
     let as_series = |why: String| {
-        let names = header.pairs(&ROLLS[3..], &CONTACTS);
+        let names = header.pairs(&COLUMNS.rolls[3..], &COLUMNS.contacts);
         format!("{why}; if each roll is a time series, write setting `columns` '{names}'")
     };
     if kind == Kind::Rows
         && form != RotationForm::Vector
         && !names_probes
-        && !header.is_assigned(&ROLLS[3..])
+        && !header.is_assigned(&COLUMNS.rolls[3..])
         && let Some(time) = header.time()
     {
-        let names = header.pairs(&ROLLS[3..], &ROLLS[3..]);
+        let names = header.pairs(&COLUMNS.rolls[3..], &COLUMNS.rolls[3..]);
         return fail(as_series(format!(
             "column `{time}`: the rows may be a time series; if each row is a roll, write setting `columns` '{names}'"
         )));
     }
     let (time, contacts) = match kind {
-        Kind::Rows => (&[][..], &ROLLS[3..]),
-        Kind::Pads => (&ROLL_SERIES[1..2], &ROLL_SERIES[4..]),
-        Kind::Contacts => (&ROLL_SERIES[1..2], &CONTACTS[..]),
+        Kind::Rows => (&[][..], &COLUMNS.rolls[3..]),
+        Kind::Pads => (&COLUMNS.roll_series[1..2], &COLUMNS.roll_series[4..]),
+        Kind::Contacts => (&COLUMNS.roll_series[1..2], &COLUMNS.contacts[..]),
     };
-    let tip = &GLIDES[1..4];
+    let tip = &COLUMNS.glides[1..4];
     // Columns with the names x, y, z and w are a quaternion. Without w, x, y and z are a position.
-    let is_quaternion = has(&tip[0]) && header.own_name(&tip[0]) == header.own_name(&QUATERNION[0]);
+    let is_quaternion =
+        has(&tip[0]) && header.own_name(&tip[0]) == header.own_name(&COLUMNS.quaternion[0]);
     let has_tip = tip.iter().all(has) || header.offers(tip);
     if has_tip && !is_quaternion && !header.offers(contacts) {
         return fail(
             "the file has positions, as of a fingertip, but no contacts on the probe; an estimate from a glide with setting `tip_radius`, and setting `reports` centre, needs only the positions of the tip's centre".to_owned(),
         );
     }
-    let probe = &ROLLS[..usize::from(names_probes)];
-    let starts = match kind != Kind::Rows && ROLL_STARTS.iter().any(has) {
-        true => &ROLL_STARTS[..],
+    let probe = &COLUMNS.rolls[..usize::from(names_probes)];
+    let starts = match kind != Kind::Rows && COLUMNS.roll_starts.iter().any(has) {
+        true => &COLUMNS.roll_starts[..],
         false => &[],
     };
     let columns = [probe, time, form.columns(), contacts, starts].concat();
-    let may = &ROLLS[..usize::from(!names_probes)];
+    let may = &COLUMNS.rolls[..usize::from(!names_probes)];
     let sheet = ReadingTable::read(&table, &columns, may)?;
     if kind != Kind::Rows
         && let Some(hint) = header.unread(may, &[])
@@ -181,7 +184,11 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     if form == RotationForm::Quaternion {
         let [last, first] = [SCALAR_LAST, SCALAR_FIRST].map(|order| frame_of(order).is_some());
         let numbered = table.numbered_quaternion();
-        let own = || QUATERNION.map(|column| header.own_name(&column).unwrap_or_default());
+        let own = || {
+            COLUMNS
+                .quaternion
+                .map(|column| header.own_name(&column).unwrap_or_default())
+        };
         let names = numbered.map_or_else(own, |names| names.each_ref().map(String::as_str));
         let setting = |order| scalar_names(order, names);
         match (numbered.is_some(), last, first) {
@@ -314,7 +321,8 @@ fn without_header(file: &RecordedFile) -> Option<RecordedError> {
             columns: columns.collect(),
             ..file.form.clone()
         };
-        let read = read_rolls(&file.clone().written(form));
+        let file = file.clone();
+        let read = read_rolls(&RecordedFile { form, ..file });
         read.is_ok_and(|(rolls, is_rolling)| {
             let mut shifts = rolls.readings.iter().map(|reading| reading.shift);
             is_rolling && shifts.any(|shift| shift != Vector2::zeros())
@@ -332,10 +340,13 @@ fn layouts(count: usize) -> Vec<Vec<&'static str>> {
         |columns: &[Column]| -> Vec<&str> { columns.iter().map(|column| column.name).collect() };
     let scalar_first = vec!["qw", "qx", "qy", "qz"];
     let forms = RotationForm::ALL.map(|form| names(form.columns()));
-    let kinds = [(&[][..], &ROLLS[3..]), (&ROLL_SERIES[1..2], &CONTACTS[..])];
+    let kinds = [
+        (&[][..], &COLUMNS.rolls[3..]),
+        (&COLUMNS.roll_series[1..2], &COLUMNS.contacts[..]),
+    ];
     let mut layouts = Vec::new();
     for (time, contacts) in kinds {
-        for probe in [&[][..], &ROLLS[..1]] {
+        for probe in [&[][..], &COLUMNS.rolls[..1]] {
             for form in forms.iter().chain([&scalar_first]) {
                 let names = [names(probe), names(time), form.clone(), names(contacts)].concat();
                 layouts.push(names);
@@ -428,9 +439,9 @@ impl Kind {
     fn of(header: &Header<'_>) -> Result<Self, String> {
         let has = |column: &Column| header.has(column);
         let kinds = [
-            (Self::Rows, &ROLLS[3..]),
-            (Self::Pads, &ROLL_SERIES[4..]),
-            (Self::Contacts, &CONTACTS[..]),
+            (Self::Rows, &COLUMNS.rolls[3..]),
+            (Self::Pads, &COLUMNS.roll_series[4..]),
+            (Self::Contacts, &COLUMNS.contacts[..]),
         ];
         let any = |columns: &[Column]| columns.iter().any(has);
         let mut whole = kinds.to_vec();
@@ -438,10 +449,10 @@ impl Kind {
         if let [_, _, ..] = whole[..] {
             whole.retain(|(_, columns)| header.is_assigned(columns));
             if whole.len() != 1 {
-                let columns = if any(&ROLLS[3..]) {
-                    &ROLLS[3..]
+                let columns = if any(&COLUMNS.rolls[3..]) {
+                    &COLUMNS.rolls[3..]
                 } else {
-                    &CONTACTS[..]
+                    &COLUMNS.contacts[..]
                 };
                 let names = header.pairs(columns, columns);
                 return Err(format!(
@@ -453,9 +464,9 @@ impl Kind {
             return Ok(kind);
         }
         Ok(match () {
-            () if any(&ROLL_SERIES[4..]) => Self::Pads,
-            () if any(&ROLLS[3..]) => Self::Rows,
-            () if any(&CONTACTS) || header.time().is_some() => Self::Contacts,
+            () if any(&COLUMNS.roll_series[4..]) => Self::Pads,
+            () if any(&COLUMNS.rolls[3..]) => Self::Rows,
+            () if any(&COLUMNS.contacts) || header.time().is_some() => Self::Contacts,
             () => Self::Rows,
         })
     }

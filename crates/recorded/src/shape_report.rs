@@ -89,7 +89,7 @@ impl ShapeReport {
     /// Report of the fitted shape. If `is_open` is true, the contacts do not determine the size of the shape, and its
     /// sizes are `null`.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
-        let curvature = match fit.is_open() {
+        let curvature = match is_undetermined(fit) {
             true => of_radius(fit),
             false => fit.curvature,
         };
@@ -102,7 +102,7 @@ impl ShapeReport {
                 ..Value::open(power, unit)
             },
         };
-        let names = [Shape::Plane, Shape::Sphere, Shape::Cylinder].map(Shape::name);
+        let names = [Shape::Plane, Shape::Sphere, Shape::Cylinder].map(<&str>::from);
         let names = names.into_iter().chain(["none"]);
         let is_plane = fit.shape == Shape::Plane;
         let axis = fit
@@ -113,7 +113,7 @@ impl ShapeReport {
         Self {
             shape: match fit.is_none_of_these() {
                 true => "none",
-                false => fit.shape.name(),
+                false => fit.shape.into(),
             },
             shape_probabilities: fit.probabilities.map(|all| names.zip(all).collect()),
             radius: (!is_plane).then(|| size(&fit.radius, Unit::Length)),
@@ -135,5 +135,19 @@ fn of_radius(fit: &ShapeFit) -> SizeEstimate {
         value: None,
         std: None,
         interval95: [most.map(|most| -most), most],
+    }
+}
+
+/// Whether the contacts leave the curvature undetermined. False for a plane, because its curvature is 0.
+pub(super) fn is_undetermined(fit: &ShapeFit) -> bool {
+    fit.shape != Shape::Plane && fit.radius.value.is_none()
+}
+
+/// Number of fitted parameters of the shape.
+pub(super) const fn unknowns(shape: Shape) -> usize {
+    match shape {
+        Shape::Plane => 3,
+        Shape::Sphere => 4,
+        Shape::Cylinder => 5,
     }
 }

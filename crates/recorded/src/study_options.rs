@@ -13,64 +13,27 @@ use palpate_ep1::{PadCell, ReadingNoise, SeriesNoise};
 use palpate_geometry::ShapeThresholds;
 use palpate_study::FieldError;
 
-/// Reason why the settings of a study cannot be used for recorded readings.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum StudyMismatch {
-    /// The scene of the study is of another kind than the readings.
-    #[error("must be {needed:?} for these readings, is {found:?}")]
-    Kind {
-        /// Kind of scene that the readings need.
-        needed: &'static str,
-        /// Kind of scene that the study describes.
-        found: &'static str,
-    },
-    /// The lengths in the study cannot be converted to the unit of the readings.
-    #[error("the unit of the study is {}, but the unit of the readings is {}", study.as_str(), readings.as_str())]
-    Unit {
-        /// Unit of lengths in the study.
-        study: LengthUnit,
-        /// Unit of lengths in the readings.
-        readings: LengthUnit,
-    },
-    /// A field of the study is invalid.
-    #[error("{}", .0.message)]
-    Plan(FieldError),
-}
-
-impl StudyMismatch {
-    /// Path of the study's field that causes the problem.
-    pub fn path(&self) -> &str {
-        match self {
-            Self::Kind { .. } => "scene.kind",
-            Self::Unit { .. } => "length_unit",
-            Self::Plan(error) => &error.path,
-        }
-    }
-}
-
-impl From<FieldError> for StudyMismatch {
-    fn from(error: FieldError) -> Self {
-        Self::Plan(error)
-    }
-}
-
-pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, StudyMismatch> {
-    study.length_unit.to(unit).ok_or(StudyMismatch::Unit {
-        study: study.length_unit,
-        readings: unit,
+pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, FieldError> {
+    study.length_unit.to(unit).ok_or_else(|| {
+        let [of_study, of_readings] = [study.length_unit, unit].map(LengthUnit::as_str);
+        let message = format!(
+            "the unit of the study is {of_study}, but the unit of the readings is {of_readings}"
+        );
+        FieldError::at("length_unit", message)
     })
 }
 
-pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, StudyMismatch> {
+pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, FieldError> {
     match &study.scene {
         SceneConfig::Press(press) => Ok(press),
         scene => Err(other_kind("press", scene)),
     }
 }
 
-fn other_kind(needed: &'static str, scene: &SceneConfig) -> StudyMismatch {
+fn other_kind(needed: &str, scene: &SceneConfig) -> FieldError {
     let found = scene.kind();
-    StudyMismatch::Kind { needed, found }
+    let message = format!("must be {needed:?} for these readings, is {found:?}");
+    FieldError::at("scene.kind", message)
 }
 
 impl RollOptions {
@@ -78,12 +41,12 @@ impl RollOptions {
     /// time series. Lengths are converted to `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, or if `noise` fails.
+    /// [`FieldError`] if the scene is of another kind, if the unit cannot be converted, or if `noise` fails.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
         noise: impl FnOnce(&RollConfig) -> Result<(ReadingNoise, SeriesNoise), FieldError>,
-    ) -> Result<Self, StudyMismatch> {
+    ) -> Result<Self, FieldError> {
         let SceneConfig::Roll(config) = &study.scene else {
             return Err(other_kind("roll", &study.scene));
         };
@@ -93,11 +56,13 @@ impl RollOptions {
         let (pads, contact_std) = match config.sensor {
             RollSensorConfig::Ideal => (None, 0.0),
             RollSensorConfig::Wrist { std } => (None, std * factor),
-            RollSensorConfig::Pads { pitch, layout, .. } => match layout {
-                PadLayout::Square => (Some(PadCell::square(pitch * factor)), 0.0),
-                PadLayout::Hexagonal => (Some(PadCell::hexagonal(pitch * factor)), 0.0),
-                PadLayout::Uniform => (None, 0.0),
-            },
+            RollSensorConfig::Pads { pitch, layout, .. } => {
+                let pads = PadCell {
+                    pitch: pitch * factor,
+                    is_hexagonal: layout == PadLayout::Hexagonal,
+                };
+                (Some(pads).filter(|_| layout != PadLayout::Uniform), 0.0)
+            }
         };
         Ok(Self {
             series: SeriesOptions {
@@ -124,9 +89,9 @@ impl GlideOptions {
     /// fingertip. Lengths are converted to `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, or if the thresholds
+    /// [`FieldError`] if the scene is of another kind, if the unit cannot be converted, or if the thresholds
     /// contradict each other.
-    pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
+    pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, FieldError> {
         let SceneConfig::Glide(config) = &study.scene else {
             return Err(other_kind("glide", &study.scene));
         };
@@ -168,12 +133,12 @@ impl PressOptions {
     /// of normal and tangential displacements that the study's estimator assumes.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, or if `stated_stds` fails.
+    /// [`FieldError`] if the scene is of another kind, if the unit cannot be converted, or if `stated_stds` fails.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
         stated_stds: impl FnOnce(&PressConfig) -> Result<[Option<f64>; 2], FieldError>,
-    ) -> Result<Self, StudyMismatch> {
+    ) -> Result<Self, FieldError> {
         let config = press_of(study)?;
         let factor = factor(study, unit)?;
         let [normal_std, tangential_std] =

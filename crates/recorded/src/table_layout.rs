@@ -1,7 +1,7 @@
 //! Recognises columns in tables whose headers do not have palpate's names. Such tables are tables without a header,
 //! logs of rostopic, and wide tables. In a wide table, the columns of several fingers are side by side.
 
-use palpate_study::readings::{Column, MATRIX, Measure, quaternion_part, spelt};
+use palpate_study::readings::{COLUMNS, Column, Measure, quaternion_part, spelt};
 
 use super::heading::{Heading, bracketed, is_similar, may_be_position};
 use super::table_format::pair;
@@ -139,7 +139,7 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     let mut header = header.to_vec();
     for (place, column) in list(&named, is_matrix, &numbers, 9)?
         .into_iter()
-        .zip(MATRIX)
+        .zip(COLUMNS.matrix)
     {
         header[place] = column.name.to_owned();
     }

@@ -1,7 +1,7 @@
 //! Reads tables of any file format as rows of text fields.
 
 use csv::StringRecord;
-use palpate_study::readings::{Column, MATRIX, Measure, QUATERNION};
+use palpate_study::readings::{COLUMNS, Column, Measure};
 
 use super::delimited_text::{DelimitedText, names};
 use super::error::RecordedError;
@@ -116,7 +116,7 @@ impl<'a> TextTable<'a> {
         };
         let names = &self.file.form.columns;
         let is_free = |name: &String| names.values().all(|one| one.trim() != name.trim());
-        if columns.contains(&MATRIX[0])
+        if columns.contains(&COLUMNS.matrix[0])
             && let Some(header) = of_matrix(&self.header)
         {
             let mut pairs = self.header.iter().zip(&header);
@@ -125,10 +125,10 @@ impl<'a> TextTable<'a> {
             }
         }
         let quaternion = numbered_quaternion(&self.header);
-        if let Some(places) = quaternion.filter(|_| columns.contains(&QUATERNION[0])) {
+        if let Some(places) = quaternion.filter(|_| columns.contains(&COLUMNS.quaternion[0])) {
             let own = places.map(|place| self.header[place].clone());
             if own.iter().all(is_free) {
-                for (place, column) in places.into_iter().zip(QUATERNION) {
+                for (place, column) in places.into_iter().zip(COLUMNS.quaternion) {
                     self.header[place] = column.name.to_owned();
                 }
                 self.numbered_quaternion = Some(own);

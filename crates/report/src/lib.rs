@@ -10,9 +10,7 @@
 //! | a study's `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
 //! | one plot and tables in memory | a [`Figure`] | [`figure`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |
-//! | probabilities of distinguishing two objects | a heat map, as a [`Figure`] | [`heat_figure`] |
-//! | a number with its standard error for each item | a bar chart, as a [`Figure`] | [`bar_figure`] |
-//! | the answer of `palpate design` | a [`Figure`] | [`design_figure`] |
+//! | an answer as an [`AnswerFigure`]: bar chart, heat map, curve or map | a [`Figure`] | [`answer_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front for each comparison of models | [`tradeoff_figures`] |
 //! | a study's `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_table`] |
 //! | several studies | one HTML page, one line per claim for the terminal | [`page`], [`scorecard_lines`] |
@@ -37,9 +35,8 @@ pub use error::ReportError;
 pub use files::Files;
 pub use page::page;
 pub use plot::{
-    Bars, CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis,
-    Figure, Heat, HeatPanel, MapPanel, Stretch, bar_figure, design_figure, figure, figures,
-    heat_figure, press_figures, tradeoff_figures,
+    AnswerChart, AnswerFigure, CurveLine, CurvePoint, FieldAxis, Figure, HeatPanel, MapPanel,
+    Stretch, answer_figure, figure, figures, press_figures, tradeoff_figures,
 };
 pub use study::Study;
 use table::Table;

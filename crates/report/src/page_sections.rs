@@ -3,13 +3,14 @@
 
 use crate::interval_coverage::{Coverage, Estimator, mean_shares};
 use crate::page::least_width;
+use crate::phrases::with_unit;
 use crate::records::Records;
 use crate::tradeoff::{Answer, AutoModel, Tradeoff};
 use crate::{Files, ReportError, Study, phrases, plot};
 use minijinja::context;
 use minijinja::value::Value;
 use palpate_study::glossary::{SUBJECTS, meaning};
-use palpate_study::label::{self, with_unit};
+use palpate_study::label;
 use palpate_study::number::{self, finite, grouped};
 use palpate_study::{Quantity, Statistic};
 

@@ -76,3 +76,12 @@ pub(crate) fn cost(instructions: Option<f64>, ns: Option<f64>) -> String {
     let parts: Vec<String> = time.into_iter().chain(counted).collect();
     parts.join(", ")
 }
+
+/// A label followed by its unit in brackets, if it has a unit.
+pub(crate) fn with_unit(label: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        label.to_owned()
+    } else {
+        format!("{label} ({unit})")
+    }
+}

@@ -1,5 +1,6 @@
 //! Figures: the plots in the `[[plot]]` tables of studies, and figures of other results.
 
+mod answer_figure;
 mod bars;
 mod captions;
 mod chart;
@@ -10,7 +11,6 @@ mod contact_table;
 mod contacts;
 mod coverage_plot;
 mod default_plot;
-mod design_figure;
 mod drawing;
 mod heat;
 mod label_placement;
@@ -33,15 +33,13 @@ use crate::{Files, ReportError, Study};
 use palpate_study::config::{PlotConfig, PlotKind};
 use selection::Request;
 
-pub use bars::{Bars, bar_figure};
+pub use answer_figure::{
+    AnswerChart, AnswerFigure, CurveLine, CurvePoint, FieldAxis, MapPanel, Stretch, answer_figure,
+};
 pub(crate) use captions::swept_values;
 pub(crate) use coverage_plot::figure as coverage_figure;
-pub use design_figure::{
-    CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, MapPanel,
-    Stretch, design_figure,
-};
 pub use drawing::Figure;
-pub use heat::{Heat, HeatPanel, heat_figure};
+pub use heat::HeatPanel;
 pub(crate) use pareto::figures as pareto_figures;
 pub use pareto::tradeoff_figures;
 pub use press_trace::press_figures;

@@ -14,7 +14,7 @@
 //! of the chart and first moves along its equator.
 
 use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
-use palpate_geometry::{ChartGeometry, Parameters, Sphere, Surface, TangentForm};
+use palpate_geometry::{ChartGeometry, CurvatureForm, Parameters, Sphere, Surface, TangentForm};
 
 use crate::contact_equations::{ContactEquations, contact_velocity};
 use crate::error::RollFault;
@@ -139,7 +139,16 @@ impl<S: Surface> System<STATE> for ChartForm<'_, S> {
         let [u1, v1, u2, v2, psi, phi, _] = *state;
         let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?;
         let object = self.object.chart_geometry(Parameters::new(u2, v2))?;
-        let object_curvature = object.curvature.seen_from_other_body(psi);
+        // Seen from the probe, the object's normal points in the opposite direction, and its axes are rotated by the
+        // contact angle ψ.
+        let (sin, cos) = libm::sincos(psi);
+        let reflection = Matrix2::new(cos, -sin, -sin, -cos);
+        let form = reflection * object.curvature.matrix() * reflection;
+        let object_curvature = CurvatureForm {
+            k_uu: form[(0, 0)],
+            k_uv: 0.5 * (form[(0, 1)] + form[(1, 0)]),
+            k_vv: form[(1, 1)],
+        };
         let into_gauss = Rotation2::new(phi);
         let c = contact_velocity(
             1.0 / self.probe.radius(),
@@ -147,8 +156,7 @@ impl<S: Surface> System<STATE> for ChartForm<'_, S> {
             &(into_gauss * self.motion.drive_on_object(self.probe.radius())),
         )?;
         let p = c - into_gauss * self.motion.sliding;
-        let (sin, cos) = libm::sincos(psi);
-        let on_object = Matrix2::new(cos, -sin, -sin, -cos) * c;
+        let on_object = reflection * c;
         let rate1 = parameter_rate(&probe, &p);
         let rate2 = parameter_rate(&object, &on_object);
         let probe_twist = (probe.torsion * p).x;

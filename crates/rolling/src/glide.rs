@@ -154,7 +154,10 @@ impl Glider {
                     object: &self.object,
                     radius,
                     tolerance,
-                    rugged: self.object.is_graph(),
+                    rugged: matches!(
+                        self.object,
+                        Shape::Paraboloid(_) | Shape::Saddle(_) | Shape::HeightField(_)
+                    ),
                     centre,
                 };
                 search.contact()?.touch(radius)

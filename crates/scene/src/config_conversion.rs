@@ -53,7 +53,7 @@ pub(crate) fn shape(config: &ObjectConfig) -> Result<Shape, FieldError> {
                 message: error.message,
                 part: error.span,
             })?;
-            Ok(Shape::HeightField(Graph::of_formula(formula)))
+            Ok(Shape::HeightField(Graph::from(formula)))
         }
     }
     .map_err(|error: BadSetting| {

@@ -21,7 +21,7 @@ impl MeasuredSensor {
     /// Quantities that are computed for the sensor of a config. If the skin is made from gores (flat pieces), they
     /// include folding strains. If the markers consist of discs, they include the marker area.
     pub(crate) fn quantities_of(probe: &PressProbeConfig) -> &'static [Quantity] {
-        let sphere = MarkerSphere::of(probe);
+        let sphere = MarkerSphere::from(probe);
         let all: &'static [Quantity] = &[
             Quantity::GREATEST_FOLD_STRAIN,
             Quantity::RMS_FOLD_STRAIN,
@@ -41,7 +41,7 @@ impl MeasuredSensor {
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
     pub(crate) fn new(config: &BareFingertipConfig) -> Result<Self, FieldError> {
-        let sphere = MarkerSphere::of(&config.probe);
+        let sphere = MarkerSphere::from(&config.probe);
         let markers = sphere.places()?.len();
         let mut needs = vec![Need::Model(format!("{markers} markers, no contact"))];
         let mut values = Vec::new();
@@ -82,7 +82,8 @@ impl Trials for MeasuredSensor {
 
     fn trial(&self, _trial: u64, observe: Observer<'_>) -> Result<(), &'static str> {
         for (quantity, value) in self.values.iter().enumerate() {
-            observe(quantity, Observation::exact(value.ok_or("out-of-field")?));
+            let value = value.ok_or("out-of-field")?;
+            observe(quantity, Observation::plain(value, value));
         }
         Ok(())
     }

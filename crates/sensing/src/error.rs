@@ -17,9 +17,9 @@ pub struct BeyondPads {
     pub cap_rad: f64,
 }
 
-impl BeyondPads {
-    /// Name of this kind of error. It stays the same in all versions.
-    pub const fn name(&self) -> &'static str {
+/// Name of this kind of error. It stays the same in all versions.
+impl From<BeyondPads> for &'static str {
+    fn from(_: BeyondPads) -> Self {
         "beyond-pads"
     }
 }

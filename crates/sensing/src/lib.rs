@@ -24,7 +24,7 @@ pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
 pub use position::{MarkerNoise, PositionAxes, PositionError};
 pub use rotation::{AngularVelocityError, Encoder};
 pub use sphere_map::{direction_at, displacement_between};
-pub use stream::{Stream, Streams};
+pub use stream::Stream;
 pub use surface_normal::NormalError;
 pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;

@@ -109,46 +109,6 @@ impl Stream {
 /// The [`Stream`]s of `N` trials, drawn together with vector instructions. Each stream has exactly the same numbers as
 /// the [`Stream`] of the same trial.
 ///
-/// The functions of this type are always inlined, so that they are compiled for the vector width of their caller.
-#[derive(Clone, Debug)]
-pub struct Streams<const N: usize> {
-    states: [u64; N],
-}
-
-impl<const N: usize> Streams<N> {
-    /// The streams of `channel` in trials `first` to `first + N − 1`.
-    #[inline(always)]
-    pub fn new(seed: u64, first: u64, channel: Channel) -> Self {
-        let mut states = [0; N];
-        for (place, state) in states.iter_mut().enumerate() {
-            *state = Stream::new(seed, first.wrapping_add(place as u64), channel).state;
-        }
-        Self { states }
-    }
-
-    /// Draws the next [`Stream::symmetric_uniform`] from the stream with the index `place`, which must be below `N`.
-    #[inline(always)]
-    pub fn symmetric_uniform(&mut self, place: usize) -> f64 {
-        self.draw(place, Stream::symmetric_uniform)
-    }
-
-    /// Draws the next [`Stream::standard_normal`] from the stream with the index `place`, which must be below `N`.
-    #[inline(always)]
-    pub fn standard_normal(&mut self, place: usize) -> f64 {
-        self.draw(place, Stream::standard_normal)
-    }
-
-    #[inline(always)]
-    fn draw(&mut self, place: usize, number: impl FnOnce(&mut Stream) -> f64) -> f64 {
-        let mut stream = Stream {
-            state: self.states[place],
-        };
-        let number = number(&mut stream);
-        self.states[place] = stream.state;
-        number
-    }
-}
-
 impl TryRng for Stream {
     type Error = Infallible;
 

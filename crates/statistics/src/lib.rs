@@ -16,7 +16,7 @@ pub use hue::{hue_turns, saturated_hue};
 pub use misfit::{GoodnessOfFit, Misfit, SIGNIFICANCE_LEVEL, StatedQuantity};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use number_format::Number;
-pub use score_test::{Explained, LEFT, least_likely};
+pub use score_test::{Explained, LEFT};
 pub use selection::evenly_spaced;
 pub use tails::{chi_squared_tail, ratio_tail, student_half_width};
 

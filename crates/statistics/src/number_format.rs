@@ -21,33 +21,6 @@ impl Number {
     pub fn rounded(number: f64) -> Self {
         Self(format!("{number:.2e}").parse().unwrap_or(number))
     }
-
-    /// The number, rounded to the decimal place at which its standard deviation `std` has two significant digits. The
-    /// number keeps at least three significant digits.
-    ///
-    /// ```
-    /// use palpate_statistics::Number;
-    ///
-    /// let shown = [0.00456, 2.0, 500.0].map(|std| Number::known_to(320.0347, std).to_string());
-    /// assert_eq!(shown, ["320.0347", "320", "320"]);
-    /// ```
-    #[must_use]
-    pub fn known_to(number: f64, std: f64) -> Self {
-        let size = |number: f64| libm::floor(libm::log10(number.abs()));
-        let digits = size(number) - size(std) + 1.0;
-        // `digits` is the number of digits after the decimal point of the scientific notation. It is at most 16:
-        // together with the digit before the point, 17 significant digits identify every double-precision number.
-        let digits = if digits.is_finite() {
-            digits.clamp(2.0, 16.0)
-        } else {
-            2.0
-        };
-        Self(
-            format!("{number:.*e}", digits as usize)
-                .parse()
-                .unwrap_or(number),
-        )
-    }
 }
 
 impl fmt::Display for Number {

@@ -65,48 +65,22 @@ impl Explained {
         explained
     }
 
-    /// P-value of the decrease of chi-squared if the standard deviation of the noise is stated by the user.
-    pub fn p_value(self) -> f64 {
-        chi_squared_tail(self.fall, self.freedom)
-    }
-
-    /// P-value of the decrease of chi-squared if the standard deviation of the noise is estimated from the residuals.
-    /// `chi_squared` and `freedom` are the chi-squared and the degrees of freedom of the fit without the patterns.
-    pub fn p_value_beside(self, chi_squared: f64, freedom: usize) -> f64 {
+    /// P-value of the decrease of chi-squared. `None` if the user states the standard deviation of the noise. If it is
+    /// estimated from the residuals, `estimated` contains the chi-squared and the degrees of freedom of the fit without
+    /// the patterns.
+    pub fn p_value(self, estimated: Option<(f64, usize)>) -> f64 {
+        let Some((chi_squared, freedom)) = estimated else {
+            return chi_squared_tail(self.fall, self.freedom);
+        };
         let rest = freedom.saturating_sub(self.freedom);
         let below = (chi_squared - self.fall).max(0.0);
         ratio_tail(self.fall, self.freedom, below, rest)
     }
 }
 
-/// Finds the hypothesis with the smallest p-value, for example the roll that is most likely an outlier. Each item of
-/// `chances` is the index of a hypothesis and its p-value. Returns the index of the found hypothesis, and its p-value
-/// multiplied by the number of hypotheses (Bonferroni; at most 1). Without hypotheses, the result is (0, 1).
-///
-/// ```
-/// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());
-/// assert_eq!(found, (7, 0.02));
-/// ```
-pub fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64) {
-    let (mut most, mut least, mut count) = (0, 1.0, 0.0_f64);
-    for (one, chance) in chances {
-        count += 1.0;
-        if chance < least {
-            (most, least) = (one, chance);
-        }
-    }
-    (most, (least * count.max(1.0)).min(1.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_least_likely_of_many_is_likely() {
-        assert_eq!(least_likely((0..200).map(|one| (one, 0.01))), (0, 1.0));
-        assert_eq!(least_likely(std::iter::empty()), (0, 1.0));
-    }
 
     #[test]
     fn patterns_that_the_unknowns_take_do_not_count() {
@@ -116,7 +90,10 @@ mod tests {
         let explained = Explained::by(&[2.0, 2.0], &left, &DVector::from_vec(vec![0.0, 2.0]), LEFT);
         assert_eq!((explained.fall, explained.freedom), (2.0, 1));
         let none = Explained::by(&[0.0], &DMatrix::zeros(1, 1), &DVector::zeros(1), LEFT);
-        assert_eq!((none.p_value(), none.p_value_beside(1.0, 3)), (1.0, 1.0));
+        assert_eq!(
+            (none.p_value(None), none.p_value(Some((1.0, 3)))),
+            (1.0, 1.0)
+        );
     }
 
     #[test]

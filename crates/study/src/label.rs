@@ -11,7 +11,7 @@ use crate::quantity::Quantity;
 /// use palpate_study::Label;
 ///
 /// let noise = Label::of_field("scene.noise.angular_velocity.fraction");
-/// assert_eq!(noise.text(), "angular velocity noise (%)");
+/// assert_eq!(noise.to_string(), "angular velocity noise (%)");
 /// assert_eq!(noise.value("0.05"), "5 %");
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,17 @@ pub struct Label {
     pub unit: String,
     /// Factor by which numbers of the column are multiplied before they are displayed.
     pub factor: f64,
+}
+
+/// The words and, in brackets, the unit.
+impl std::fmt::Display for Label {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.words)?;
+        match self.unit.as_str() {
+            "" => Ok(()),
+            unit => write!(f, " ({unit})"),
+        }
+    }
 }
 
 impl Label {
@@ -43,11 +54,6 @@ impl Label {
             unit: unit.to_owned(),
             factor: 100.0,
         }
-    }
-
-    /// The words and the unit together, as the axis of a plot shows them.
-    pub fn text(&self) -> String {
-        with_unit(&self.words, &self.unit)
     }
 
     /// A value of a table as it is displayed, with its unit: a share of `0.05` becomes `5 %`. Texts that are not
@@ -133,13 +139,4 @@ pub fn spoken_unit(text: &str) -> String {
         .replace("^2", "²")
         .replace('2', "²")
         .replace('3', "³")
-}
-
-/// A label followed by its unit in brackets, if it has a unit.
-pub fn with_unit(label: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        label.to_owned()
-    } else {
-        format!("{label} ({unit})")
-    }
 }

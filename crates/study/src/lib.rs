@@ -24,7 +24,7 @@ pub use label::Label;
 pub use number_text::{self as number, shortest as number};
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;
-pub use table::{Column, ColumnType, Rows, Table, header, push_row};
+pub use table::{Column, ColumnType, Rows, Table, push_row};
 pub use target::{Bound, Target, TargetError};
 pub use warning::Warning;
 

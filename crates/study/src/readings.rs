@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use crate::config::LengthUnit;
+use crate::config::{FieldError, LengthUnit};
 use crate::{Column as TableColumn, Unit};
 
 /// Physical quantity of the numbers in a column.
@@ -50,27 +50,6 @@ impl ColumnUnit {
             Self::Inch => of_metres(0.0254),
             Self::Nanometre => of_metres(1e-9),
             Self::Factor(factor) => Some(factor),
-        }
-    }
-
-    /// Default length unit of the output for readings in this unit: the unit itself or, for inches and nanometres, a
-    /// unit that studies can use (millimetres and micrometres). `None` if this unit is not a length.
-    pub fn nearest(self) -> Option<LengthUnit> {
-        match self {
-            Self::Length(unit) => Some(unit),
-            Self::Inch => Some(LengthUnit::Mm),
-            Self::Nanometre => Some(LengthUnit::Um),
-            Self::Factor(_) => None,
-        }
-    }
-
-    /// Name of the unit in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Length(unit) => unit.as_str(),
-            Self::Inch => "in",
-            Self::Nanometre => "nm",
-            Self::Factor(_) => "another unit",
         }
     }
 }
@@ -163,7 +142,7 @@ impl Column {
     /// [`spelt`] returns. If the names differ, the result is `None`. If they agree, the result contains the unit at the
     /// end of `name`, if `name` ends with a unit: `x` has none, `x_mm` has mm, and `rotation_x_deg` has degrees.
     pub fn is_named(&self, name: &str) -> Option<Option<ColumnUnit>> {
-        if QUATERNION.contains(self) {
+        if COLUMNS.quaternion.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
         }
         // The column of times is named with the abbreviation "t", but files also use the full word "time".
@@ -187,68 +166,113 @@ pub fn spelt(name: &str) -> String {
     words.join("_").to_lowercase()
 }
 
-/// Columns of readings of rolls, with one row per roll.
-pub const ROLLS: [Column; 5] = [
-    Column::of("probe", Measure::Plain),
-    Column::of("rotation_x_rad", Measure::Angle),
-    Column::of("rotation_y_rad", Measure::Angle),
-    Column::of("shift_u", Measure::Length),
-    Column::of("shift_v", Measure::Length),
-];
+/// The columns of the tables of readings, by the kind of reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReadingColumns {
+    /// Columns of readings of rolls, with one row per roll.
+    pub rolls: [Column; 5],
+    /// Columns of a unit quaternion. A file may have these columns instead of those of a rotation vector. `qw` is the
+    /// scalar part.
+    pub quaternion: [Column; 4],
+    /// The nine columns of a file that state a rotation matrix, in the order of its rows. Each column vector of the
+    /// matrix is an axis of the probe.
+    pub matrix: [Column; 9],
+    /// Columns of a rotation, stated as a unit axis and an angle.
+    pub axis_angle: [Column; 4],
+    /// Columns of a rotation vector. The last column may be missing.
+    pub rotation_vector: [Column; 3],
+    /// Columns of the contact's position on the probe, in a time series of a roll.
+    pub contacts: [Column; 2],
+    /// Columns of the contact's position on the probe at the start of a roll, in a time series of the roll. The columns
+    /// may be missing.
+    pub roll_starts: [Column; 2],
+    /// Columns of readings of rolls, if the readings of each roll are a time series.
+    pub roll_series: [Column; 6],
+    /// Columns of readings of glides, with one row per contact. The last three columns may be missing.
+    pub glides: [Column; 7],
+    /// Columns of readings of presses, with one row per marker. The last two columns may be missing.
+    pub presses: [Column; 5],
+    /// Columns of readings of a press whose markers lie on a line through the apex, with one row per marker.
+    pub press_row: [Column; 2],
+}
 
-/// Columns of a unit quaternion. A file may have these columns instead of those of a rotation vector. `qw` is the
-/// scalar part.
-pub const QUATERNION: [Column; 4] = [
-    Column::of("qx", Measure::Plain),
-    Column::of("qy", Measure::Plain),
-    Column::of("qz", Measure::Plain),
-    Column::of("qw", Measure::Plain),
-];
+/// The columns of all tables of readings.
+pub const COLUMNS: ReadingColumns = ReadingColumns {
+    rolls: [
+        Column::of("probe", Measure::Plain),
+        Column::of("rotation_x_rad", Measure::Angle),
+        Column::of("rotation_y_rad", Measure::Angle),
+        Column::of("shift_u", Measure::Length),
+        Column::of("shift_v", Measure::Length),
+    ],
+    quaternion: [
+        Column::of("qx", Measure::Plain),
+        Column::of("qy", Measure::Plain),
+        Column::of("qz", Measure::Plain),
+        Column::of("qw", Measure::Plain),
+    ],
+    matrix: [
+        Column::of("r11", Measure::Plain),
+        Column::of("r12", Measure::Plain),
+        Column::of("r13", Measure::Plain),
+        Column::of("r21", Measure::Plain),
+        Column::of("r22", Measure::Plain),
+        Column::of("r23", Measure::Plain),
+        Column::of("r31", Measure::Plain),
+        Column::of("r32", Measure::Plain),
+        Column::of("r33", Measure::Plain),
+    ],
+    axis_angle: [
+        Column::of("axis_x", Measure::Plain),
+        Column::of("axis_y", Measure::Plain),
+        Column::of("axis_z", Measure::Plain),
+        Column::of("angle_rad", Measure::Angle),
+    ],
+    rotation_vector: [
+        Column::of("rotation_x_rad", Measure::Angle),
+        Column::of("rotation_y_rad", Measure::Angle),
+        Column::of("rotation_z_rad", Measure::Angle),
+    ],
+    contacts: [
+        Column::of("contact_u", Measure::Length),
+        Column::of("contact_v", Measure::Length),
+    ],
+    roll_starts: [
+        Column::of("start_u", Measure::Length),
+        Column::of("start_v", Measure::Length),
+    ],
+    roll_series: [
+        Column::of("probe", Measure::Plain),
+        Column::of("t_s", Measure::Time),
+        Column::of("rotation_x_rad", Measure::Angle),
+        Column::of("rotation_y_rad", Measure::Angle),
+        Column::of("pad_u", Measure::Length),
+        Column::of("pad_v", Measure::Length),
+    ],
+    glides: [
+        Column::of("finger", Measure::Plain),
+        Column::of("x", Measure::Length),
+        Column::of("y", Measure::Length),
+        Column::of("z", Measure::Length),
+        Column::of("normal_x", Measure::Plain),
+        Column::of("normal_y", Measure::Plain),
+        Column::of("normal_z", Measure::Plain),
+    ],
+    presses: [
+        Column::of("x", Measure::Length),
+        Column::of("y", Measure::Length),
+        Column::of("normal_displacement", Measure::Length),
+        Column::of("tangential_x", Measure::Length),
+        Column::of("tangential_y", Measure::Length),
+    ],
+    press_row: [
+        Column::of("radial_position", Measure::Length),
+        Column::of("normal_displacement", Measure::Length),
+    ],
+};
 
-/// The nine columns of a file that state a rotation matrix, in the order of its rows. Each column vector of the matrix
-/// is an axis of the probe.
-pub const MATRIX: [Column; 9] = [
-    Column::of("r11", Measure::Plain),
-    Column::of("r12", Measure::Plain),
-    Column::of("r13", Measure::Plain),
-    Column::of("r21", Measure::Plain),
-    Column::of("r22", Measure::Plain),
-    Column::of("r23", Measure::Plain),
-    Column::of("r31", Measure::Plain),
-    Column::of("r32", Measure::Plain),
-    Column::of("r33", Measure::Plain),
-];
-
-/// Columns of a rotation, stated as a unit axis and an angle.
-pub const AXIS_ANGLE: [Column; 4] = [
-    Column::of("axis_x", Measure::Plain),
-    Column::of("axis_y", Measure::Plain),
-    Column::of("axis_z", Measure::Plain),
-    Column::of("angle_rad", Measure::Angle),
-];
-
-/// Columns of a rotation vector. The last column may be missing.
-pub const ROTATION_VECTOR: [Column; 3] = [
-    ROLLS[1],
-    ROLLS[2],
-    Column::of("rotation_z_rad", Measure::Angle),
-];
-
-/// Columns of the contact's position on the probe, in a time series of a roll.
-pub const CONTACTS: [Column; 2] = [
-    Column::of("contact_u", Measure::Length),
-    Column::of("contact_v", Measure::Length),
-];
-
-/// Columns of the contact's position on the probe at the start of a roll, in a time series of the roll. The columns may
-/// be missing.
-pub const ROLL_STARTS: [Column; 2] = [
-    Column::of("start_u", Measure::Length),
-    Column::of("start_v", Measure::Length),
-];
-
-/// The column of [`QUATERNION`] to which `name` refers, such as `qx`, `quat_x` or `pose_orientation_x`; `None` if it
-/// refers to no such column. `name` must have the form that [`spelt`] returns.
+/// The column of `quaternion` in [`COLUMNS`] to which `name` refers, such as `qx`, `quat_x` or `pose_orientation_x`;
+/// `None` if it refers to no such column. `name` must have the form that [`spelt`] returns.
 pub fn quaternion_part(name: &str) -> Option<Column> {
     let is_quaternion = |prefix: &str| {
         let word = prefix.trim_end_matches('_').rsplit('_').next();
@@ -269,47 +293,11 @@ pub fn quaternion_part(name: &str) -> Option<Column> {
         ["z", "k", "z"],
         ["w", "r", "s"],
     ];
-    let parts = QUATERNION.into_iter().zip(letters);
+    let parts = COLUMNS.quaternion.into_iter().zip(letters);
     let is_part = |letter: &str| name.strip_suffix(letter).is_some_and(is_quaternion);
     let mut found = parts.filter(|(_, letters)| letters.iter().any(|letter| is_part(letter)));
     found.next().map(|(column, _)| column)
 }
-
-/// Columns of readings of rolls, if the readings of each roll are a time series.
-pub const ROLL_SERIES: [Column; 6] = [
-    Column::of("probe", Measure::Plain),
-    Column::of("t_s", Measure::Time),
-    Column::of("rotation_x_rad", Measure::Angle),
-    Column::of("rotation_y_rad", Measure::Angle),
-    Column::of("pad_u", Measure::Length),
-    Column::of("pad_v", Measure::Length),
-];
-
-/// Columns of readings of glides, with one row per contact. The last three columns may be missing.
-pub const GLIDES: [Column; 7] = [
-    Column::of("finger", Measure::Plain),
-    Column::of("x", Measure::Length),
-    Column::of("y", Measure::Length),
-    Column::of("z", Measure::Length),
-    Column::of("normal_x", Measure::Plain),
-    Column::of("normal_y", Measure::Plain),
-    Column::of("normal_z", Measure::Plain),
-];
-
-/// Columns of readings of presses, with one row per marker. The last two columns may be missing.
-pub const PRESSES: [Column; 5] = [
-    Column::of("x", Measure::Length),
-    Column::of("y", Measure::Length),
-    Column::of("normal_displacement", Measure::Length),
-    Column::of("tangential_x", Measure::Length),
-    Column::of("tangential_y", Measure::Length),
-];
-
-/// Columns of readings of a press whose markers lie on a line through the apex, with one row per marker.
-pub const PRESS_ROW: [Column; 2] = [
-    Column::of("radial_position", Measure::Length),
-    Column::of("normal_displacement", Measure::Length),
-];
 
 /// The columns `columns` of a table of readings that palpate writes, with lengths in `unit`. If the first column has no
 /// unit, it contains the numbers of probes or fingers.
@@ -332,17 +320,17 @@ pub fn table_columns(columns: &[Column], unit: LengthUnit) -> Vec<TableColumn> {
 pub fn columns_of(kind: &str) -> Vec<Column> {
     let all: &[&[Column]] = match kind {
         "roll" => &[
-            &ROLLS,
-            &ROLL_SERIES,
-            &QUATERNION,
-            &ROTATION_VECTOR,
-            &MATRIX,
-            &AXIS_ANGLE,
-            &CONTACTS,
-            &ROLL_STARTS,
+            &COLUMNS.rolls,
+            &COLUMNS.roll_series,
+            &COLUMNS.quaternion,
+            &COLUMNS.rotation_vector,
+            &COLUMNS.matrix,
+            &COLUMNS.axis_angle,
+            &COLUMNS.contacts,
+            &COLUMNS.roll_starts,
         ],
-        "glide" => &[&GLIDES],
-        "press" => &[&PRESSES, &PRESS_ROW],
+        "glide" => &[&COLUMNS.glides],
+        "press" => &[&COLUMNS.presses, &COLUMNS.press_row],
         _ => &[],
     };
     let mut columns: Vec<Column> = Vec::new();
@@ -358,26 +346,13 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
 /// `x_mm`.
 pub type ColumnNames = BTreeMap<String, String>;
 
-/// Reason why a table of column names ([`ColumnNames`]) is invalid.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{message}")]
-pub struct ColumnNamesError {
-    /// The invalid key of the table.
-    pub key: String,
-    /// Description of the problem with this key.
-    pub message: String,
-}
-
 /// Checks the names that a study or an option states for the columns of a file.
 ///
 /// # Errors
-/// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys that refer to the same
+/// [`FieldError`] for a key that is not in `columns`, for an empty name, for two keys that refer to the same
 /// column, and for two keys that state the same name.
-pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), ColumnNamesError> {
-    let fault = |key: &str, message: String| {
-        let key = key.to_owned();
-        Err(ColumnNamesError { key, message })
-    };
+pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), FieldError> {
+    let fault = |key: &str, message: String| Err(FieldError::at(key, message));
     let mut known: Vec<(&str, &str, &str)> = Vec::new();
     for (key, name) in names {
         let Some(column) = of_key(key, columns) else {

@@ -117,7 +117,14 @@ impl Table {
 
     /// The table as CSV text (RFC 4180): a value that contains a comma, a quotation mark or a line break is quoted.
     pub fn to_csv(&self) -> String {
-        header(&self.columns) + &self.rows_to_csv()
+        let names: Vec<String> = self
+            .columns
+            .iter()
+            .map(|column| column.name.clone())
+            .collect();
+        let mut text = String::new();
+        push_row(&mut text, &names);
+        text + &self.rows_to_csv()
     }
 
     /// The rows as CSV text, without the header.
@@ -126,14 +133,6 @@ impl Table {
         self.rows.iter().for_each(|row| push_row(&mut text, row));
         text
     }
-}
-
-/// The header line of a table with these columns, including the line break.
-pub fn header(columns: &[Column]) -> String {
-    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
-    let mut text = String::new();
-    push_row(&mut text, &names);
-    text
 }
 
 /// Adds a row to a CSV text, with a line break at its end.

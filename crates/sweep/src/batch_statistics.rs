@@ -80,9 +80,9 @@ pub struct Estimate {
     /// For each batch, the value of the statistic over all trials outside of this batch; empty if the experiment is not
     /// random.
     without: Vec<f64>,
-    /// Standard deviation of an additional error of the statistic that is equal in all batches, so that their scatter
-    /// does not show it; see [`Self::with_resolution`].
-    resolution: f64,
+    /// Standard deviation of an additional error of the statistic, such as the resolution of a histogram; 0 if there is
+    /// none. The jackknife cannot estimate this error, because it has the same value in all batches.
+    pub resolution: f64,
 }
 
 impl Batches {
@@ -165,13 +165,6 @@ impl Estimate {
             without: without?,
             resolution: 0.0,
         })
-    }
-
-    /// This estimate with an additional error whose standard deviation is `resolution`, such as the resolution of a
-    /// histogram. The jackknife cannot estimate this error, because it has the same value in all batches.
-    #[must_use]
-    pub fn with_resolution(self, resolution: f64) -> Self {
-        Self { resolution, ..self }
     }
 
     /// Standard error of the estimated statistic; 0 if the experiment is not random and there is no additional error.

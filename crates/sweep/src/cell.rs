@@ -8,7 +8,7 @@ use crate::trial_record::Record;
 
 /// Number of trials in a block, the smallest group of trials whose sums are computed together. The sums of a cell's
 /// blocks are added in the order of the blocks, so the result does not depend on the threads.
-pub const BLOCK: u64 = 1024;
+pub(crate) const BLOCK: u64 = 1024;
 
 /// An experiment. A cell of the study repeats it in many trials.
 pub trait Trial: Sync {
@@ -82,7 +82,7 @@ pub struct Task {
 
 /// Rule that ends the trials of a cell when a statistic of a quantity is precise enough.
 ///
-/// The rule is applied after 1, 2, 4, 8 … blocks of [`BLOCK`] trials, in the order of the trial numbers. Therefore the
+/// The rule is applied after 1, 2, 4, 8 … blocks of 1024 trials, in the order of the trial numbers. Therefore the
 /// number of trials of a cell depends only on the results of its trials, not on the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {

@@ -7,7 +7,7 @@
 //!
 //! Guarantees, for trials that depend only on their number:
 //!
-//! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`] trials, and
+//! - The result is the same to the last bit for any number of threads. Trials run in blocks of 1024 trials, and
 //!   the sums of a cell's blocks are added in the order of the blocks. All other results of a block are integers, or
 //!   smallest and largest values. The order in which they are merged does not matter.
 //! - Memory does not grow with the number of trials.
@@ -60,7 +60,7 @@ mod trial_record;
 
 pub use batch_statistics::{Batches, Estimate, Growth};
 pub use cache::Cache;
-pub use cell::{BLOCK, Cell, StoppingRule, StoppingStatistic, Task, Trial};
+pub use cell::{Cell, StoppingRule, StoppingStatistic, Task, Trial};
 pub use certainty::share_at_most;
 pub use order::{Order, Repeats, TrialMeans, in_order, repeats};
 pub use palpate_statistics::CERTAIN;

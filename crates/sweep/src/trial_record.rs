@@ -43,7 +43,8 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// An estimate without a standard error.
+    /// An estimate without a standard error. If the quantity is computed exactly instead of estimated, `estimate` and
+    /// `truth` are equal.
     #[inline]
     pub const fn plain(estimate: f64, truth: f64) -> Self {
         Self {
@@ -52,12 +53,6 @@ impl Observation {
             std: None,
             interval_holds: None,
         }
-    }
-
-    /// The observation of a quantity that is computed exactly instead of estimated. Its error is 0.
-    #[inline]
-    pub const fn exact(value: f64) -> Self {
-        Self::plain(value, value)
     }
 
     /// Whether the observation is valid: its error is finite, and its standard error is missing, or finite and at least

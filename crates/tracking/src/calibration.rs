@@ -35,8 +35,10 @@ pub use normal::{MarkerGain, NormalCalibration, NormalFrom, NormalPoint};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    normal: Option<NormalCalibration>,
-    lateral: Option<LateralCalibration>,
+    /// The calibration for normal displacements; `None` if there is none.
+    pub normal_part: Option<NormalCalibration>,
+    /// The calibration for tangential displacements; `None` if there is none.
+    pub lateral_part: Option<LateralCalibration>,
     /// Number of markers that the sensor shows at rest; `None` if the number is not known.
     pub markers: Option<usize>,
     /// Mean hue of the markers at rest, turns; `None` if the mean is not known.
@@ -63,21 +65,11 @@ impl Calibration {
             });
         }
         Ok(Self {
-            normal: normal.map(NormalCalibration::checked).transpose()?,
-            lateral: lateral.map(LateralCalibration::checked).transpose()?,
+            normal_part: normal.map(NormalCalibration::checked).transpose()?,
+            lateral_part: lateral.map(LateralCalibration::checked).transpose()?,
             markers,
             hue_turns: None,
         })
-    }
-
-    /// The calibration for normal displacements; `None` if there is none.
-    pub const fn normal_part(&self) -> Option<&NormalCalibration> {
-        self.normal.as_ref()
-    }
-
-    /// The calibration for tangential displacements; `None` if there is none.
-    pub const fn lateral_part(&self) -> Option<&LateralCalibration> {
-        self.lateral.as_ref()
     }
 
     /// Checks that `found`, the number of markers in a frame at rest, fits this calibration. The number may differ by
@@ -90,7 +82,10 @@ impl Calibration {
         let Some(calibrated) = self.markers else {
             return Ok(());
         };
-        let by_number = self.normal.as_ref().is_some_and(|normal| normal.uses_gains);
+        let by_number = self
+            .normal_part
+            .as_ref()
+            .is_some_and(|normal| normal.uses_gains);
         let allowed = if by_number { 0 } else { calibrated / 10 };
         if calibrated.abs_diff(found) > allowed {
             return Err(CalibrationError::AnotherLayout { calibrated, found });
@@ -101,7 +96,7 @@ impl Calibration {
     /// The inward displacement (length) of a marker, computed from the change of its image. The result is `None` if
     /// there is no calibration for normal displacements, or if a number of the change is not finite.
     pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
-        self.normal.as_ref()?.read(marker, change)
+        self.normal_part.as_ref()?.read(marker, change)
     }
 
     /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
@@ -109,7 +104,7 @@ impl Calibration {
     /// the image moves, multiplied by the focal length (px per radian). The result is `None` if there is no calibration
     /// for tangential displacements, or if a number is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
-        self.lateral.as_ref()?.read(shift_px, normal)
+        self.lateral_part.as_ref()?.read(shift_px, normal)
     }
 }
 

@@ -18,7 +18,7 @@ use crate::{CalibrationError, Change, Marker, Track};
 /// ```
 /// use palpate_tracking::Equidistant;
 ///
-/// let camera = Equidistant::new([319.5, 319.5], 230.0)?;
+/// let camera = Equidistant::new([319.5, 319.5], 230.0, [0.0; 2])?;
 /// // 23 columns to the right and 46 rows up, at 230 px per radian; rows count downward, y upward.
 /// let place = camera.place([342.5, 273.5]);
 /// assert!((place[0] - 0.1).abs() < 1e-12 && (place[1] - 0.2).abs() < 1e-12);
@@ -32,55 +32,44 @@ pub struct Equidistant {
 }
 
 impl Equidistant {
-    /// Creates a camera whose lens has no odd terms. The camera shows the apex at `centre_px` and has the focal length
-    /// f = `px_per_rad`.
+    /// Creates a camera that shows the apex at `centre_px`. Its lens has the focal length f = `px_per_rad` and the odd
+    /// terms `k3` and `k5`: r = f (θ + k3 θ³ + k5 θ⁵). Here r is the distance from the image's centre, and θ the angle
+    /// from the axis. Image points beyond the angle at which r stops increasing show no valid place on the skin.
     ///
     /// # Errors
-    /// [`CalibrationError::OutOfRange`] unless both coordinates of the centre are from -1e12 to 1e12 px, and
-    /// `px_per_rad` is from 1e-6 to 1e12.
-    pub fn new(centre_px: [f64; 2], px_per_rad: f64) -> Result<Self, CalibrationError> {
-        let mut bad = centre_px
-            .iter()
-            .filter(|one| one.abs() > 1e12 || one.is_nan());
-        let (what, value, needed) = match bad.next() {
-            Some(&one) => {
-                let what = "a coordinate of the image's centre";
-                (what, one, "between -1e12 and 1e12")
-            }
-            None if (1e-6..=1e12).contains(&px_per_rad) => {
-                return Ok(Self {
-                    centre_px,
-                    px_per_rad,
-                    terms: None,
-                });
-            }
-            None => (
-                "the camera's px per rad",
-                px_per_rad,
-                "between 1e-6 and 1e12",
-            ),
-        };
-        Err(CalibrationError::out_of_range(what, value, needed))
-    }
-
-    /// Returns this camera with odd terms in its lens: r = f (θ + k3 θ³ + k5 θ⁵). Here r is the distance from the
-    /// image's centre, θ the angle from the axis and f the focal length. Image points beyond the angle at which r stops
-    /// increasing show no valid place on the skin.
-    ///
-    /// # Errors
-    /// [`CalibrationError::OutOfRange`] unless `k3` and `k5` lie between -100 and 100.
-    pub fn with_odd_terms(self, [k3, k5]: [f64; 2]) -> Result<Self, CalibrationError> {
-        for (what, value) in [("the lens's k3", k3), ("the lens's k5", k5)] {
-            let is_good = value.abs() <= 100.0;
+    /// [`CalibrationError::OutOfRange`] unless both coordinates of the centre are from -1e12 to 1e12 px, `px_per_rad`
+    /// is from 1e-6 to 1e12, and the odd terms are from -100 to 100.
+    pub fn new(
+        centre_px: [f64; 2],
+        px_per_rad: f64,
+        [k3, k5]: [f64; 2],
+    ) -> Result<Self, CalibrationError> {
+        let centre = centre_px.map(|one| {
+            (
+                "a coordinate of the image's centre",
+                one,
+                one.abs() <= 1e12,
+                "between -1e12 and 1e12",
+            )
+        });
+        let scale = (
+            "the camera's px per rad",
+            px_per_rad,
+            (1e-6..=1e12).contains(&px_per_rad),
+            "between 1e-6 and 1e12",
+        );
+        let terms = [("the lens's k3", k3), ("the lens's k5", k5)]
+            .map(|(what, value)| (what, value, value.abs() <= 100.0, "between -100 and 100"));
+        for (what, value, is_good, needed) in centre.into_iter().chain([scale]).chain(terms) {
             if !is_good {
-                let needed = "between -100 and 100";
                 return Err(CalibrationError::out_of_range(what, value, needed));
             }
         }
         let terms = Some([k3, k5]).filter(|terms| *terms != [0.0; 2]);
         Ok(Self {
+            centre_px,
+            px_per_rad,
             terms: terms.map(|[k3, k5]| OddTerms::new(k3, k5)),
-            ..self
         })
     }
 
@@ -289,8 +278,12 @@ mod tests {
     use crate::Status;
     use approx::assert_relative_eq;
 
+    fn with_odd_terms(terms: [f64; 2]) -> Result<Equidistant, CalibrationError> {
+        Equidistant::new([319.5, 319.5], 230.0, terms)
+    }
+
     fn camera() -> Equidistant {
-        Equidistant::new([319.5, 319.5], 230.0).expect("between the limits")
+        with_odd_terms([0.0; 2]).expect("between the limits")
     }
 
     #[test]
@@ -314,7 +307,7 @@ mod tests {
     #[test]
     fn odd_terms_come_back() {
         for [k3, k5] in [[0.05, -0.02], [-0.2, 0.03], [-0.04, 0.0], [0.0, 0.1]] {
-            let camera = camera().with_odd_terms([k3, k5]).expect("terms in range");
+            let camera = with_odd_terms([k3, k5]).expect("terms in range");
             for step in 0..=50 {
                 let angle = 0.02 * f64::from(step);
                 let radius = 230.0 * (angle + k3 * angle.powi(3) + k5 * angle.powi(5));
@@ -334,15 +327,12 @@ mod tests {
                 }
             }
         }
-        assert_eq!(camera().with_odd_terms([0.0; 2]).expect("none"), camera());
-        assert!(camera().with_odd_terms([f64::NAN, 0.0]).is_err());
-        assert!(camera().with_odd_terms([0.0, 1e9]).is_err());
+        assert!(with_odd_terms([f64::NAN, 0.0]).is_err());
+        assert!(with_odd_terms([0.0, 1e9]).is_err());
         // The slope d(r/f)/dθ = 1 − 3 θ² of this lens decreases to 0.01 at the angle θ = 0.574 rad. At this angle, the
         // distance from the middle of the image is 0.385 focal lengths. The lens model assigns no place to points
         // farther from the middle.
-        let folded = camera()
-            .with_odd_terms([-1.0, 0.0])
-            .expect("terms in range");
+        let folded = with_odd_terms([-1.0, 0.0]).expect("terms in range");
         assert_eq!(folded.place([319.5 + 230.0 * 0.4, 319.5]), [0.0; 2]);
         assert!(folded.place([319.5 + 230.0 * 0.38, 319.5])[0] > 0.5);
     }

@@ -83,17 +83,6 @@ pub struct MarkerErrors {
     pub covariance: [[f64; 4]; 4],
 }
 
-impl MarkerErrors {
-    /// Errors of a marker whose features are means over `frames` frames. The features in each single frame have the
-    /// errors `self`.
-    pub fn averaged(&self, frames: u32) -> Self {
-        let share = f64::from(frames.max(1)).recip();
-        Self {
-            covariance: self.covariance.map(|row| row.map(|entry| share * entry)),
-        }
-    }
-}
-
 pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErrors {
     let (pixel, radius_px) = (sums.errors.pixel, sums.errors.radius_px);
     let [count, x, y, xx, xy, yy] = sums.errors.window;

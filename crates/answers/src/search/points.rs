@@ -1,15 +1,26 @@
 //! The values that a search has tested, with the scores of all cells of the study at each of these values.
 
+use palpate_report::Stretch;
+
 use super::limits::Rules;
 use super::{ScoreRequest, Scores};
 
 /// Whether a value of the searched field meets the target or misses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub(crate) enum Side {
     /// At this value, all cells of the study meet the target.
     Meets,
     /// At this value, at least one cell of the study misses the target.
     Misses,
+}
+
+impl From<&Stretch> for Side {
+    fn from(run: &Stretch) -> Self {
+        match run.meets {
+            true => Self::Meets,
+            false => Self::Misses,
+        }
+    }
 }
 
 #[derive(Clone, Debug, Default)]

@@ -1,20 +1,11 @@
 //! Verifies the ranges of values that a search has found, with trials that the search has not used.
 
+use palpate_report::Stretch;
+
 use super::explore::SearchRange;
 use super::limits::{ATTEMPTS, Effort, FRESH, Rules};
 use super::points::{Points, Side};
 use super::{Curves, ScoreRequest};
-
-/// A range of neighbouring values that all meet the target, or all miss it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run {
-    /// Lower end of the range: the smallest verified value, or the lower end of the explored range.
-    pub from: f64,
-    /// Upper end of the range: the largest verified value, or the upper end of the explored range.
-    pub to: f64,
-    /// Whether the values of the range meet or miss the target.
-    pub side: Side,
-}
 
 /// A range of neighbouring values that all meet the target, or all miss it. Fresh trials must still verify the range.
 struct Candidate {
@@ -53,7 +44,7 @@ pub(super) fn verify<C: Curves + ?Sized>(
     among: SearchRange,
     rules: &Rules,
     effort: &mut Effort<'_>,
-) -> Result<(Vec<Run>, usize), C::Error> {
+) -> Result<(Vec<Stretch>, usize), C::Error> {
     let found = candidates(points, among, rules);
     let mut ends = ends(points, &found, among, rules);
     let count = ends.len();
@@ -206,7 +197,7 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
     ends
 }
 
-fn verified_runs(points: &Points, found: &[Candidate], ends: &[End]) -> Vec<Run> {
+fn verified_runs(points: &Points, found: &[Candidate], ends: &[End]) -> Vec<Stretch> {
     let value = |place: usize| points.points[place].value;
     let run = |(number, found): (usize, &Candidate)| {
         let mut places = (found.first, found.last);
@@ -218,10 +209,10 @@ fn verified_runs(points: &Points, found: &[Candidate], ends: &[End]) -> Vec<Run>
                 Kind::Weakest => {}
             }
         }
-        (places.0 <= places.1).then(|| Run {
+        (places.0 <= places.1).then(|| Stretch {
             from: value(places.0),
             to: value(places.1),
-            side: found.side,
+            meets: found.side == Side::Meets,
         })
     };
     found.iter().enumerate().filter_map(run).collect()

@@ -7,13 +7,14 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use palpate_report::Stretch;
 use palpate_sweep::{
     Batches, Growth, Observation, Record, RunOptions, Runner, Trial, share_at_most,
 };
 use proptest::prelude::*;
 
 use crate::search::{
-    Curves, EndReason, Run, ScoreRequest, Scores, Search, SearchRange, SearchResult, Side, Span,
+    Curves, EndReason, ScoreRequest, Scores, Search, SearchRange, SearchResult, Side, Span,
     TestedValue, search,
 };
 
@@ -163,11 +164,11 @@ fn span(from: f64, to: f64) -> SearchRange {
 /// For each range that the search found, whether it meets or misses the target. The second result is true if the
 /// noiseless curve confirms this at both ends of every range.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
-    let right = |run: &Run| {
-        let is = run.side == Side::Meets;
+    let right = |run: &Stretch| {
+        let is = run.meets;
         curve.meets(run.from) == is && curve.meets(run.to) == is
     };
-    let sides = found.runs.iter().map(|run| run.side).collect();
+    let sides = found.runs.iter().map(Side::from).collect();
     (sides, found.runs.iter().all(right))
 }
 
@@ -283,7 +284,14 @@ fn all_or_nothing_and_a_single_value() {
     ] {
         let mut curve = Noise::new(&runner, 5, &[|x| (x, 0.0)]);
         let found = searched(&mut curve, span(from, to), MOST);
-        assert_eq!(found.runs, [Run { from, to, side }]);
+        assert_eq!(
+            found.runs,
+            [Stretch {
+                from,
+                to,
+                meets: side == Side::Meets
+            }]
+        );
         // The keys of `known` are (value, cell, fresh). At least one key must be `fresh`: fresh trials must verify the
         // result.
         assert!(curve.known.keys().any(|(_, _, fresh)| *fresh));
@@ -296,7 +304,10 @@ fn whole_numbers_and_lists() {
     let mut curve = Noise::new(&runner, 7, &[|x| (10.5 / x, 0.0)]);
     let among = SearchRange::Span(Span::new(2.0, 40.0, true));
     let found = searched(&mut curve, among, MOST);
-    let ends = found.runs.iter().map(|run| (run.from, run.to, run.side));
+    let ends = found
+        .runs
+        .iter()
+        .map(|run| (run.from, run.to, Side::from(run)));
     let expected = [(2.0, 10.0, Side::Misses), (11.0, 40.0, Side::Meets)];
     assert_eq!(ends.collect::<Vec<_>>(), expected);
 
@@ -355,7 +366,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
     // range of these values.
     let lost = found(0.0);
     assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
-    assert_eq!(lost.runs[0].side, Side::Misses);
+    assert!(!lost.runs[0].meets);
 }
 
 #[test]
@@ -431,9 +442,9 @@ fn no_claim_is_wrong_whatever_its_probability_may_be() {
             wrong,
         };
         let Ok(found) = search(&mut BelowOne, &search_it, &|| Duration::ZERO);
-        let is_right = found.runs.iter().all(|run| match run.side {
-            Side::Meets => run.to < 1.0,
-            Side::Misses => run.from > 1.0,
+        let is_right = found.runs.iter().all(|run| match run.meets {
+            true => run.to < 1.0,
+            false => run.from > 1.0,
         });
         assert!(is_right && found.tested.len() >= 16, "{wrong}: {found:?}");
         assert!(wrong != 0.05 || found.runs.len() == 2, "{found:?}");

@@ -141,15 +141,15 @@ impl Camera {
             "of a fisheye: a pinhole has no odd terms",
         )?;
         let other = Self {
-            lens: Lens::fisheye(terms),
+            lens: Lens::from(terms),
             ..self
         };
         other.adjusted(self.offset_px, self.px_per_rad)
     }
 
-    /// Lens of the camera.
-    pub const fn lens(&self) -> Lens {
-        self.lens
+    /// Odd terms of the lens: 0 for a fisheye without odd terms, `None` for other lenses.
+    pub fn odd_terms(&self) -> Option<OddTerms> {
+        self.lens.odd_terms()
     }
 
     /// Number of pixels along each side of the image.
@@ -170,7 +170,7 @@ impl Camera {
     }
 
     /// Radius of the image circle, px.
-    pub fn rim_px(&self) -> f64 {
+    pub(crate) fn rim_px(&self) -> f64 {
         0.5 * f64::from(self.size_px)
     }
 

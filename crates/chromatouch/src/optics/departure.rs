@@ -28,9 +28,11 @@ pub struct Departure {
 impl Departure {
     /// Number of values of a departure: the total number of components of its fields.
     pub const NUMBERS: usize = 21;
+}
 
-    /// Builds a departure from its values `n`, which are in the order of the fields.
-    pub const fn of(n: [f64; Self::NUMBERS]) -> Self {
+/// Builds a departure from its values, which are in the order of the fields.
+impl From<[f64; Self::NUMBERS]> for Departure {
+    fn from(n: [f64; Self::NUMBERS]) -> Self {
         Self {
             depths: [n[0], n[1]],
             diameters: [n[2], n[3]],

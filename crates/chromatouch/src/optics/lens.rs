@@ -50,18 +50,20 @@ pub(super) struct Region {
     pub(super) moment: [f64; 2],
 }
 
-impl Lens {
-    /// A fisheye with the odd terms `terms`. If both terms are 0, it is an equidistant fisheye.
-    pub fn fisheye(terms: OddTerms) -> Self {
+/// A fisheye with the odd terms `terms`. If both terms are 0, it is an equidistant fisheye.
+impl From<OddTerms> for Lens {
+    fn from(terms: OddTerms) -> Self {
         if terms == OddTerms::default() {
             Self::Fisheye
         } else {
             Self::Odd(terms)
         }
     }
+}
 
+impl Lens {
     /// Odd terms of a fisheye; `None` for a pinhole.
-    pub fn odd_terms(self) -> Option<OddTerms> {
+    pub(crate) fn odd_terms(self) -> Option<OddTerms> {
         match self {
             Self::Fisheye => Some(OddTerms::default()),
             Self::Odd(terms) => Some(terms),

@@ -134,7 +134,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 fn frames_show_what_is_projected_the_better_the_larger() {
     // The tolerance is largest for a pinhole lens. With this lens, the overlap of the discs causes the largest error of
     // the projected centroid: up to 2e-4 focal lengths at 60°.
-    let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
+    let odd = |k3, k5| Lens::from(OddTerms { k3, k5 });
     for (lens, bound_px) in [
         (Lens::Fisheye, 0.01),
         (odd(0.1, -0.01), 0.01),

@@ -23,7 +23,7 @@ const TERMS: [[f64; 2]; 5] = [
 ];
 
 fn camera([k3, k5]: [f64; 2]) -> Camera {
-    Camera::new(Lens::fisheye(OddTerms { k3, k5 }), 640, FIELD).unwrap()
+    Camera::new(Lens::from(OddTerms { k3, k5 }), 640, FIELD).unwrap()
 }
 
 fn optics(camera: Camera) -> Optics {
@@ -123,14 +123,14 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             .departed(&Departure::default())
             .unwrap()
             .camera()
-            .lens(),
-        Lens::Fisheye
+            .odd_terms(),
+        Some(OddTerms::default())
     );
 }
 
 #[test]
 fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
-    let made = |k3, k5, field| Camera::new(Lens::fisheye(OddTerms { k3, k5 }), 640, field);
+    let made = |k3, k5, field| Camera::new(Lens::from(OddTerms { k3, k5 }), 640, field);
     let refused = made(-0.5, 0.0, 65.0).unwrap_err();
     assert_eq!(refused.setting(), Some("k3"));
     let said = refused.to_string();

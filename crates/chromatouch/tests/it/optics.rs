@@ -200,7 +200,7 @@ fn markers_move_along_the_carried_axes() {
 #[test]
 fn a_camera_shows_only_directions_in_its_field() {
     let camera = Camera::new(Lens::Fisheye, 101, 70.0).unwrap();
-    assert_eq!((camera.rim_px(), camera.centre_px()), (50.5, [50.0, 50.0]));
+    assert_eq!((camera.size_px(), camera.centre_px()), (101, [50.0, 50.0]));
     let turn = 50.5 / 70.0_f64.to_radians();
     assert_relative_eq!(camera.px_per_rad(), turn, max_relative = 1e-15);
     // The x axis points to the right, and the y axis points up. The length of a direction vector does not matter.

@@ -75,7 +75,7 @@ impl Scene {
     fn seen(&self) -> Vec<Option<SeenMarker>> {
         let departed = self
             .known()
-            .departed(&Departure::of(self.departure))
+            .departed(&Departure::from(self.departure))
             .unwrap();
         departed.project(&self.motions()).unwrap()
     }
@@ -144,7 +144,7 @@ fn slopes_are_those_of_the_pictures() {
         let mut scene = Scene::new(lens, pose, aside);
         let known = if matches!(lens, Lens::Odd(_)) { 21 } else { 19 };
         let asked: Vec<usize> = (0..known).collect();
-        let departure = Departure::of(scene.departure);
+        let departure = Departure::from(scene.departure);
         let slopes = scene
             .known()
             .slopes(&departure, &scene.motions(), &asked)
@@ -278,6 +278,6 @@ fn impossible_slopes_have_named_errors() {
         } else {
             "bad-setting"
         };
-        assert_eq!(slopes(&[rest; 2], Departure::of(departure), 0), Err(due));
+        assert_eq!(slopes(&[rest; 2], Departure::from(departure), 0), Err(due));
     }
 }

@@ -12,13 +12,17 @@ pub(crate) const EXACT: SeriesNoise = SeriesNoise {
     relative_sample_std: 0.0,
 };
 
+pub(crate) const SQUARE: PadCell = PadCell {
+    pitch: 1.0,
+    is_hexagonal: false,
+};
+
 /// Centre of the pad that contains `place`.
 pub(crate) fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {
-    let pitch = cell.pitch();
-    let period = match *cell == PadCell::square(pitch) {
-        true => Vector2::new(1.0, 1.0),
-        false => Vector2::new(1.0, 3.0_f64.sqrt()),
-    } * pitch;
+    let period = match cell.is_hexagonal {
+        false => Vector2::new(1.0, 1.0),
+        true => Vector2::new(1.0, 3.0_f64.sqrt()),
+    } * cell.pitch;
     let nearest = |corner: Vector2<f64>| {
         let steps = (place - corner).component_div(&period).map(f64::round);
         corner + steps.component_mul(&period)
@@ -46,7 +50,7 @@ pub(crate) fn rolls(object: f64, cell: &PadCell, turn: f64, draws: &mut Draws) -
         let (sin, cos) = libm::sincos(turn + number as f64 * std::f64::consts::FRAC_PI_4);
         let direction = Vector2::new(cos, sin);
         let start = loop {
-            let mut within = || (draws.uniform() - 0.5) * 1.2 * cell.pitch();
+            let mut within = || (draws.uniform() - 0.5) * 1.2 * cell.pitch;
             let start = Vector2::new(within(), within());
             if cell.contains(&start) {
                 break start;

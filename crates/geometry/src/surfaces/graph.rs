@@ -5,37 +5,16 @@ use palpate_statistics::BadSetting;
 
 use crate::error::{SQUARABLE, checked_finite, is_within_reach};
 use crate::formula::Formula;
-use crate::{ChartJet, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm};
-
-/// Height with its first and second derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeightJet {
-    /// Height `f` of the graph.
-    pub value: f64,
-    /// Gradient `(f_x, f_y)` of the height.
-    pub gradient: [f64; 2],
-    /// Second derivatives `(f_xx, f_xy, f_yy)` of the height.
-    pub hessian: [f64; 3],
-}
-
-impl HeightJet {
-    fn is_finite(&self) -> bool {
-        // Check only the sum of the height and its derivatives, because the sum is finite only if all of them are
-        // finite.
-        let [fx, fy] = self.gradient;
-        let [fxx, fxy, fyy] = self.hessian;
-        (self.value + fx + fy + fxx + fxy + fyy).is_finite()
-    }
-}
+use crate::{ChartJet, Jet, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm};
 
 /// A twice differentiable height z = f(x, y).
-pub trait Height {
+pub(crate) trait Height {
     /// Largest allowed slope. Places with a larger slope, for example near a vertical wall, do not belong to the graph.
     const STEEPEST: f64 = *SQUARABLE.end();
 
     /// Height and derivatives at `(x, y)`. Where the height is undefined or not twice
     /// differentiable, some of the derivatives are not finite.
-    fn jet(&self, x: f64, y: f64) -> HeightJet;
+    fn jet(&self, x: f64, y: f64) -> Jet;
 
     /// The section of the graph through its point at `(x, y)`, as in [`Surface::meridian`] with this point as the apex.
     fn meridian_at(&self, _x: f64, _y: f64, _direction: &Vector3<f64>) -> Option<Meridian> {
@@ -111,18 +90,18 @@ impl Graph<Saddle> {
     }
 }
 
-impl Graph<HeightField> {
-    /// The graph of a formula.
-    pub const fn of_formula(formula: Formula) -> Self {
+/// The graph of a formula.
+impl From<Formula> for Graph<HeightField> {
+    fn from(formula: Formula) -> Self {
         Self::of_height(HeightField { formula })
     }
 }
 
 impl Height for Paraboloid {
     #[inline]
-    fn jet(&self, x: f64, y: f64) -> HeightJet {
+    fn jet(&self, x: f64, y: f64) -> Jet {
         let twice = -2.0 * self.c;
-        HeightJet {
+        Jet {
             value: -self.c * (x * x + y * y),
             gradient: [twice * x, twice * y],
             hessian: [twice, 0.0, twice],
@@ -143,9 +122,9 @@ impl Height for Paraboloid {
 
 impl Height for Saddle {
     #[inline]
-    fn jet(&self, x: f64, y: f64) -> HeightJet {
+    fn jet(&self, x: f64, y: f64) -> Jet {
         let twice = 2.0 * self.a;
-        HeightJet {
+        Jet {
             value: self.a * (x - y) * (x + y),
             gradient: [twice * x, -twice * y],
             hessian: [twice, 0.0, -twice],
@@ -173,15 +152,14 @@ impl Height for HeightField {
     // height. Therefore limit the slope.
     const STEEPEST: f64 = 1e6;
 
-    fn jet(&self, x: f64, y: f64) -> HeightJet {
+    fn jet(&self, x: f64, y: f64) -> Jet {
         let jet = self.formula.jet(x, y);
         // For x < 0, ln(x) is NaN, but the formulas of its derivatives are finite. Therefore 0 · NaN is added, which
         // makes the derivatives NaN too.
         let nothing = 0.0 * jet.value;
-        HeightJet {
-            value: jet.value,
-            gradient: jet.gradient,
+        Jet {
             hessian: jet.hessian.map(|second| second + nothing),
+            ..jet
         }
     }
 
@@ -203,17 +181,19 @@ impl Height for HeightField {
     }
 }
 
-impl<H: Height> Graph<H> {
-    #[inline]
-    fn jet(&self, x: f64, y: f64) -> Result<HeightJet, SurfaceError> {
-        let jet = self.height.jet(x, y);
-        let [fx, fy] = jet.gradient;
-        let steep = fx.abs().max(fy.abs()) > H::STEEPEST;
-        if jet.is_finite() && !steep && is_within_reach(x, y) {
-            Ok(jet)
-        } else {
-            Err(SurfaceError::OffDomain { x, y })
-        }
+#[inline]
+fn checked_jet<H: Height>(height: &H, x: f64, y: f64) -> Result<Jet, SurfaceError> {
+    let jet = height.jet(x, y);
+    let [fx, fy] = jet.gradient;
+    let steep = fx.abs().max(fy.abs()) > H::STEEPEST;
+    // Check only the sum of the height and its derivatives, because the sum is finite only if all of them are
+    // finite.
+    let [fxx, fxy, fyy] = jet.hessian;
+    let is_finite = (jet.value + fx + fy + fxx + fxy + fyy).is_finite();
+    if is_finite && !steep && is_within_reach(x, y) {
+        Ok(jet)
+    } else {
+        Err(SurfaceError::OffDomain { x, y })
     }
 }
 
@@ -240,7 +220,7 @@ impl Foot {
         target: &Point3<f64>,
         at: Vector2<f64>,
     ) -> Result<Self, SurfaceError> {
-        let jet = graph.jet(at.x, at.y)?;
+        let jet = checked_jet(&graph.height, at.x, at.y)?;
         let [fxx, fxy, fyy] = jet.hessian;
         let slope = Vector2::from(jet.gradient);
         let aside = at - target.xy().coords;
@@ -299,7 +279,7 @@ impl<H: Height> Surface for Graph<H> {
     const IS_GRAPH: bool = true;
 
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
-        let jet = self.jet(at.u, at.v)?;
+        let jet = checked_jet(&self.height, at.u, at.v)?;
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         Ok(ChartJet {
@@ -315,7 +295,7 @@ impl<H: Height> Surface for Graph<H> {
     #[inline]
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
         // The level set belongs to the function F = z − f(x, y).
-        let jet = self.jet(point.x, point.y)?;
+        let jet = checked_jet(&self.height, point.x, point.y)?;
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let hessian = Matrix3::new(-fxx, -fxy, 0.0, -fxy, -fyy, 0.0, 0.0, 0.0, 0.0);
@@ -394,7 +374,7 @@ impl<H: Height> Surface for Graph<H> {
     }
 
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
-        Ok(Point3::new(x, y, self.jet(x, y)?.value))
+        Ok(Point3::new(x, y, checked_jet(&self.height, x, y)?.value))
     }
 
     fn meridian(&self, apex: &Point3<f64>, direction: &Vector3<f64>) -> Option<Meridian> {

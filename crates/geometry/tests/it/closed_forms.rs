@@ -123,7 +123,7 @@ fn paraboloid_and_saddle_at_the_origin() {
 #[test]
 fn forms_of_a_skewed_graph() {
     let formula = Formula::parse("0.4*x^2*y - 0.3*x*y + sin(y)", &BTreeMap::new()).unwrap();
-    let graph = Graph::of_formula(formula);
+    let graph = Graph::from(formula);
     for (x, y) in [(0.3_f64, -0.7_f64), (1.1, 0.4), (-0.8, 2.0)] {
         let (fx, fy) = (0.8 * x * y - 0.3 * y, 0.4 * x * x - 0.3 * x + libm::cos(y));
         let (fxx, fxy, fyy) = (0.8 * y, 0.8 * x - 0.3, -libm::sin(y));

@@ -61,7 +61,7 @@ fn paraboloids_and_spheroids_follow_their_charts() {
 #[test]
 fn formulas_of_degree_two_have_sections_along_their_axes() {
     let section = |text: &str, [x, y]: [f64; 2], direction: [f64; 2]| {
-        let surface = Graph::of_formula(Formula::parse(text, &BTreeMap::new()).unwrap());
+        let surface = Graph::from(Formula::parse(text, &BTreeMap::new()).unwrap());
         let apex = surface.contact_at(x, y).unwrap();
         let [x, y] = direction;
         surface.meridian(&apex, &Vector3::new(x, y, 0.0))
@@ -98,7 +98,7 @@ fn formulas_of_degree_two_have_sections_along_their_axes() {
     let text = "-0.5*x^2 - y*y/4";
     let formula = Formula::parse(text, &BTreeMap::new()).unwrap();
     for t in [0.0, 1e-6, 0.1, 1.0, 7.0] {
-        follows_the_chart(&Graph::of_formula(formula.clone()), t);
+        follows_the_chart(&Graph::from(formula.clone()), t);
     }
 }
 

@@ -95,7 +95,7 @@ fn a_slope_too_steep_to_square_is_a_wall() {
 fn formulas_end_where_they_are_undefined() {
     let asks = |text: &str, x: f64, y: f64| {
         let formula = Formula::parse(text, &BTreeMap::new()).unwrap();
-        let graph = Graph::of_formula(formula);
+        let graph = Graph::from(formula);
         let above = Point3::new(x, y, 0.5);
         let at = Parameters::new(x, y);
         [

@@ -130,7 +130,7 @@ pub(crate) fn height_field(
     height: impl Fn(f64, f64) -> f64 + 'static,
 ) -> Specimen {
     let parsed = Formula::parse(formula, &BTreeMap::new()).unwrap();
-    let shape = Shape::HeightField(Graph::of_formula(parsed));
+    let shape = Shape::HeightField(Graph::from(parsed));
     graph(format!("height field {formula}"), shape, radius, height)
 }
 

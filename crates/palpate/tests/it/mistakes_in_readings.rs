@@ -5,7 +5,7 @@ use std::path::Path;
 
 use palpate_recorded::{
     GlideOptions, GlideRecording, ReadingNoise, RecordedFile, RollOptions, RollRecording,
-    estimate_glide, estimate_roll, parse_glide, parse_roll,
+    estimate_glide, estimate_roll,
 };
 use palpate_scene::{Scene, Scenes};
 use palpate_sensing::{Channel, Stream};
@@ -37,8 +37,8 @@ fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<Strin
     let file = RecordedFile::new("readings.csv", trace.readings.to_csv().into_bytes());
     match config.scene {
         SceneConfig::Roll(_) => {
-            let options = palpate::study_options::roll(config, unit).unwrap();
-            let estimate = estimate_roll(parse_roll(file).ok()?, &options).ok()?;
+            let options = palpate::roll_options(config, unit).unwrap();
+            let estimate = estimate_roll(RollRecording::try_from(file).ok()?, &options).ok()?;
             Some(warnings(&estimate))
         }
         SceneConfig::Glide(_) => {
@@ -46,7 +46,8 @@ fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<Strin
                 grid: 3,
                 ..GlideOptions::from_study(config, unit).unwrap()
             };
-            let (estimate, _) = estimate_glide(&parse_glide(file).ok()?, &options).ok()?;
+            let (estimate, _) =
+                estimate_glide(&GlideRecording::try_from(file).ok()?, &options).ok()?;
             Some(warnings(&estimate))
         }
         _ => None,

@@ -2,8 +2,8 @@
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{
-    Form, GlideOptions, PressOptions, RecordedFile, RollOptions, column_names, estimate_glide,
-    estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
+    Form, GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedFile, RollOptions,
+    RollRecording, column_names, estimate_glide, estimate_press, estimate_roll,
 };
 use serde::Serialize;
 use serde_json::Value;
@@ -34,7 +34,8 @@ fn json<T: Serialize>(estimate: Result<T, impl ToString>) -> Estimated {
 }
 
 fn file(contents: impl AsRef<[u8]>, form: Form) -> RecordedFile {
-    RecordedFile::new("r.csv", contents.as_ref().to_vec()).written(form)
+    let file = RecordedFile::new("r.csv", contents.as_ref().to_vec());
+    RecordedFile { form, ..file }
 }
 
 /// Copies of the table format `form`, each with one setting that a message proposes.
@@ -89,14 +90,14 @@ pub(crate) fn roll(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
             length_unit: form.length_unit,
             ..RollOptions::new(10.0)
         };
-        let readings = parse_roll(file(&contents, form));
+        let readings = RollRecording::try_from(file(&contents, form));
         json(readings.and_then(|readings| estimate_roll(readings, &options)))
     })
 }
 
 pub(crate) fn glide(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
     estimated(form, |form| {
-        let readings = parse_glide(file(&contents, form));
+        let readings = GlideRecording::try_from(file(&contents, form));
         let options = GlideOptions::default();
         let fitted = readings.and_then(|readings| estimate_glide(&readings, &options));
         json(fitted.map(|(estimate, _)| estimate))
@@ -110,7 +111,7 @@ pub(crate) fn press(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
         ..PressOptions::new(20.0)
     };
     estimated(form, |form| {
-        let readings = parse_press(file(&contents, form));
+        let readings = PressRecording::try_from(file(&contents, form));
         json(readings.and_then(|readings| estimate_press(&readings, &options)))
     })
 }

@@ -1,7 +1,7 @@
 //! Tests for an outlier, which is a marker whose readings contradict the readings of all other markers.
 
 use nalgebra::{DMatrix, DVector};
-use palpate_statistics::{Explained, LEFT, least_likely};
+use palpate_statistics::{Explained, LEFT};
 
 use super::problem::{Problem, WRONG};
 use crate::PressError;
@@ -99,5 +99,31 @@ impl Problem<'_> {
             true => slopes[unknown],
             false => 0.0,
         })
+    }
+}
+
+/// Finds the hypothesis with the smallest p-value, for example the roll that is most likely an outlier. Each item of
+/// `chances` is the index of a hypothesis and its p-value. Returns the index of the found hypothesis, and its p-value
+/// multiplied by the number of hypotheses (Bonferroni; at most 1). Without hypotheses, the result is (0, 1).
+fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64) {
+    let (mut most, mut least, mut count) = (0, 1.0, 0.0_f64);
+    for (one, chance) in chances {
+        count += 1.0;
+        if chance < least {
+            (most, least) = (one, chance);
+        }
+    }
+    (most, (least * count.max(1.0)).min(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::least_likely;
+
+    #[test]
+    fn the_least_likely_of_many_is_likely() {
+        assert_eq!(least_likely((0..200).map(|one| (one, 0.01))), (0, 1.0));
+        assert_eq!(least_likely([(3, 0.5), (7, 0.01)].into_iter()), (7, 0.02));
+        assert_eq!(least_likely(std::iter::empty()), (0, 1.0));
     }
 }

@@ -96,7 +96,10 @@ fn search(mut problem: Problem<'_>) -> Result<PressEstimate, PressError> {
             Err(better) => return Ok(Err(problem.fit_at(better)?)),
         };
         let contact = problem.contact(&best.state)?;
-        problem.fit.markers.see(&best.state.place, contact.radius)?;
+        problem
+            .fit
+            .markers
+            .see_from(&best.state.place, contact.radius)?;
         if best.is_stuck() {
             return Err(PressError::Undetermined {
                 what: "the sum of squared residuals has no clear minimum",

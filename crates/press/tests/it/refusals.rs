@@ -42,7 +42,7 @@ fn impossible_presses_have_named_errors() {
 
 #[test]
 fn readings_without_information_are_refused() {
-    let count = published().places().len();
+    let count = published().count();
     assert_eq!(refusal(read(vec![0.0; count], exactly(1.0))), "no-contact");
     assert_eq!(refusal(read(vec![0.3; count], exactly(1.0))), "no-contact");
     assert_eq!(refusal(read(vec![0.3; count], None)), "no-contact");
@@ -89,7 +89,7 @@ fn too_few_markers() {
 #[test]
 fn noise_alone_is_no_contact() {
     let markers = published();
-    let nothing = Readings::inward(vec![0.0; markers.places().len()]);
+    let nothing = Readings::inward(vec![0.0; markers.count()]);
     let fit = fit_of(&half_space(), 0.05);
     for trial in 0..20 {
         let readings = nothing.noisy(0.05, trial);

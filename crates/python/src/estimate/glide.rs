@@ -50,11 +50,7 @@ impl Made for Arc<Patch> {
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         match name {
             "covariance" => {
-                let covariance = self
-                    .report(py)?
-                    .0
-                    .covariance()
-                    .unwrap_or([[f64::NAN; 2]; 2]);
+                let covariance = self.report(py)?.0.covariance.unwrap_or([[f64::NAN; 2]; 2]);
                 array(py, covariance.as_flattened().to_vec(), &[2, 2])
             }
             "map" => Ok(Bound::new(py, Record::new(Map(Arc::clone(self))))?.into_any()),
@@ -118,7 +114,7 @@ impl Made for Map {
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let Self(patch) = self;
-        let limits = patch.fitted.thresholds();
+        let limits = &patch.fitted.thresholds;
         let curvatures = || patch.curvatures.iter();
         let stds = || {
             curvatures().map(|one| match &one.uncertainty {
@@ -144,7 +140,7 @@ impl Made for Map {
                 let class = |one: &Curvature| {
                     ShapeClass::ALL
                         .iter()
-                        .position(|class| *class == one.class(limits))
+                        .position(|class| *class == limits.classify(one.gaussian, one.mean))
                 };
                 let index = curvatures().map(|one| class(one).map_or(-1, |place| place as i64));
                 return self.whole(py, index.collect());

@@ -97,7 +97,7 @@ pub(crate) fn estimate_press<'py>(
         settings.as_ref(),
         [setting::<PressOptions>, setting::<PressEstimatorConfig>],
     )?;
-    let base = self::like(like.as_ref(), cell, unit, palpate::study_options::press)?;
+    let base = self::like(like.as_ref(), cell, unit, palpate::press_options)?;
     let positions = Numbers::of("positions", positions)?;
     let places: Vec<[f64; 2]> = match positions.shape() {
         [_] => positions.flat().iter().map(|place| [*place, 0.0]).collect(),

@@ -218,7 +218,7 @@ fn options<'py>(
     }
     let tables = [setting::<RollSettings>, setting::<RollEstimatorConfig>];
     let given = given(Some(&settings), tables)?;
-    let base = self::like(like.as_ref(), cell, unit, palpate::study_options::roll)?;
+    let base = self::like(like.as_ref(), cell, unit, palpate::roll_options)?;
     let options = RollOptions::with_settings(base, &given, unit).map_err(error::setting)?;
     if like.is_none() {
         // Drop the previous settings only after the lock is released, because dropping them may run Python code.

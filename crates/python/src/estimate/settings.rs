@@ -2,7 +2,6 @@
 
 use palpate::config::infinite_length::json_number;
 use palpate::config::{Accepts, FieldError, LengthUnit, Setting, StudyConfig};
-use palpate::recorded::StudyMismatch;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -85,7 +84,7 @@ pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,
     unit: Option<LengthUnit>,
-    options: fn(&StudyConfig, LengthUnit) -> Result<T, StudyMismatch>,
+    options: fn(&StudyConfig, LengthUnit) -> Result<T, FieldError>,
 ) -> PyResult<Option<T>> {
     let Some(study) = study.map(|study| study.get().study()) else {
         return Ok(None);
@@ -95,5 +94,5 @@ pub(crate) fn like<T>(
     let options = options(&of_cell.config, unit);
     options
         .map(Some)
-        .map_err(|error| error::config(study.error_at(cell, FieldError::at(error.path(), &error))))
+        .map_err(|error| error::config(study.error_at(cell, error)))
 }

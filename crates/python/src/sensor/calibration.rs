@@ -2,8 +2,8 @@
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{
-    self, CalibrateOptions, CalibrationReport, KnownDisplacements, NormalFrom, RecordedFile,
-    calibration_toml, frame_calibration_points, parse_calibration, parse_calibration_points,
+    self, CalibrateOptions, CalibrationPoints, CalibrationReport, KnownDisplacements, NormalFrom,
+    RecordedFile, calibration_toml, frame_calibration_points, parse_calibration,
 };
 use palpate::{Column, Table as Rows};
 use pyo3::prelude::*;
@@ -103,7 +103,7 @@ impl Calibration {
 
 fn source(name: &str) -> PyResult<NormalFrom> {
     let mut all = NormalFrom::ALL.into_iter();
-    all.find(|from| from.name() == name).ok_or_else(|| {
+    all.find(|from| name == <&str>::from(from)).ok_or_else(|| {
         let message = format!("source: must be hue, size or both, is {name:?}");
         error::argument("source", &[], None, message)
     })
@@ -156,7 +156,7 @@ pub(crate) fn calibrate(
     };
     let points = tables.iter().enumerate().map(|(place, table)| {
         let file = RecordedFile::new(format!("tables[{place}]"), csv(place, table)?);
-        parse_calibration_points(&file).map_err(error::recorded)
+        CalibrationPoints::try_from(&file).map_err(error::recorded)
     });
     let points: Vec<_> = points.collect::<PyResult<_>>()?;
     let report = recorded::calibrate(&points, &options).map_err(error::recorded)?;

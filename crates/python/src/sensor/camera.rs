@@ -1,6 +1,6 @@
 //! Calibrates the camera of a sensor from a frame at rest.
 
-use palpate::recorded::{self, CameraEstimate, RecordedFile, parse_camera};
+use palpate::recorded::{self, CameraEstimate, RecordedFile};
 use pyo3::prelude::*;
 
 use crate::error;
@@ -22,7 +22,7 @@ impl CameraCalibration {
     #[new]
     fn new(toml: String) -> PyResult<Self> {
         let file = RecordedFile::new("calibration", toml.into_bytes());
-        let camera = parse_camera(&file).map_err(error::recorded)?;
+        let camera = CameraEstimate::try_from(&file).map_err(error::recorded)?;
         Ok(Self { camera })
     }
 

@@ -58,7 +58,7 @@ pub(super) fn reader(
     let Calibration {
         calibration, unit, ..
     } = calibration.get();
-    let base = like(study, cell, Some(*unit), palpate::study_options::press)?;
+    let base = like(study, cell, Some(*unit), palpate::press_options)?;
     let is_stated = base.is_some() || given.contains_key("depth");
     let options = PressOptions::with_settings(base, given, None, true).map_err(error::setting)?;
     if !is_stated {

@@ -3,8 +3,7 @@
 
 use palpate_recorded::{
     GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedError, RecordedFile,
-    RollOptions, RollRecording, estimate_glide, estimate_press, estimate_roll, parse_glide,
-    parse_press, parse_roll,
+    RollOptions, RollRecording, estimate_glide, estimate_press, estimate_roll,
 };
 use palpate_sensing::{Channel, Stream};
 use palpate_study::config::LengthUnit;
@@ -47,7 +46,7 @@ fn rolls_from_arrays_match_those_from_a_file() {
     let options = RollOptions::new(10.0);
     let readings = RollRecording::new(&rotations, &shifts, MM).unwrap();
     let estimate = estimate_roll(readings, &options).unwrap();
-    let of_file = estimate_roll(parse_roll(file(name)).unwrap(), &options).unwrap();
+    let of_file = estimate_roll(RollRecording::try_from(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&estimate, &of_file);
     // A rotation about the normal (third component) does not move the contact, so it must not change the estimate.
     let spun: Vec<[f64; 3]> = rotations.iter().map(|[x, y]| [*x, *y, 0.7]).collect();
@@ -68,7 +67,8 @@ fn glides_from_arrays_match_those_from_a_file() {
     let options = GlideOptions::default();
     let readings = GlideRecording::new(&points, Some(&normals), Some(&fingers), MM).unwrap();
     let (estimate, map) = estimate_glide(&readings, &options).unwrap();
-    let (of_file, of_map) = estimate_glide(&parse_glide(file(name)).unwrap(), &options).unwrap();
+    let (of_file, of_map) =
+        estimate_glide(&GlideRecording::try_from(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&estimate, &of_file);
     assert_eq!(map.to_csv(), of_map.to_csv());
 }
@@ -84,7 +84,7 @@ fn presses_from_arrays_match_those_from_a_file() {
     };
     let readings = PressRecording::new(&places, &normal, Some(&along), MM).unwrap();
     let object = estimate_press(&readings, &options).unwrap();
-    let of_file = estimate_press(&parse_press(file(name)).unwrap(), &options).unwrap();
+    let of_file = estimate_press(&PressRecording::try_from(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&object, &of_file);
 }
 
@@ -146,7 +146,7 @@ fn errors_name_invalid_arrays() {
 #[test]
 fn sensors_of_large_radius_are_pressed() {
     let bytes = include_bytes!("../data/press-flat-pad-ball4.csv").to_vec();
-    let readings = parse_press(RecordedFile::new("pad.csv", bytes)).unwrap();
+    let readings = PressRecording::try_from(RecordedFile::new("pad.csv", bytes)).unwrap();
     for radius in [1e3, 1e4, 1e6] {
         for indentation in [None, Some(0.5)] {
             let options = PressOptions {
@@ -175,7 +175,7 @@ fn sensors_of_large_radius_are_pressed() {
 #[test]
 fn a_layer_on_a_press_of_a_half_space_causes_a_warning() {
     let bytes = include_bytes!("../data/press-flat-pad-ball4.csv").to_vec();
-    let readings = parse_press(RecordedFile::new("pad.csv", bytes)).unwrap();
+    let readings = PressRecording::try_from(RecordedFile::new("pad.csv", bytes)).unwrap();
     for (thickness, is_wrong) in [(4.0, true), (8.0, true), (1e6, false)] {
         let estimator = serde_json::json!({ "kind": "bonded-layer", "thickness": thickness });
         let options = PressOptions {

@@ -36,7 +36,10 @@ fn full() -> Calibration {
 #[test]
 fn a_written_calibration_is_read_and_other_keys_are_refused() {
     let calibration = full();
-    let gains = calibration.normal_part().map(|part| part.gains.len());
+    let gains = calibration
+        .normal_part
+        .as_ref()
+        .map(|part| part.gains.len());
     assert_eq!(gains, Some(2));
     let text = calibration_toml(&calibration, LengthUnit::Cm);
     assert_eq!(parsed(&text).unwrap(), (calibration, LengthUnit::Cm));

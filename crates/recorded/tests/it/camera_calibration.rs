@@ -68,7 +68,7 @@ impl Default for Truth {
 impl Truth {
     /// The nominal camera, but with the true coefficients k3 and k5 of its lens.
     fn lens(&self) -> Camera {
-        Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
+        Camera::new(Lens::from(self.terms), SIZE, 65.0).expect("a camera")
     }
 
     fn frame(&self, seed: u64) -> RgbImage {

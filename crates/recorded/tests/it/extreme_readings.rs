@@ -1,9 +1,9 @@
 //! Recorded readings with extremely large or small numbers.
 
 use palpate_recorded::{
-    CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
-    calibrate, estimate_glide, estimate_press, estimate_roll, parse_calibration_points,
-    parse_glide, parse_press, parse_roll,
+    CalibrateOptions, CalibrationPoints, GlideOptions, GlideRecording, PressOptions,
+    PressRecording, RecordedError, RecordedFile, RollOptions, RollRecording, calibrate,
+    estimate_glide, estimate_press, estimate_roll,
 };
 
 fn file(text: &str) -> RecordedFile {
@@ -28,7 +28,10 @@ fn roll(shift: &str, radius: f64) -> Result<f64, RecordedError> {
         "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n\
          0,0,-0.8,{shift},0\n1,0,-0.8,{shift},0\n2,-0.8,0,0,{other:e}\n3,-0.8,0,0,{other:e}\n"
     );
-    let estimate = estimate_roll(parse_roll(file(&text))?, &RollOptions::new(radius))?;
+    let estimate = estimate_roll(
+        RollRecording::try_from(file(&text))?,
+        &RollOptions::new(radius),
+    )?;
     Ok(mean_curvature(&estimate))
 }
 
@@ -43,7 +46,10 @@ fn glide(height: Option<&str>, scale: f64) -> Result<f64, RecordedError> {
         };
         text += &format!("{},{:e},{:e},{z}\n", index / 6, x * scale, y * scale);
     }
-    let (estimate, _) = estimate_glide(&parse_glide(file(&text))?, &GlideOptions::default())?;
+    let (estimate, _) = estimate_glide(
+        &GlideRecording::try_from(file(&text))?,
+        &GlideOptions::default(),
+    )?;
     Ok(mean_curvature(&estimate))
 }
 
@@ -68,7 +74,7 @@ fn press(displacement: &str, radius: f64) -> Result<f64, RecordedError> {
         indentation: Some(1.2),
         ..PressOptions::new(radius)
     };
-    let estimate = estimate_press(&parse_press(file(&text))?, &options)?;
+    let estimate = estimate_press(&PressRecording::try_from(file(&text))?, &options)?;
     let json = serde_json::to_value(estimate).unwrap();
     Ok(json["object_curvature"]["value"].as_f64().unwrap())
 }
@@ -77,9 +83,9 @@ fn press(displacement: &str, radius: f64) -> Result<f64, RecordedError> {
 fn calibrated(displacement: &str) -> Result<f64, RecordedError> {
     let rows = "0,0\n1,0.1,0\n2,0.2,0\n";
     let text = format!("normal_displacement_mm,hue_turns,growth\n{displacement},{rows}");
-    let points = parse_calibration_points(&file(&text))?;
+    let points = CalibrationPoints::try_from(&file(&text))?;
     let report = calibrate(&[points], &CalibrateOptions::default())?;
-    Ok(report.calibration.normal_part().unwrap().line.slope)
+    Ok(report.calibration.normal_part.as_ref().unwrap().line.slope)
 }
 
 #[test]

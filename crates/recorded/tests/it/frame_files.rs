@@ -6,9 +6,9 @@ use std::sync::LazyLock;
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageFormat, RgbImage};
 use palpate_recorded::{
-    CalibrateOptions, Frame, FrameReader, KnownDisplacements, NormalFrom, PictureOptions,
-    PressOptions, RecordedFile, calibrate, calibrate_camera, frame_calibration_points,
-    parse_camera, parse_frame, track_frames,
+    CalibrateOptions, CameraEstimate, Frame, FrameReader, KnownDisplacements, NormalFrom,
+    PictureOptions, PressOptions, RecordedFile, calibrate, calibrate_camera,
+    frame_calibration_points, track_frames,
 };
 use palpate_study::config::{LengthUnit, parse};
 
@@ -44,7 +44,7 @@ static CAMERA: LazyLock<String> = LazyLock::new(|| {
 });
 
 fn frame(bytes: &[u8]) -> Result<Frame, String> {
-    let frame = parse_frame(&RecordedFile::new("frame", bytes.to_vec()));
+    let frame = Frame::try_from(&RecordedFile::new("frame", bytes.to_vec()));
     frame.map_err(|error| error.to_string())
 }
 
@@ -59,7 +59,7 @@ fn read(frames: [Frame; 2]) -> Result<serde_json::Value, String> {
 
 fn read_by(camera: String, [rest, pressed]: [Frame; 2]) -> Result<serde_json::Value, String> {
     let study = parse("field.toml", SENSOR).unwrap();
-    let camera = parse_camera(&RecordedFile::new("camera.toml", camera.into_bytes()));
+    let camera = CameraEstimate::try_from(&RecordedFile::new("camera.toml", camera.into_bytes()));
     let mut options = PictureOptions::from_study(&study.config, study.config.length_unit).unwrap();
     options.camera = Some(("camera.toml".to_owned(), camera.unwrap()));
     options.indentation = Some(1.0);

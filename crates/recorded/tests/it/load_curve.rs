@@ -1,7 +1,7 @@
 //! Tests estimates of the effective radius from load curves.
 
 use palpate_press::Body;
-use palpate_recorded::{LoadOptions, RecordedFile, estimate_force, parse_load_curve};
+use palpate_recorded::{LoadCurve, LoadOptions, RecordedFile, estimate_force};
 use palpate_sensing::{Channel, Stream};
 use palpate_study::config::LengthUnit;
 use serde_json::Value;
@@ -17,7 +17,7 @@ const OPTIONS: LoadOptions = LoadOptions {
 
 fn estimate(table: &str, options: &LoadOptions) -> Result<Value, String> {
     let file = RecordedFile::new("curve.csv", table.to_owned().into_bytes());
-    let curve = parse_load_curve(file).map_err(|error| error.to_string())?;
+    let curve = LoadCurve::try_from(file).map_err(|error| error.to_string())?;
     let estimate = estimate_force(&curve, options).map_err(|error| error.to_string())?;
     Ok(serde_json::to_value(&estimate).unwrap())
 }

@@ -1,8 +1,8 @@
 //! Logs as robots write them: of objects with simple shapes, with lost or repeated readings, or of a single stroke.
 
 use palpate_recorded::{
-    GlideOptions, GlideRecording, PressOptions, RecordedError, RecordedFile, RollOptions,
-    estimate_glide, estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
+    GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedError, RecordedFile,
+    RollOptions, RollRecording, estimate_glide, estimate_press, estimate_roll,
 };
 use palpate_sensing::{Channel, Stream};
 use serde_json::{Value, json};
@@ -32,7 +32,7 @@ fn estimate(text: &str, method: &str) -> Result<Value, RecordedError> {
 }
 
 fn estimate_with(text: &str, given: &Value) -> Result<Value, RecordedError> {
-    let readings = parse_glide(file(text))?;
+    let readings = GlideRecording::try_from(file(text))?;
     let options = GlideOptions::with_settings(
         None,
         given.as_object().unwrap(),
@@ -384,7 +384,7 @@ fn copies_count_once() {
     assert_eq!(of_raster["effective_contacts"], 36.0);
     let roll = "rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,-0.3,2.01,0\n0.3,0,0,2\n0.2,-0.2,1.32,1.3\n0.2,0.2,-1.31,1.33\n";
     let [one, four] = [1, 4].map(|times| {
-        let readings = parse_roll(file(&rows(roll, times))).unwrap();
+        let readings = RollRecording::try_from(file(&rows(roll, times))).unwrap();
         let estimate = estimate_roll(readings, &RollOptions::new(10.0)).unwrap();
         serde_json::to_value(estimate).unwrap()
     });
@@ -398,7 +398,7 @@ fn copies_count_once() {
     }
     let given = json!({ "sensor_radius": 20.0, "depth": 2.0 });
     let [one, four] = [1, 4].map(|times| {
-        let readings = parse_press(file(&rows(&press, times))).unwrap();
+        let readings = PressRecording::try_from(file(&rows(&press, times))).unwrap();
         let options = PressOptions::with_settings(None, given.as_object().unwrap(), None, false);
         let report = estimate_press(&readings, &options.unwrap()).unwrap();
         serde_json::to_value(report).unwrap()

@@ -1,6 +1,6 @@
 //! Rolls with lost readings. Drivers of sensors write zeros or a large number for a lost reading.
 
-use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
+use palpate_recorded::{RecordedFile, RollOptions, RollRecording, estimate_roll};
 use palpate_sensing::{Channel, Stream};
 use serde_json::Value;
 
@@ -27,7 +27,7 @@ fn log(count: usize, std: f64, pitch: f64, lost: &[(usize, [f64; 2])]) -> String
 }
 
 fn estimate(text: String) -> Result<Value, String> {
-    let readings = parse_roll(RecordedFile::new("rolls.csv", text.into_bytes()));
+    let readings = RollRecording::try_from(RecordedFile::new("rolls.csv", text.into_bytes()));
     let readings = readings.map_err(|error| error.to_string())?;
     let estimate = estimate_roll(readings, &RollOptions::new(10.0));
     let estimate = estimate.map_err(|error| error.to_string())?;

@@ -1,7 +1,8 @@
 //! Estimates from files of recorded readings.
 
 use palpate_recorded::{
-    ReadingNoise, RecordedError, RecordedFile, RollEstimate, RollOptions, estimate_roll, parse_roll,
+    ReadingNoise, RecordedError, RecordedFile, RollEstimate, RollOptions, RollRecording,
+    estimate_roll,
 };
 use palpate_study::config::LengthUnit;
 
@@ -18,7 +19,7 @@ fn estimate(rows: &str, options: &RollOptions) -> Result<RollEstimate, RecordedE
     )
     .into_bytes();
     estimate_roll(
-        parse_roll(RecordedFile::new("readings.csv", table))?,
+        RollRecording::try_from(RecordedFile::new("readings.csv", table))?,
         options,
     )
 }

@@ -1,7 +1,7 @@
 //! Rolls that were recorded as time series, with rotations in several forms, and series that are rejected.
 
 use palpate_ep1::{PadCell, PadStart, ReadingNoise};
-use palpate_recorded::{RecordedFile, RollOptions, RollRecording, estimate_roll, parse_roll};
+use palpate_recorded::{RecordedFile, RollOptions, RollRecording, estimate_roll};
 use serde_json::{Value, json};
 
 /// Radius of the probe and radius of the object, mm.
@@ -53,7 +53,7 @@ fn options(settings: &Value) -> Result<RollOptions, String> {
 
 fn estimate(table: &str, settings: &Value) -> Result<Value, String> {
     let file = RecordedFile::new("log.csv", table.as_bytes().to_vec());
-    let readings = parse_roll(file).map_err(|error| error.to_string())?;
+    let readings = RollRecording::try_from(file).map_err(|error| error.to_string())?;
     let estimate = estimate_roll(readings, &options(settings)?);
     let estimate = estimate.map_err(|error| error.to_string())?;
     Ok(serde_json::to_value(estimate).unwrap())
@@ -163,7 +163,11 @@ fn a_pitch_keeps_the_arrangement_of_the_pads() {
     let pitch = json!({ "pitch": 0.5 });
     let given = pitch.as_object().unwrap();
     let options = RollOptions::with_settings(Some(base), given, None).unwrap();
-    assert_eq!(options.series.pads, Some(PadCell::hexagonal(0.5)));
+    let hexagons = PadCell {
+        pitch: 0.5,
+        is_hexagonal: true,
+    };
+    assert_eq!(options.series.pads, Some(hexagons));
     assert_eq!(options.noise, ReadingNoise::of_pads(0.5, PadStart::Centred));
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 use palpate_recorded::{
-    Form, RecordedFile, RollOptions, RotationFrame, column_names, estimate_roll, parse_roll,
+    Form, RecordedFile, RollOptions, RollRecording, RotationFrame, column_names, estimate_roll,
 };
 use palpate_study::config::LengthUnit;
 use serde_json::Value;
@@ -22,8 +22,9 @@ fn roll_in(table: &str, columns: &str, form: Form) -> Result<Value, String> {
     if !columns.is_empty() {
         form.columns = column_names(columns).unwrap();
     }
-    let file = RecordedFile::new("r.csv", table.as_bytes().to_vec()).written(form);
-    let readings = parse_roll(file).map_err(|error| error.to_string())?;
+    let mut file = RecordedFile::new("r.csv", table.as_bytes().to_vec());
+    file.form = form;
+    let readings = RollRecording::try_from(file).map_err(|error| error.to_string())?;
     let estimate = estimate_roll(readings, &RollOptions::new(10.0));
     let estimate = estimate.map_err(|error| error.to_string())?;
     Ok(serde_json::to_value(estimate).unwrap())

@@ -2,7 +2,7 @@
 //! a setting, the file must be readable with this setting.
 
 use palpate_recorded::{
-    Form, GlideOptions, RecordedFile, TipReports, column_names, estimate_glide, parse_glide,
+    Form, GlideOptions, GlideRecording, RecordedFile, TipReports, column_names, estimate_glide,
 };
 use serde_json::Value;
 
@@ -13,8 +13,9 @@ fn glide(contents: impl AsRef<[u8]>, columns: &str) -> Result<Value, String> {
     if !columns.is_empty() {
         form.columns = column_names(columns).unwrap();
     }
-    let file = RecordedFile::new("r", contents.as_ref().to_vec()).written(form);
-    let readings = parse_glide(file).map_err(|error| error.to_string())?;
+    let mut file = RecordedFile::new("r", contents.as_ref().to_vec());
+    file.form = form;
+    let readings = GlideRecording::try_from(file).map_err(|error| error.to_string())?;
     let estimate = estimate_glide(&readings, &GlideOptions::default());
     let (estimate, _) = estimate.map_err(|error| error.to_string())?;
     Ok(serde_json::to_value(estimate).unwrap())
@@ -257,13 +258,14 @@ fn poses_of_tips_need_their_radius() {
         columns: column_names(&columns).unwrap(),
         ..Form::default()
     };
-    let file = RecordedFile::new("r", poses.to_vec()).written(form);
+    let mut file = RecordedFile::new("r", poses.to_vec());
+    file.form = form;
     let options = GlideOptions {
         tip_radius: Some(5.0),
         reports: Some(TipReports::Centre),
         ..GlideOptions::default()
     };
-    let (estimate, _) = estimate_glide(&parse_glide(file).unwrap(), &options).unwrap();
+    let (estimate, _) = estimate_glide(&GlideRecording::try_from(file).unwrap(), &options).unwrap();
     let estimate = serde_json::to_value(estimate).unwrap();
     assert!((mean(&estimate) - 0.04).abs() < 0.001, "{estimate}");
     let named = table("tip_x,tip_y,tip_z\n", ",", &ALL[1..4]);

@@ -10,6 +10,7 @@ use super::scale::Scale;
 use super::selection::{self, CellSelection, Request};
 use super::sheet::{self, Drawn, EDGE, Key, LINE, Sample, Sheet, TEXT, TICK_GAP, WIDTH};
 use super::style::{CLASSES, Colour, INK, OUTLINE, QUIET, WHITE};
+use crate::phrases::with_unit;
 use crate::records::by_key;
 use crate::table::Axis;
 use crate::{ReportError, Table, phrases};
@@ -163,7 +164,7 @@ impl MapLayout {
         let x = range(panels().map(|panel| &panel.map.x));
         let y = range(panels().map(|panel| &panel.map.y));
         let columns = 1 + panels().map(|panel| panel.column).max().unwrap_or(0) as i32;
-        let [x_label, y_label] = ["x", "y"].map(|name| label::with_unit(name, unit));
+        let [x_label, y_label] = ["x", "y"].map(|name| with_unit(name, unit));
         let left = EDGE + TICK_GAP + y.widest().max(width(&y_label, TEXT));
         let gaps = GAP * (columns - 1);
         let wide = ((WIDTH - left - EDGE - gaps) / columns).clamp(NARROWEST, WIDEST);

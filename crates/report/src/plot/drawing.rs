@@ -210,8 +210,8 @@ impl Drawing {
                 .map_err(|error| error.to_string())?;
         }
         drop(backend);
-        let reduced = palpate_frames::reduced(&large, [width / DETAIL, height / DETAIL]);
-        palpate_frames::png(&reduced).map_err(|error| error.to_string())
+        let size = [width / DETAIL, height / DETAIL];
+        palpate_frames::png(&large, Some(size)).map_err(|error| error.to_string())
     }
 }
 

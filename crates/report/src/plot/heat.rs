@@ -14,23 +14,6 @@ use plotters::element::Rectangle;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Content of a heat map.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Heat {
-    /// Name of the figure's files, without extension.
-    pub name: String,
-    /// Title of the figure.
-    pub title: String,
-    /// Line of text below the title. It explains what the shares in the heat map mean.
-    pub subtitle: String,
-    /// Label of the horizontal and the vertical axis: the field whose values name the items.
-    pub axis: String,
-    /// The panels of the heat map.
-    pub panels: Vec<HeatPanel>,
-    /// Lines of text below the image.
-    pub notes: Vec<String>,
-}
-
 /// One panel of a heat map: its items, and the share of every pair of items.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
@@ -66,61 +49,40 @@ const NONE: Colour = Colour(236, 236, 236);
 /// lighter squares, even if the figure is printed in grey.
 const ALL: Colour = Colour(8, 48, 107);
 
-/// Draws a heat map. Each pair of items is a square. The larger the share of the pair, the darker is its square. If
-/// there are few items, each square also contains the share in percent.
-///
-/// ```
-/// use palpate_report::{Heat, HeatPanel, heat_figure};
-///
-/// let panel = HeatPanel {
-///     title: String::new(),
-///     names: vec!["20 mm".to_owned(), "25 mm".to_owned()],
-///     shares: vec![vec![None, Some(0.84)], vec![Some(0.84), None]],
-/// };
-/// let figure = heat_figure(&Heat {
-///     name: "distinguished".to_owned(),
-///     title: "Which balls can be distinguished?".to_owned(),
-///     subtitle: String::new(),
-///     axis: "object radius".to_owned(),
-///     panels: vec![panel],
-///     notes: Vec::new(),
-/// })?;
-/// assert!(figure.svg.contains("84 %") && figure.svg.contains("25 mm"));
-/// # Ok::<(), palpate_report::ReportError>(())
-/// ```
-///
-/// # Errors
-/// [`ReportError`] if the image is too large.
-pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
-    let counts = heat.panels.iter().map(|panel| panel.names.len());
+/// Draws a heat map; see [`AnswerChart::Heat`](super::answer_figure::AnswerChart::Heat).
+pub(super) fn figure(
+    words: Words,
+    axis: &str,
+    panels: &[HeatPanel],
+) -> Result<Figure, ReportError> {
+    let counts = panels.iter().map(|panel| panel.names.len());
     let most = counts.max().unwrap_or(0);
-    if most > MAX_THINGS || heat.panels.len() > MAX_PANELS {
+    if most > MAX_THINGS || panels.len() > MAX_PANELS {
         return Err(ReportError::Draw {
-            path: format!("{}.svg", heat.name).into(),
+            path: format!("{}.svg", words.name).into(),
             message: format!(
                 "{} panels of up to {most} items are too many; at most {MAX_PANELS} of {MAX_THINGS} are allowed",
-                heat.panels.len()
+                panels.len()
             ),
         });
     }
     let side = if most > MAX_NUMBERED { SMALL } else { LARGE };
-    let names = heat.panels.iter().flat_map(|panel| &panel.names);
+    let names = panels.iter().flat_map(|panel| &panel.names);
     let widest = names.map(|name| width(name, TEXT).min(NAME)).max();
     let beside = widest.unwrap_or(0) + TICK_GAP;
     let wide = beside + side * most.max(1) as i32;
     let columns = ((WIDTH - 2 * EDGE + GAP) / (wide + GAP)).max(1);
-    let columns = columns.min(heat.panels.len().max(1) as i32);
+    let columns = columns.min(panels.len().max(1) as i32);
     let total = (2 * EDGE + columns * (wide + GAP) - GAP).max(WIDTH);
-    let words = Words::new(&heat.name, &heat.title, &heat.subtitle, &heat.notes);
     let shades = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| {
         let sample = Sample::ground(shade(Some(share)));
         (sample, format!("{} %", 100.0 * share))
     });
     sheet::figure(words, total, |sheet| {
         sheet.key(SAMPLE, &shades.to_vec())?;
-        sheet.heading(&heat.axis, EDGE, total - 2 * EDGE)?;
+        sheet.heading(axis, EDGE, total - 2 * EDGE)?;
         sheet.top += 18;
-        for row in heat.panels.chunks(columns as usize) {
+        for row in panels.chunks(columns as usize) {
             let top = sheet.top;
             let mut lowest = top;
             for (column, panel) in row.iter().enumerate() {

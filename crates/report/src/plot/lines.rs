@@ -113,7 +113,7 @@ impl<'a> Lines<'a> {
         let plot = Plot {
             series,
             marks,
-            ..Plot::new([self.x.text(), self.y.text()], [x, y], panels)
+            ..Plot::new([self.x.to_string(), self.y.to_string()], [x, y], panels)
         };
         series::figure(words, vec![plot])
     }
@@ -293,7 +293,7 @@ impl<'a> Lines<'a> {
         };
         let entry = |value| (short_value(axis, value), style(axis, value));
         SeriesKey {
-            title: Label::of_field(&axis.header).text(),
+            title: Label::of_field(&axis.header).to_string(),
             entries: axis.among(&self.of.rows).into_iter().map(entry).collect(),
             compared,
             ..SeriesKey::default()

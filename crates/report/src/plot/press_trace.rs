@@ -9,10 +9,11 @@ use super::scale::{Scale, Spacing};
 use super::series::{self, Content, OPEN_MARKER, Plot, PointSet};
 use super::sheet::Words;
 use super::style::{Marker, Style};
+use crate::phrases::with_unit;
 use crate::{Files, ReportError};
 use marker_table::{Displacement, Trace};
 use outward::outward;
-use palpate_study::label::{spoken_unit, with_unit};
+use palpate_study::label::spoken_unit;
 
 /// Draws two figures of a press from the `trace.csv` and `readings.csv` that `palpate trace` wrote.
 ///

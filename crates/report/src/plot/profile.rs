@@ -7,12 +7,13 @@ use super::scale::{Scale, Spacing};
 use super::selection::{self, CellSelection, Request, nearest};
 use super::series::{self, Content, Line, Plot, Runs, SeriesKey, scales};
 use super::style::{PLAIN, Style};
+use crate::phrases::with_unit;
 use crate::records::{Records, distinct};
 use crate::table::Axis;
 use crate::{ReportError, phrases};
 use palpate_study::Label;
 use palpate_study::config::Component;
-use palpate_study::label::{spoken_unit, with_unit};
+use palpate_study::label::spoken_unit;
 
 /// Largest number of series. The lines have no markers and differ only in colour, so only a few can be distinguished.
 const MAX_LINES: usize = PLAIN;
@@ -154,7 +155,7 @@ impl<'a> Axes<'a> {
     /// Heading of the legend: the name of the swept field if the series differ in only one field; otherwise empty.
     fn title(&self) -> String {
         match self.names.as_slice() {
-            [axis] => Label::of_field(&axis.header).text(),
+            [axis] => Label::of_field(&axis.header).to_string(),
             _ => String::new(),
         }
     }

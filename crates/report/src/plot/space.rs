@@ -4,7 +4,7 @@ use super::drawing::Drawing;
 use super::scale::{Scale, Spacing};
 use super::sheet::{Drawn, EDGE, HAIR, Sheet, TEXT, WIDTH, letters};
 use super::style::{FAINT, FLOOR, INK};
-use palpate_study::label::with_unit;
+use crate::phrases::with_unit;
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian3d;
 use plotters::coord::ranged1d::ValueFormatter;

@@ -37,7 +37,7 @@ fn objects(a: f64, b: f64, c: f64) -> Vec<Shape> {
         Graph::paraboloid(a).map(Shape::Paraboloid).ok(),
         Graph::saddle(a).map(Shape::Saddle).ok(),
         Formula::parse("a*sin(b*x) + ln(1 - y)", &parameters)
-            .map(|formula| Shape::HeightField(Graph::of_formula(formula)))
+            .map(|formula| Shape::HeightField(Graph::from(formula)))
             .ok(),
     ]
     .into_iter()

@@ -213,8 +213,8 @@ fn the_tip_is_held_where_asked_and_touches_at_its_radius() {
                 let level_set = object.level_set(&point).unwrap();
                 assert_eq!(level_set.normal, normal);
                 assert!(normal.z > 0.0 && (normal.norm() - 1.0).abs() < 1e-14);
-                let operator = level_set.shape_operator();
-                let mean = 0.5 * operator.trace();
+                let across = normal.dot(&(level_set.second_form * normal));
+                let mean = 0.5 * (level_set.second_form.trace() - across);
                 assert!((curvature.mean_curvature() - mean).abs() < 1e-12 * (1.0 + mean.abs()));
                 // The distance from the centre of the tip to the closest point of the object is the radius of the tip.
                 let nearest = object.closest_point(&tip_centre).unwrap();

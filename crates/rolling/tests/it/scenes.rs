@@ -43,7 +43,7 @@ pub(crate) fn height_field(formula: &str, parameters: &[(&str, f64)]) -> Shape {
         .map(|&(name, value)| (name.to_owned(), value))
         .collect();
     let formula = Formula::parse(formula, &parameters).unwrap();
-    Shape::HeightField(Graph::of_formula(formula))
+    Shape::HeightField(Graph::from(formula))
 }
 
 pub(crate) const DOP853: Model = dop853(1e-13, Chart::Free);

@@ -18,7 +18,7 @@ use crate::scene::{Need, Observer, Trials};
 use crate::trace::{Trace, TraceError, counted};
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape, push_map_point};
 use palpate_study::config::{GlideConfig, LengthUnit};
-use palpate_study::readings::{GLIDES, table_columns};
+use palpate_study::readings::{COLUMNS, table_columns};
 use palpate_study::{Column, FieldError, Quantity, Table, Unit};
 use palpate_sweep::Observation;
 
@@ -195,7 +195,11 @@ impl GlideScene {
         for place in &self.grid.places {
             let curvature = fit.curvature_at(&place.point)?;
             let uncertainty = curvature.uncertainty;
-            let is_right = curvature.class(&self.grid.thresholds) == place.class;
+            let is_right = (self
+                .grid
+                .thresholds
+                .classify(curvature.gaussian, curvature.mean))
+                == place.class;
             let outcomes = [
                 Observation {
                     std: uncertainty.map(|one| one.gaussian_std),
@@ -236,7 +240,7 @@ impl Trials for GlideScene {
         let compared = self
             .fit(Some(trial))
             .and_then(|fit| Ok(self.compare(&fit, observe)?));
-        compared.map_err(|error| error.name())
+        compared.map_err(Into::into)
     }
 
     fn trial_with_warnings(
@@ -253,7 +257,7 @@ impl Trials for GlideScene {
             self.compare(&GlideSurface::Graph(fit), observe)?;
             test
         });
-        let test = test.map_err(|error| error.name())?;
+        let test = test.map_err(<&str>::from)?;
         Ok(test.misfits.iter().map(|misfit| misfit.code()).collect())
     }
 
@@ -285,8 +289,7 @@ impl Trials for GlideScene {
     }
 
     fn map(&self, cell: usize, trial: u64, table: &mut Table) -> Result<(), &'static str> {
-        self.push_map(cell, trial, table)
-            .map_err(|error| error.name())
+        self.push_map(cell, trial, table).map_err(Into::into)
     }
 }
 
@@ -295,7 +298,7 @@ impl GlideScene {
     /// they have no noise if `trial` is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
         let tip = Column::in_length(["tip_x", "tip_y", "tip_z"], Unit::Length, unit);
-        let mut contacts = Table::new(table_columns(&GLIDES, unit).into_iter().chain(tip));
+        let mut contacts = Table::new(table_columns(&COLUMNS.glides, unit).into_iter().chain(tip));
         for one in &self.touches {
             let touch = &one.touch;
             let row = touch.point.iter().chain(touch.normal.iter());
@@ -340,8 +343,8 @@ impl GlideScene {
 fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     let first = contacts.first();
     let columns = match first.and_then(|contact| contact.normal) {
-        Some(_) => &GLIDES[..],
-        None => &GLIDES[..4],
+        Some(_) => &COLUMNS.glides[..],
+        None => &COLUMNS.glides[..4],
     };
     let mut table = Table::new(table_columns(columns, unit));
     for contact in contacts {

@@ -147,7 +147,10 @@ impl RestFrames {
         for (one, others) in measured.iter_mut().zip(&others) {
             if let Some(one) = one {
                 one.marker = one.marker.averaged(others);
-                one.errors = one.errors.averaged(self.frames);
+                // The features are means over all frames.
+                let share = f64::from(self.frames.max(1)).recip();
+                let covariance = &mut one.errors.covariance;
+                *covariance = covariance.map(|row| row.map(|entry| share * entry));
             }
         }
         Ok(measured)

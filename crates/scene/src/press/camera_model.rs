@@ -113,7 +113,7 @@ impl SimulatedCamera {
         let noise = &setup.config.noise;
         let pixel = noise.pixel.map(|ReadingNoise::Gaussian { std }| std.0);
         let pixel = gaussian(pixel, "pixel")?;
-        let lens = Lens::fisheye(OddTerms { k3, k5 });
+        let lens = Lens::from(OddTerms { k3, k5 });
         let camera = Camera::new(lens, config.size_px, config.field_deg)
             .map_err(|error| optics_error(&error))?;
         let blemishes = Blemishes {
@@ -128,7 +128,7 @@ impl SimulatedCamera {
             },
             pixel_std: pixel.averaged(config.frames).std(),
         };
-        let array = setup.sphere.made(setup.places, setup.seed)?;
+        let array = setup.sphere.array(setup.places, Some(setup.seed))?;
         let pose = Pose::new(config.place, config.turn_deg.map(f64::to_radians));
         let optics = Optics::new(array, camera, Colours::default(), blemishes)
             .and_then(|optics| optics.seen_from(pose))
@@ -139,8 +139,7 @@ impl SimulatedCamera {
             let noise = ImageNoise::new(noise, config.frames)?;
             (CameraModel::Projected(noise), noise.is_random())
         };
-        let lens = Equidistant::new(camera.centre_px(), camera.px_per_rad())
-            .and_then(|lens| lens.with_odd_terms([k3, k5]))
+        let lens = Equidistant::new(camera.centre_px(), camera.px_per_rad(), [k3, k5])
             .map_err(|error| FieldError::at("scene.sensor", error))?;
         Ok(Self {
             optics,
@@ -298,7 +297,7 @@ impl SimulatedCamera {
         let camera = self.optics.camera();
         let circle = Mask {
             centre_px: camera.centre_px(),
-            radius_px: camera.rim_px(),
+            radius_px: 0.5 * f64::from(camera.size_px()),
         };
         let mut finder = Finder::new(Some(circle), Some(Ground::Bright));
         Ok(finder.find(&self.render(motions, trial)?)?)

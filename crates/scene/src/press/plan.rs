@@ -44,7 +44,7 @@ impl PressScene {
         models: &SharedModels,
     ) -> Result<Self, FieldError> {
         let young = young(&config.model, unit)?;
-        let sphere = MarkerSphere::of(&config.probe);
+        let sphere = MarkerSphere::from(&config.probe);
         let (markers, places) = sphere.markers()?;
         let geometry = object_press(config, sphere.radius)?;
         let camera = config.sensor.camera();
@@ -75,8 +75,8 @@ impl PressScene {
             seed,
         };
         let contact = geometry.contact(&body, &markers).and_then(|contact| {
-            let place = markers.skin().place(geometry.at);
-            markers.see(&place, contact.radius()).map(|()| contact)
+            let seen = markers.see(geometry.at, contact.radius());
+            seen.map(|()| contact)
         });
         let case = match &contact {
             Ok(contact) => setup.case(contact, camera)?,

@@ -4,7 +4,7 @@ use palpate_estimators::tracks_table;
 use palpate_press::ObjectContact;
 use palpate_study::config::{LengthUnit, PressEstimatorConfig};
 use palpate_study::number::shortest;
-use palpate_study::readings::{PRESSES, table_columns};
+use palpate_study::readings::{COLUMNS, table_columns};
 use palpate_study::{Column, Table, Unit};
 
 use super::PressFailure;
@@ -41,7 +41,7 @@ impl PressScene {
 
         let reading = self.reading(trial)?;
         let columns = if self.has_tangential { 5 } else { 3 };
-        let mut readings = Table::new(table_columns(&PRESSES[..columns], unit));
+        let mut readings = Table::new(table_columns(&COLUMNS.presses[..columns], unit));
         for (marker, normal, tangential) in reading.markers() {
             let [x, y] = self.places[marker];
             let row = [x, y, normal].into_iter().chain(tangential);

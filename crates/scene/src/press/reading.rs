@@ -50,7 +50,7 @@ impl PressReading {
     }
 
     pub(super) fn subset(&self, layout: &Markers) -> Option<Markers> {
-        let has_lost = self.tracked.len() < layout.places().len();
+        let has_lost = self.tracked.len() < layout.count();
         has_lost.then(|| layout.subset(&self.tracked))
     }
 

@@ -79,7 +79,7 @@ impl SensorVariation {
         for (number, error) in numbers.iter_mut().zip(&self.errors) {
             *number = error.draw(&mut stream);
         }
-        let departure = nominal.optics.possible(Departure::of(numbers));
+        let departure = nominal.optics.possible(Departure::from(numbers));
         let optics = nominal.optics.departed(&departure)?;
         let array = optics.array().clone();
         // Add 1 to the number of the trial, because the number 0 is reserved: it seeds the misalignments in scenes

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::{BATCH_SIZE, BatchMoments, Moments, ProbeRotation};
 use palpate_rolling::{Roller, Shift};
-use palpate_sensing::{Channel, Distribution, Stream, Streams};
+use palpate_sensing::{Channel, Distribution, Stream};
 use palpate_study::config::Side;
 
 use super::motion_noise::{MotionNoise, Roll};
@@ -107,7 +107,13 @@ impl LinearRolls {
     ) -> usize {
         let count = count.min(BATCH_SIZE);
         let half_turn = self.half_turn_squared();
-        let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
+        let mut streams: [Stream; BATCH_SIZE] = std::array::from_fn(|place| {
+            Stream::new(
+                seed,
+                first.wrapping_add(place as u64),
+                Channel::AngularVelocity,
+            )
+        });
         for (number, &probe) in self.probes.iter().enumerate() {
             // Draw all errors in one loop and compute all paths in another. Processors execute several iterations of a
             // short loop at the same time.
@@ -192,22 +198,22 @@ impl ManyRolls {
     fn draw(
         &mut self,
         error: Option<Distribution>,
-        streams: &mut Streams<BATCH_SIZE>,
+        streams: &mut [Stream; BATCH_SIZE],
         count: usize,
     ) {
         // Match the distribution outside of the loops, so that no loop has to test it.
         match error {
             None => (),
             Some(Distribution::Uniform) => {
-                for place in 0..count {
-                    self.errors[0][place] = streams.symmetric_uniform(place);
-                    self.errors[1][place] = streams.symmetric_uniform(place);
+                for (place, stream) in streams[..count].iter_mut().enumerate() {
+                    self.errors[0][place] = stream.symmetric_uniform();
+                    self.errors[1][place] = stream.symmetric_uniform();
                 }
             }
             Some(Distribution::Gaussian) => {
-                for place in 0..count {
-                    self.errors[0][place] = streams.standard_normal(place);
-                    self.errors[1][place] = streams.standard_normal(place);
+                for (place, stream) in streams[..count].iter_mut().enumerate() {
+                    self.errors[0][place] = stream.standard_normal();
+                    self.errors[1][place] = stream.standard_normal();
                 }
             }
         }

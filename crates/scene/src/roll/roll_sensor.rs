@@ -115,9 +115,9 @@ impl RollSensor {
             Self::Wrist(wrist) => Places::Contacts {
                 std: wrist.shift_std() / std::f64::consts::SQRT_2,
             },
-            Self::Pads(pads) => Places::Pads(match pads.are_hexagons()? {
-                true => PadCell::hexagonal(pads.pitch()),
-                false => PadCell::square(pads.pitch()),
+            Self::Pads(pads) => Places::Pads(PadCell {
+                pitch: pads.pitch(),
+                is_hexagonal: pads.are_hexagons()?,
             }),
         })
     }

@@ -6,7 +6,7 @@ use super::motion_noise::{NoiseTrial, lasting};
 use super::roll_trial::RollScene;
 use crate::trace::{Trace, TraceError, counted};
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::{ROLLS, table_columns};
+use palpate_study::readings::{COLUMNS, table_columns};
 use palpate_study::{Column, Table, Unit};
 
 /// Number of samples of each roll in the table, in addition to the first contact.
@@ -19,7 +19,7 @@ impl RollScene {
         let mut sensor = self.sensor.begin(self.seed, trial);
         let mut noise = NoiseTrial::new(self.noise, self.seed, trial);
         let mut contacts = Table::new(columns(unit));
-        let mut readings = Table::new(table_columns(&ROLLS, unit));
+        let mut readings = Table::new(table_columns(&COLUMNS.rolls, unit));
         let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
         for (probe, roll) in self.rolls.iter().enumerate() {
             let command = &roll.command;

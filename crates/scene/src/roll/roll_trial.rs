@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use nalgebra::Vector2;
 use palpate_ep1::{
     BATCH_SIZE, BatchEstimates, Ep1Error, Estimate, LeastSquares, Measured, Moments, ProbeReading,
-    ReadingNoise, SeriesMethod, SeriesNoise, rounding_std,
+    ProbeRotation, ReadingNoise, SeriesMethod, SeriesNoise, rounding_std,
 };
 use palpate_geometry::CurvatureForm;
 use palpate_rolling::{Chart, Motion, Roller};
@@ -90,7 +90,7 @@ impl RollFit {
     fn get(&self) -> Result<&LeastSquares, &'static str> {
         match self {
             Self::Fit(fit) => Ok(fit),
-            Self::NoFit(error) => Err(error.name()),
+            Self::NoFit(error) => Err(error.into()),
         }
     }
 }
@@ -278,7 +278,7 @@ impl RollScene {
         let mut sensor = self.sensor.begin(self.seed, Some(trial));
         let moments = linear
             .read(self.seed, trial, |displacement| sensor.read(&displacement))
-            .map_err(|error| error.name())?;
+            .map_err(<&str>::from)?;
         Ok(fit.estimate(&moments)?)
     }
 
@@ -288,7 +288,8 @@ impl RollScene {
         let fit = self.fit.get()?;
         let mut moments = Moments::default();
         self.readings(trial, |reading| {
-            moments.add(self.roller.probe().radius(), &reading)
+            let rotation = ProbeRotation::new(self.roller.probe().radius(), &reading.rotation);
+            moments.add_shifts(&rotation, reading.shift.into())
         })?;
         Ok(fit.estimate(&moments)?)
     }
@@ -316,7 +317,7 @@ impl RollScene {
                 .roll(&self.roller, roll)
                 .map_err(|error| <&str>::from(error.fault))?;
             let rotation = rotations.read(rotation, roll.command.duration_s);
-            let shift = sensor.read(&displacement).map_err(|error| error.name())?;
+            let shift = sensor.read(&displacement).map_err(<&str>::from)?;
             report(ProbeReading { rotation, shift });
         }
         Ok(())

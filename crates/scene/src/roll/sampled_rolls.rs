@@ -11,7 +11,7 @@ use palpate_rolling::{Motion, PathPoint, Roller};
 use palpate_sensing::BeyondPads;
 use palpate_statistics::HALF_WIDTHS;
 use palpate_study::config::{LengthUnit, RollConfig, RollEstimatorConfig, RollStart, Side};
-use palpate_study::readings::{CONTACTS, ROLL_SERIES, ROTATION_VECTOR, table_columns};
+use palpate_study::readings::{COLUMNS, table_columns};
 use palpate_study::{FieldError, Table};
 use palpate_sweep::Observation;
 
@@ -149,8 +149,8 @@ impl RollScene {
     ) -> Result<([Observation; ROLL_QUANTITIES.len()], SeriesEstimate), &'static str> {
         let rolls = self.series(sampled, Some(trial));
         let rolls = rolls.map_err(|(_, fault)| match fault {
-            NoSeries::Roll(error) => error.fault.into(),
-            NoSeries::Sensor(error) => error.name(),
+            NoSeries::Roll(error) => <&str>::from(error.fault),
+            NoSeries::Sensor(error) => error.into(),
         })?;
         let places = sampled.places.unwrap_or(Places::Contacts { std: 0.0 });
         let radius = self.roller.probe().radius();
@@ -244,10 +244,15 @@ impl RollScene {
         let spins = samples.any(|sample| sample.rotation.z != 0.0);
         let axes = if spins { 3 } else { 2 };
         let places = match sampled.places {
-            Some(Places::Pads(_)) => &ROLL_SERIES[4..],
-            _ => &CONTACTS,
+            Some(Places::Pads(_)) => &COLUMNS.roll_series[4..],
+            _ => &COLUMNS.contacts,
         };
-        let columns = [&ROLL_SERIES[..2], &ROTATION_VECTOR[..axes], places].concat();
+        let columns = [
+            &COLUMNS.roll_series[..2],
+            &COLUMNS.rotation_vector[..axes],
+            places,
+        ]
+        .concat();
         let mut table = Table::new(table_columns(&columns, unit));
         for (probe, roll) in rolls.iter().enumerate() {
             for sample in &roll.samples {

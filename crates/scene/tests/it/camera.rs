@@ -180,10 +180,9 @@ fn a_trace_has_the_tracks_and_frames_of_the_camera() {
 #[test]
 fn tracking_reads_the_lens_that_the_optics_have() {
     for [k3, k5] in [[0.05, -0.02], [-0.2, 0.02], [0.1, 0.01]] {
-        let lens = Lens::fisheye(OddTerms { k3, k5 });
+        let lens = Lens::from(OddTerms { k3, k5 });
         let camera = Camera::new(lens, 640, 65.0).unwrap();
-        let read = Equidistant::new(camera.centre_px(), camera.px_per_rad());
-        let read = read.unwrap().with_odd_terms([k3, k5]).unwrap();
+        let read = Equidistant::new(camera.centre_px(), camera.px_per_rad(), [k3, k5]).unwrap();
         for step in 0..65 {
             let (polar, azimuth) = (f64::from(step).to_radians(), 0.1 * f64::from(step));
             let ((sine, cosine), (up, along)) = (libm::sincos(polar), libm::sincos(azimuth));

@@ -36,7 +36,7 @@ impl Look {
         let array = array.expect("markers");
         let mask = Mask {
             centre_px: camera.centre_px(),
-            radius_px: camera.rim_px(),
+            radius_px: 0.5 * f64::from(camera.size_px()),
         };
         Self {
             optics: Optics::new(array, camera, Colours::default(), blemishes).expect("optics"),

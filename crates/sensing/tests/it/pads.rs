@@ -74,7 +74,7 @@ fn beyond_the_cap_is_an_error() {
         let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
         assert!(pads.read(&placement, &Vector2::new(4.9, 0.0)).is_ok());
         let error = pads.read(&placement, &Vector2::new(4.0, 4.0)).unwrap_err();
-        assert_eq!(error.name(), "beyond-pads");
+        assert_eq!(<&str>::from(error), "beyond-pads");
         assert!((error.angle_rad - 0.32_f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -165,24 +165,24 @@ pub(super) fn value(file: &str, path: &str, json: &Json) -> Result<Option<Toml>,
 }
 
 impl Study {
-    /// Replaces the seed of the study, for all cells.
+    /// Replaces the seed and the number of trials of all cells. `None` keeps the number of the config.
     ///
     /// # Errors
-    /// [`ConfigError`] if the config sweeps the seed, or if the new seed is too large for a TOML integer.
-    pub fn override_seed(&mut self, seed: u64) -> Result<(), ConfigError> {
-        self.check_override("seed", seed, 0)?;
-        self.config.seed = seed;
-        Ok(())
-    }
-
-    /// Replaces the number of trials of all cells.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if the config sweeps the number of trials, or if the new number is 0 or too large for a TOML
-    /// integer.
-    pub fn override_trials(&mut self, trials: u64) -> Result<(), ConfigError> {
-        self.check_override("trials", trials, 1)?;
-        self.config.trials = trials;
+    /// [`ConfigError`] if the config sweeps a replaced number, if a new number is too large for a TOML integer, or if
+    /// the new number of trials is 0.
+    pub fn override_numbers(
+        &mut self,
+        seed: Option<u64>,
+        trials: Option<u64>,
+    ) -> Result<(), ConfigError> {
+        if let Some(seed) = seed {
+            self.check_override("seed", seed, 0)?;
+            self.config.seed = seed;
+        }
+        if let Some(trials) = trials {
+            self.check_override("trials", trials, 1)?;
+            self.config.trials = trials;
+        }
         Ok(())
     }
 

@@ -270,7 +270,8 @@ impl Source {
 }
 
 /// A problem in a field of a config, without the position of the field in the config's text.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{path}: {message}")]
 pub struct FieldError {
     /// Path of the field that has the problem, such as `scene.object.radius`.
     pub path: String,

@@ -32,7 +32,9 @@ pub struct Study {
     pub columns: Vec<String>,
     pub(super) source: Source,
     pub(super) grid: Grid,
-    sample: Vec<usize>,
+    /// Numbers of the cells that were validated, in ascending order. In a study of up to 10,000 cells, these are all
+    /// cells. In a larger study, they are a sample.
+    pub sample: Vec<usize>,
     /// Whether every swept value is a number, a word or a Boolean. If so, each value was validated when the study was
     /// read, and the cells are not validated again.
     has_plain_values: bool,
@@ -200,8 +202,11 @@ fn check_version(version: &Value) -> Result<(), Fault> {
 /// Rejects an entry of `columns` for a column that the readings of the scene do not have.
 fn check_columns(config: &StudyConfig) -> Result<(), Fault> {
     let columns = columns_of(config.scene.kind());
-    check_names(&config.columns, &columns)
-        .map_err(|error| Fault::new(error.message).under(error.key).under("columns"))
+    check_names(&config.columns, &columns).map_err(|error| {
+        Fault::new(error.message)
+            .under(&error.path)
+            .under("columns")
+    })
 }
 
 /// Rejects a number of trials that contradicts the stopping rule (`stop`).
@@ -453,12 +458,6 @@ impl Study {
         } else {
             ColumnType::Number
         }
-    }
-
-    /// Numbers of the cells that were validated, in ascending order. In a study of up to 10,000 cells, these are all
-    /// cells. In a larger study, they are a sample.
-    pub fn sample(&self) -> &[usize] {
-        &self.sample
     }
 
     /// Selects some of the cells (combinations of the swept values) that pass `filters`, and returns their numbers. A

@@ -228,11 +228,6 @@ impl PressEstimatorConfig {
             Self::Gaussian { .. } => {}
         }
     }
-
-    /// Name of the estimator's kind, as configs state it.
-    pub fn name(&self) -> &'static str {
-        self.into()
-    }
 }
 
 /// Whether the estimator receives the indentation or fits it.

@@ -34,7 +34,7 @@ fn labels_are_words_with_units() {
         scene.view.polar_deg: polar angle of the marker (°)";
     for row in table.lines() {
         let (header, label) = row.trim().split_once(": ").unwrap();
-        assert_eq!(Label::of_field(header).text(), label);
+        assert_eq!(Label::of_field(header).to_string(), label);
     }
     assert_eq!(
         Label::of_field("scene.noise.angular_velocity.fraction").value("0.07"),
@@ -113,7 +113,7 @@ fn statistics_are_words_with_units() {
         };
         let quantities: Vec<&str> = quantities.split(',').collect();
         let statistic = Statistic::named(name).unwrap();
-        assert_eq!(statistic.label(&quantities, unit).text(), label);
+        assert_eq!(statistic.label(&quantities, unit).to_string(), label);
     }
     let strain = Statistic::Mean.label(&["rms_fold_strain"], "1");
     assert_eq!(strain.value("0.47"), "47 %");

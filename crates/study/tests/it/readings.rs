@@ -2,7 +2,7 @@
 
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{
-    ColumnNames, ColumnUnit, Measure, ROLLS, check_names, columns_of, quaternion_part, spelt,
+    COLUMNS, ColumnNames, ColumnUnit, Measure, check_names, columns_of, quaternion_part, spelt,
 };
 
 #[test]
@@ -26,7 +26,7 @@ fn factors_are_those_of_the_units() {
 
 #[test]
 fn names_have_units() {
-    let [probe, angle, _, shift, _] = &ROLLS;
+    let [probe, angle, _, shift, _] = &COLUMNS.rolls;
     assert_eq!((angle.stem(), shift.stem()), ("rotation_x", "shift_u"));
     assert_eq!(shift.is_named("shift_u"), Some(None));
     let mm = ColumnUnit::Length(LengthUnit::Mm);

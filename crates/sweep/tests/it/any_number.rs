@@ -1,10 +1,10 @@
 //! Property tests with estimates of any magnitude: the statistics are finite, and the order of the blocks changes them
 //! only by rounding errors.
 
-use palpate_sweep::{BLOCK, Observation};
+use palpate_sweep::Observation;
 use proptest::prelude::*;
 
-use crate::{observing, run_cell};
+use crate::{BLOCK, observing, run_cell};
 
 /// A random double of any magnitude. Half of the numbers are between −2 and 2.
 fn any_number() -> impl Strategy<Value = f64> {

@@ -4,10 +4,10 @@ use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use palpate_sweep::{BLOCK, Cell, Observations, Record, SweepError, Trial};
+use palpate_sweep::{Cell, Observations, Record, SweepError, Trial};
 
 use crate::{
-    Function, Tasks, normal, observation, observing, run_cell, run_with, runner, streamed,
+    BLOCK, Function, Tasks, normal, observation, observing, run_cell, run_with, runner, streamed,
 };
 
 fn digits(cells: &[palpate_sweep::CellStatistics]) -> String {

@@ -19,6 +19,9 @@ use palpate_sweep::{
     SweepOutput, Task, Trial,
 };
 
+/// Number of trials in a block, the smallest group of trials that is computed together.
+pub(crate) const BLOCK: u64 = 1024;
+
 struct Function<F> {
     quantities: usize,
     function: F,

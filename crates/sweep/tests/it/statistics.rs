@@ -2,9 +2,9 @@
 //! doubles.
 
 use approx::assert_relative_eq;
-use palpate_sweep::{BLOCK, Failure, Observation, Record};
+use palpate_sweep::{Failure, Observation, Record};
 
-use crate::{Function, normal, observation, observing, run_cell};
+use crate::{BLOCK, Function, normal, observation, observing, run_cell};
 
 #[test]
 fn rms_errors_scatter_as_stated() {

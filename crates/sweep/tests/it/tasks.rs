@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use palpate_sweep::{
-    BLOCK, CellStatistics, Observation, Record, StoppingRule, StoppingStatistic, Sweep, SweepError,
+    CellStatistics, Observation, Record, StoppingRule, StoppingStatistic, Sweep, SweepError,
     SweepOutput, Trial,
 };
 
-use crate::{Tasks, normal, observation, runner, streamed};
+use crate::{BLOCK, Tasks, normal, observation, runner, streamed};
 
 /// An experiment with several quantities, varying true values, reported coverage and failures. Each trial takes at
 /// least the time `wait`.

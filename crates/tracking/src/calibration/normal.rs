@@ -32,11 +32,6 @@ impl NormalFrom {
     /// All features from which normal displacements can be computed, starting with the default.
     pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
 
-    /// Name of the feature in files. It stays the same in all versions.
-    pub fn name(self) -> &'static str {
-        self.into()
-    }
-
     const fn words(self) -> Words {
         Words {
             displacement: "normal",

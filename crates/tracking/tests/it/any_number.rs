@@ -58,7 +58,7 @@ fn assert_line(line: &Line) {
 
 #[test]
 fn what_is_no_place_does_not_shift() {
-    let camera = Equidistant::new([1.0; 2], 1e-6).unwrap();
+    let camera = Equidistant::new([1.0; 2], 1e-6, [0.0; 2]).unwrap();
     for number in [f64::NAN, f64::INFINITY, f64::MAX] {
         assert!(
             camera
@@ -94,7 +94,7 @@ proptest! {
         prop_assert!(tracks.iter().filter(|track| track.rest.is_some()).count() == rest.len());
         let changes: Vec<Change> = tracks.iter().filter_map(Track::change).collect();
         prop_assert!(changes.iter().flat_map(parts).all(|number| number.is_finite()), "{changes:?}");
-        let camera = Equidistant::new(centre, scale);
+        let camera = Equidistant::new(centre, scale, [0.0; 2]);
         let is_good = centre.iter().all(|one| one.abs() <= 1e12) && (1e-6..=1e12).contains(&scale);
         prop_assert_eq!(camera.is_ok(), is_good);
         if let Ok(camera) = camera {

@@ -177,7 +177,7 @@ fn calibrated_changes_give_their_displacements() {
     let normal = NormalCalibration::fit(&normal, NormalFrom::Hue).unwrap();
     let lateral = LateralCalibration::fit(&lateral).unwrap();
     let fitted = Calibration::new(Some(normal), Some(lateral), Some(77)).unwrap();
-    assert_eq!(fitted.lateral_part(), Some(&lateral));
+    assert_eq!(fitted.lateral_part.as_ref(), Some(&lateral));
     let change = Change {
         hue_turns: -0.012,
         ..Change::default()
@@ -194,7 +194,7 @@ fn calibrated_changes_give_their_displacements() {
         found: 69,
     };
     assert_eq!(fitted.fits(69), Err(error));
-    let by_number = fitted.normal_part().unwrap().clone().per_marker();
+    let by_number = fitted.normal_part.as_ref().unwrap().clone().per_marker();
     let fitted = Calibration::new(Some(by_number), None, Some(77)).unwrap();
     assert!(fitted.fits(77).is_ok() && fitted.fits(76).is_err());
 }
@@ -231,7 +231,7 @@ fn points_without_a_slope_are_refused() {
     for (points, name) in refusals {
         for from in NormalFrom::ALL {
             let error = NormalCalibration::fit(&points, from).unwrap_err();
-            assert_eq!(name_of(error), name, "{points:?} from {}", from.name());
+            assert_eq!(name_of(error), name, "{points:?} from {from:?}");
         }
     }
     let flat = [point(0.0, 0.0), point(1.0, 0.0)];

@@ -23,9 +23,9 @@ const QUIET_TIME: Duration = Duration::from_secs(1);
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let mut study = load(&args.answer.config).map_err(Failure::usage)?;
-    if let Some(seed) = args.answer.seed {
-        study.override_seed(seed).map_err(Failure::usage)?;
-    }
+    study
+        .override_numbers(args.answer.seed, None)
+        .map_err(Failure::usage)?;
     let question = question(args, &study).map_err(failure)?;
     let vary = question.grid.iter().chain([&question.searched]);
     let vary = vary.map(|vary| vary.path.as_str());

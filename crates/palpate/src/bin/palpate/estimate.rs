@@ -7,9 +7,9 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    Form, GlideOptions, GlideRecording, LoadOptions, PictureOptions, PressOptions, RecordedFile,
-    RollOptions, StudyMismatch, estimate_force, estimate_glide, estimate_press, estimate_roll,
-    parse_glide, parse_load_curve, parse_press, parse_roll,
+    Form, GlideOptions, GlideRecording, LoadCurve, LoadOptions, PictureOptions, PressOptions,
+    PressRecording, RecordedFile, RollOptions, RollRecording, estimate_force, estimate_glide,
+    estimate_press, estimate_roll,
 };
 use palpate_study::config::{self, FieldError, LengthUnit, Study, StudyConfig};
 use palpate_study::readings::{columns_of, of_key};
@@ -28,7 +28,8 @@ pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
         true => RecordedFile::read_stream("standard input", std::io::stdin().lock()),
         false => RecordedFile::read(path),
     };
-    file.map(|file| file.written(form)).map_err(Failure::work)
+    file.map(|file| RecordedFile { form, ..file })
+        .map_err(Failure::work)
 }
 
 /// Format of a table, as the arguments state it. The study of `--like` supplies the column names that are not stated.
@@ -95,16 +96,11 @@ impl Like {
     pub(crate) fn options<T>(
         &self,
         unit: Option<LengthUnit>,
-        options: fn(&StudyConfig, LengthUnit) -> Result<T, StudyMismatch>,
+        options: fn(&StudyConfig, LengthUnit) -> Result<T, FieldError>,
     ) -> Result<T, Failure> {
         let unit = unit.unwrap_or(self.config.length_unit);
-        options(&self.config, unit).map_err(|error| {
-            let message = error.to_string();
-            Failure::usage(
-                self.study
-                    .error_at(self.cell, FieldError::at(error.path(), message)),
-            )
-        })
+        options(&self.config, unit)
+            .map_err(|error| Failure::usage(self.study.error_at(self.cell, error)))
     }
 }
 
@@ -115,9 +111,9 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
         ..form(&args.form, like.as_ref())
     };
     let file = table(&args.readings, form)?;
-    let readings = parse_roll(file).map_err(Failure::work)?;
+    let readings = RollRecording::try_from(file).map_err(Failure::work)?;
     let unit = readings.unit.or(args.form.length_unit);
-    let base = like.map(|like| like.options(unit, palpate::study_options::roll));
+    let base = like.map(|like| like.options(unit, palpate::roll_options));
     let given = args.rolls.and(&args.estimator);
     let options = RollOptions::with_settings(base.transpose()?, &given, args.form.length_unit);
     let options = options.map_err(Failure::usage)?;
@@ -130,7 +126,7 @@ pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     let map_file = map_file(args)?;
     let like = Like::of(&args.like)?;
     let file = table(&args.readings, form(&args.form, like.as_ref()))?;
-    let readings = parse_glide(file).map_err(Failure::work)?;
+    let readings = GlideRecording::try_from(file).map_err(Failure::work)?;
     let options = glide_options(args, like, &readings)?;
     let (estimate, map) = estimate_glide(&readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;
@@ -180,7 +176,7 @@ fn map_file(args: &EstimateGlideArgs) -> Result<Option<OutputFile>, Failure> {
 pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
     let like = Like::of(&args.sensor.like)?;
     let file = table(&args.readings, form(&args.form, like.as_ref()))?;
-    let readings = parse_press(file).map_err(Failure::work)?;
+    let readings = PressRecording::try_from(file).map_err(Failure::work)?;
     let unit = readings.unit.or(args.form.length_unit);
     let mut given = args.sensor.presses.and(&args.sensor.estimator);
     given.insert("radial_scale".to_owned(), args.radial_scale.into());
@@ -198,7 +194,7 @@ pub(crate) fn press_options(
     unit: Option<LengthUnit>,
     has_tangential: bool,
 ) -> Result<PressOptions, Failure> {
-    let base = like.map(|like| like.options(unit, palpate::study_options::press));
+    let base = like.map(|like| like.options(unit, palpate::press_options));
     let options = PressOptions::with_settings(base.transpose()?, given, None, has_tangential);
     options.map_err(Failure::usage)
 }
@@ -224,7 +220,7 @@ pub(crate) fn force(args: &EstimateForceArgs) -> Result<(), Failure> {
     };
     options.check().map_err(Failure::usage)?;
     let file = table(&args.readings, form(&args.form, None))?;
-    let curve = parse_load_curve(file).map_err(Failure::work)?;
+    let curve = LoadCurve::try_from(file).map_err(Failure::work)?;
     let estimate = estimate_force(&curve, &options).map_err(Failure::work)?;
     warn(&estimate)?;
     output::print(&output::json(&estimate)?)

@@ -163,10 +163,10 @@ impl Totals {
 }
 
 impl CellRecord {
-    pub(crate) fn new(cell: usize, rows: CellRows) -> Self {
+    pub(crate) fn new(rows: CellRows) -> Self {
         let kinds = rows.kinds.iter();
         Self {
-            cell: cell as u64,
+            cell: rows.cell as u64,
             kinds: kinds
                 .map(|kind| (kind.kind.to_owned(), kind.count))
                 .collect(),

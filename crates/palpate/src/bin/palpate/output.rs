@@ -55,7 +55,7 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
 }
 
 pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
-    let bytes = palpate_frames::png(picture).context("cannot write a picture as PNG");
+    let bytes = palpate_frames::png(picture, None).context("cannot write a picture as PNG");
     bytes.map_err(Failure::work)
 }
 

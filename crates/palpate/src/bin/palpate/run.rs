@@ -142,7 +142,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     if !choice.is_empty() {
         print(&choice.join("\n"))?;
     }
-    let tasks = [simulation.tasks(), simulation.all_tasks()];
+    let tasks = [simulation.tasks(), cells as u64];
     let header = Header::new(config.clone(), request, of_header, tasks);
     let run = JournalRun::begin(&simulation, &out, header, found, args.restart)?;
     let (totals, warnings) = run.run()?;
@@ -211,14 +211,10 @@ pub(crate) fn overridden(
             config.display()
         )));
     }
-    if let Some(seed) = seed {
-        study.override_seed(seed).map_err(Failure::usage)?;
-    }
-    if let Some(trials) = trials {
-        study
-            .override_trials(trials.get())
-            .map_err(Failure::usage)?;
-    }
+    let trials = trials.map(|trials| trials.get());
+    study
+        .override_numbers(seed, trials)
+        .map_err(Failure::usage)?;
     Ok(study)
 }
 

@@ -2,6 +2,7 @@
 
 use super::marker_table::{Marker, Trace};
 use crate::ReportError;
+use crate::phrases::with_unit;
 use crate::plot::chart::{Panel, Place, mesh};
 use crate::plot::drawing::Figure;
 use crate::plot::scale::{Scale, Spacing, round_step};
@@ -10,7 +11,7 @@ use crate::plot::sheet::{
 };
 use crate::plot::style::{Colour, FRAME, INK, Marker as Shape, Style, WHITE, mixed};
 use crate::plot::symbol::{Placed, Symbol};
-use palpate_study::label::{spoken_unit, with_unit};
+use palpate_study::label::spoken_unit;
 use plotters::element::{Circle, Polygon, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;

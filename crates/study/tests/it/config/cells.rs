@@ -191,13 +191,25 @@ fn later_errors_point_at_the_value_of_the_cell_or_the_nearest_parent() {
 #[test]
 fn overrides_reach_every_cell_and_are_checked() {
     let mut study = study("[[sweep]]\npath = \"trials\"\nvalues = [4, 3]\n");
-    study.override_seed(42).unwrap();
+    study.override_numbers(Some(42), None).unwrap();
     assert!(study.cells().all(|cell| cell.config.seed == 42));
     assert_eq!(study.config.seed, 42);
-    assert_eq!(study.override_seed(u64::MAX).unwrap_err().path, "seed");
-    assert_eq!(study.override_trials(7).unwrap_err().path, "trials");
+    assert_eq!(
+        study
+            .override_numbers(Some(u64::MAX), None)
+            .unwrap_err()
+            .path,
+        "seed"
+    );
+    assert_eq!(
+        study.override_numbers(None, Some(7)).unwrap_err().path,
+        "trials"
+    );
     let mut plain = super::study("");
-    plain.override_trials(7).unwrap();
+    plain.override_numbers(None, Some(7)).unwrap();
     assert_eq!(plain.cell(0).unwrap().config.trials, 7);
-    assert_eq!(plain.override_trials(0).unwrap_err().path, "trials");
+    assert_eq!(
+        plain.override_numbers(None, Some(0)).unwrap_err().path,
+        "trials"
+    );
 }

@@ -138,7 +138,7 @@ fn a_swept_kind_returns_although_kinds_know_different_keys() {
 #[test]
 fn overrides_and_the_version_are_written() {
     let mut study = study("");
-    study.override_seed(i64::MAX as u64).unwrap();
+    study.override_numbers(Some(i64::MAX as u64), None).unwrap();
     study.config.crate_version = Some("0.0.3".into());
     let text = to_toml(&study.config);
     assert!(

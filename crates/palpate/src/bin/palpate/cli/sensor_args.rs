@@ -139,7 +139,7 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) tangential: Option<Vec<f64>>,
     /// Property of a marker from which its normal displacement is computed.
-    #[arg(long, default_value = NormalFrom::default().name(), value_parser = normal_from())]
+    #[arg(long, default_value = <&str>::from(NormalFrom::default()), value_parser = normal_from())]
     pub(crate) from: NormalFrom,
     /// Fit a separate slope (signal per displacement) for each marker that was measured at 3 or more different
     /// displacements; the other markers share one slope.
@@ -199,7 +199,7 @@ pub(crate) struct TrackArgs {
 
 fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {
     let described = NormalFrom::ALL.map(|from| {
-        PossibleValue::new(from.name()).help(match from {
+        PossibleValue::new(<&str>::from(from)).help(match from {
             NormalFrom::Hue => {
                 "Its hue, which changes with the overlap of its two discs at different depths"
             }
@@ -209,7 +209,7 @@ fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {
     });
     PossibleValuesParser::new(described).try_map(|name| {
         let mut all = NormalFrom::ALL.into_iter();
-        all.find(|from| from.name() == name)
+        all.find(|from| name == <&str>::from(from))
             .ok_or("is not a property")
     })
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Error};
 use palpate::Column;
-use palpate_study::{Rows, header};
+use palpate_study::{Rows, Table};
 
 use super::names::Format;
 use super::output_dir::begins_as;
@@ -38,7 +38,8 @@ impl<W: Write + Send> TableWriter<W> {
         format.supported()?;
         let started = match format {
             Format::Csv => {
-                let written = sink.write_all(header(&columns).as_bytes());
+                let header = Table::new(columns).to_csv();
+                let written = sink.write_all(header.as_bytes());
                 written.map(|()| Sink::Csv(sink))
             }
             #[cfg(feature = "parquet")]
@@ -83,7 +84,7 @@ fn cannot(error: io::Error, name: &str) -> Failure {
 
 pub(crate) fn is_table(path: &Path, format: Format, columns: &[Column]) -> bool {
     match format {
-        Format::Csv => begins_as(path, header(columns).as_bytes()),
+        Format::Csv => begins_as(path, Table::new(columns.to_vec()).to_csv().as_bytes()),
         #[cfg(feature = "parquet")]
         Format::Parquet => parquet::is_table(path, columns),
         #[cfg(not(feature = "parquet"))]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use anyhow::{Context, anyhow};
-use palpate::{CellResults, Simulation, SweepError, SweepOutput, Warnings};
+use palpate::{Simulation, SweepError, SweepOutput, Warnings};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::{SigId, flag, low_level};
 
@@ -110,7 +110,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
             first,
             signals.stop(),
             &|trials| progress.add(trials),
-            |results: CellResults| CellRecord::new(results.cell, simulation.rows(&results)),
+            CellRecord::new,
             &mut |number, taken| match self.take(number, taken) {
                 Ok(()) => {
                     progress.show_failures(&self.totals);

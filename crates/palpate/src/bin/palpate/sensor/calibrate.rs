@@ -6,7 +6,6 @@ use anyhow::anyhow;
 use palpate_recorded::{
     CalibrateOptions, CalibrationPoints, Frame, KnownDisplacements, RecordedFile,
     calibrate as calibrate_to, calibrate_camera, calibration_toml, frame_calibration_points,
-    parse_calibration_points, parse_frame,
 };
 
 use palpate_study::config;
@@ -31,7 +30,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
             .iter()
             .map(|path| {
                 let file = table(path, args.form.form())?;
-                parse_calibration_points(&file).map_err(Failure::work)
+                CalibrationPoints::try_from(&file).map_err(Failure::work)
             })
             .collect();
         (points?, None)
@@ -78,7 +77,7 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
 /// Reads a frame from an image file. If `srgb` is true, its sRGB pixels are converted to values that are proportional
 /// to the light.
 pub(super) fn read_frame(path: &Path, srgb: bool) -> Result<Frame, Failure> {
-    let frame = RecordedFile::read(path).and_then(|file| parse_frame(&file));
+    let frame = RecordedFile::read(path).and_then(|file| Frame::try_from(&file));
     let frame = frame.map_err(Failure::work)?;
     Ok(if srgb { frame.linearised() } else { frame })
 }

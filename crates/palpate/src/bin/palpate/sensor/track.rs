@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_recorded::{
-    Frame, FrameReader, PictureOptions, RecordedError, RecordedFile, TrackCounts, difference_image,
-    overlay, parse_calibration, parse_camera, track_frames,
+    CameraEstimate, Frame, FrameReader, PictureOptions, RecordedError, RecordedFile, TrackCounts,
+    difference_image, overlay, parse_calibration, track_frames,
 };
 
 use super::calibrate::read_frame;
@@ -129,7 +129,7 @@ fn pictures(args: &TrackArgs, like: Option<&Like>) -> Result<PictureOptions, Fai
     let given = args.sensor.presses.and(&args.sensor.estimator);
     picture_options(&given, like, None)?;
     let camera = args.calibration.as_deref().map(|file| {
-        let camera = RecordedFile::read(file).and_then(|file| parse_camera(&file))?;
+        let camera = RecordedFile::read(file).and_then(|file| CameraEstimate::try_from(&file))?;
         Ok((file.display().to_string(), camera))
     });
     let camera = camera

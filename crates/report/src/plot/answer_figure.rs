@@ -1,33 +1,33 @@
-//! Figure of the answer of `palpate design`: the values of the searched field that meet the target. If only one field
+//! Figures of answers. The figure of `palpate design` shows the values of the searched field that meet the target. If only one field
 //! is varied, the target's statistic is plotted over this field. If several fields are varied, the searched field is
 //! plotted over another field.
 
 use super::drawing::Figure;
+use super::heat::HeatPanel;
 use super::scale::{Scale, Spacing};
 use super::series::{self, Content, Line, Mark, Plot, PointSet};
 use super::sheet::{Key, MARKER, STROKE, Sample, Words};
 use super::style::{Colour, INK, Marker, Style, WHITE};
 use super::symbol::Symbol;
 use super::uncertainty::normal;
+use super::{bars, heat};
 use crate::ReportError;
 use palpate_study::Label;
 use plotters::style::Color;
 
-/// The answer of `palpate design`, in the form that [`design_figure`] draws.
+/// Figure of an answer, in the form that [`answer_figure`] draws.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DesignFigure {
+pub struct AnswerFigure {
     /// Name of the figure's files, without extension.
     pub name: String,
     /// Title of the figure.
     pub title: String,
-    /// Line of text below the title, which describes the target.
+    /// Line of text below the title, which explains what the figure shows.
     pub subtitle: String,
     /// Lines of text below the image.
     pub notes: Vec<String>,
-    /// Axis of the searched field.
-    pub searched: FieldAxis,
-    /// The plot, which shows the values of the searched field that meet the target.
-    pub chart: DesignChart,
+    /// The image.
+    pub chart: AnswerChart,
 }
 
 /// Axis that shows the values of a field.
@@ -44,27 +44,52 @@ pub struct FieldAxis {
     pub names: Vec<String>,
 }
 
-/// The plot of an answer. Its kind depends on whether one field or several fields were varied.
+/// The image in the figure of an answer.
 #[derive(Debug, Clone, PartialEq)]
-pub enum DesignChart {
-    /// Plot for one varied field: the target's statistic over the searched field.
-    Curve(DesignCurve),
-    /// Plot for several varied fields: the searched field over another field.
-    Map(DesignMap),
-}
-
-/// Plot of the target's statistic over the searched field.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DesignCurve {
-    /// Label of the target's statistic, with its unit.
-    pub statistic: Label,
-    /// Limit of the target's statistic, and the label of the line that shows the limit.
-    pub limit: (f64, String),
-    /// One line per cell of the study, which shows the target's statistic of this cell.
-    pub lines: Vec<CurveLine>,
-    /// Ranges of values of the searched field that meet the target, and ranges of values that miss it, in ascending
-    /// order. Values between these ranges are undecided.
-    pub runs: Vec<Stretch>,
+pub enum AnswerChart {
+    /// Horizontal bar from 0 to each number, with its 95 % interval as a line. The first bar is at the top.
+    Bars {
+        /// Label of the horizontal axis, along which the numbers are drawn as bars.
+        axis: String,
+        /// Name, number and standard error of each item. The number is the length of the item's bar.
+        bars: Vec<(String, f64, f64)>,
+    },
+    /// Heat map: each pair of items is a square. The larger the share of the pair, the darker is its square. If there
+    /// are few items, each square also contains the share in percent.
+    Heat {
+        /// Label of the horizontal and the vertical axis: the field whose values name the items.
+        axis: String,
+        /// The panels of the heat map.
+        panels: Vec<HeatPanel>,
+    },
+    /// Answer of `palpate design` with one varied field: the target's statistic over the searched field, with 95 %
+    /// intervals, and the limit as a dashed line. The background is blue at values of the searched field that meet the
+    /// target, and white at values that miss it. It is grey where neither is certain.
+    Curve {
+        /// Axis of the searched field.
+        searched: FieldAxis,
+        /// Label of the target's statistic, with its unit.
+        statistic: Label,
+        /// Limit of the target's statistic, and the label of the line that shows the limit.
+        limit: (f64, String),
+        /// One line per cell of the study, which shows the target's statistic of this cell.
+        lines: Vec<CurveLine>,
+        /// Ranges of values of the searched field that meet the target, and ranges of values that miss it, in ascending
+        /// order. Values between these ranges are undecided.
+        runs: Vec<Stretch>,
+    },
+    /// Answer of `palpate design` with several varied fields: the searched field over another field. The background is
+    /// that of a curve, and a contour connects the values at which the target is just met.
+    Map {
+        /// Axis of the searched field.
+        searched: FieldAxis,
+        /// Axis of the other varied field.
+        other: FieldAxis,
+        /// Panels of the map. There is at least one panel.
+        panels: Vec<MapPanel>,
+        /// Label of the point with the best value of the searched field; `None` if no point is marked.
+        best: Option<String>,
+    },
 }
 
 /// The target's statistic of one cell of the study over the searched field.
@@ -87,17 +112,6 @@ pub struct CurvePoint {
     pub std: f64,
     /// Whether too many trials failed. The statistic then describes only the successful trials.
     pub is_of_survivors: bool,
-}
-
-/// Plot of the searched field over another field, as a map.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DesignMap {
-    /// The varied field on the map's second axis; the first axis shows the searched field.
-    pub other: FieldAxis,
-    /// Panels of the map. There is at least one panel.
-    pub panels: Vec<MapPanel>,
-    /// Label of the point with the best value of the searched field; `None` if no point is marked.
-    pub best: Option<String>,
 }
 
 /// Map of the searched field over one other field. All further varied fields have fixed values in the panel.
@@ -145,18 +159,20 @@ const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
 
-/// Draws the answer of `palpate design`. The background is blue at values of the searched field that meet the target,
-/// and white at values that miss it. It is grey where neither is certain. If only the searched field varies, the figure
-/// plots the statistic with 95 % intervals over this field, and the limit as a dashed line. If several fields vary, a
-/// contour connects the values at which the target is just met.
+/// Draws the figure of an answer.
 ///
 /// ```
 /// use palpate_report::{
-///     CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, MapPanel, Stretch,
-///     design_figure,
+///     AnswerChart, AnswerFigure, CurveLine, CurvePoint, FieldAxis, HeatPanel, MapPanel, Stretch, answer_figure,
 /// };
 /// use palpate_study::Label;
 ///
+/// let bars = vec![("noise".to_owned(), 1.0, 0.1), ("roll length".to_owned(), -0.9, 0.1)];
+/// let heat = HeatPanel {
+///     title: String::new(),
+///     names: vec!["20 mm".to_owned(), "25 mm".to_owned()],
+///     shares: vec![vec![None, Some(0.84)], vec![Some(0.84), None]],
+/// };
 /// let axis = |column: &str| FieldAxis {
 ///     label: Label::of_field(column),
 ///     is_log: false,
@@ -168,51 +184,75 @@ const MIN_LOG_RATIO: f64 = 8.0;
 ///     Stretch { from: 0.52 * limit, to: 1.0, meets: false },
 /// ];
 /// let point = |x: f64| CurvePoint { x, y: 0.1 * x, std: 0.001, is_of_survivors: false };
-/// let curve = DesignCurve {
+/// let curve = AnswerChart::Curve {
+///     searched: axis("scene.sensor.pitch_mm"),
 ///     statistic: Label { words: "rms relative error".to_owned(), unit: "%".to_owned(), factor: 100.0 },
 ///     limit: (0.05, "5 %".to_owned()),
 ///     lines: vec![CurveLine { label: String::new(), points: [0.1, 0.2, 0.5, 1.0].map(point).to_vec() }],
 ///     runs: runs(1.0),
 /// };
-/// let map = DesignMap {
+/// let map = AnswerChart::Map {
+///     searched: axis("scene.sensor.pitch_mm"),
 ///     other: axis("scene.motion.duration_s"),
 ///     panels: vec![MapPanel { title: String::new(), columns: [0.5, 1.0].map(|x| (x, runs(x))).to_vec(), best: None }],
 ///     best: None,
 /// };
-/// for chart in [DesignChart::Curve(curve), DesignChart::Map(map)] {
-///     let figure = design_figure(&DesignFigure {
+/// for (chart, words) in [
+///     (AnswerChart::Bars { axis: "change of the error (%)".to_owned(), bars }, ["roll length", "change"]),
+///     (AnswerChart::Heat { axis: "object radius".to_owned(), panels: vec![heat] }, ["84 %", "25 mm"]),
+///     (curve, ["sensor pitch (mm)", "undecided"]),
+///     (map, ["sensor pitch (mm)", "undecided"]),
+/// ] {
+///     let figure = answer_figure(&AnswerFigure {
 ///         name: "answer".to_owned(),
 ///         title: "Which pads?".to_owned(),
 ///         subtitle: "at most 5 %".to_owned(),
 ///         notes: Vec::new(),
-///         searched: axis("scene.sensor.pitch_mm"),
 ///         chart,
 ///     })?;
-///     assert!(figure.svg.contains("sensor pitch (mm)") && figure.svg.contains("undecided"));
+///     assert!(words.iter().all(|word| figure.svg.contains(word)), "{words:?}");
 /// }
 /// # Ok::<(), palpate_report::ReportError>(())
 /// ```
 ///
 /// # Errors
 /// [`ReportError`] if the image is too large.
-pub fn design_figure(answer: &DesignFigure) -> Result<Figure, ReportError> {
+pub fn answer_figure(answer: &AnswerFigure) -> Result<Figure, ReportError> {
     let words = Words::new(&answer.name, &answer.title, &answer.subtitle, &answer.notes);
     let plot = match &answer.chart {
-        DesignChart::Curve(curve) => curve_plot(&answer.searched, curve),
-        DesignChart::Map(map) => map_plot(&answer.searched, map),
+        AnswerChart::Bars { axis, bars } => bars::plot(axis, bars),
+        AnswerChart::Heat { axis, panels } => return heat::figure(words, axis, panels),
+        AnswerChart::Curve {
+            searched,
+            statistic,
+            limit,
+            lines,
+            runs,
+        } => curve_plot(searched, statistic, limit, lines, runs),
+        AnswerChart::Map {
+            searched,
+            other,
+            panels,
+            best,
+        } => map_plot(searched, other, panels, best.as_deref()),
     };
     series::figure(words, vec![plot])
 }
 
-fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
-    let (limit, limit_label) = &curve.limit;
-    let points = || curve.lines.iter().flat_map(|line| &line.points);
+fn curve_plot(
+    field: &FieldAxis,
+    statistic: &Label,
+    (limit, limit_label): &(f64, String),
+    lines: &[CurveLine],
+    runs: &[Stretch],
+) -> Plot {
+    let points = || lines.iter().flat_map(|line| &line.points);
     let values = || points().map(|point| point.y).chain([*limit]);
     let least = values().fold(f64::INFINITY, f64::min);
     let most = values().fold(f64::NEG_INFINITY, f64::max);
     let is_log = least > 0.0 && most / least > MIN_LOG_RATIO;
     let spacings = [field.spacing(), Spacing::log(is_log)];
-    let factors = [field.factor(), curve.statistic.factor];
+    let factors = [field.factor(), statistic.factor];
     // On a logarithmic axis, the lower end of an error bar may be far below all points. The axis is not extended to
     // such an end.
     let bars = points().flat_map(|point| normal(point.y, point.std));
@@ -231,7 +271,7 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
         is_along_x: true,
     };
     let mut grounds = Vec::new();
-    let column = bands.column(0.0, &curve.runs);
+    let column = bands.column(0.0, runs);
     bands.between((0.0, &column), (1.0, &column), &mut grounds);
     let place = |point: &CurvePoint| (point.x * factors[0], point.y * factors[1]);
     let line = |(number, line): (usize, &CurveLine)| {
@@ -258,7 +298,7 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
             ..Line::new(Style::of(number), false, runs)
         }
     };
-    let named = curve.lines.iter().enumerate();
+    let named = lines.iter().enumerate();
     let named = named.filter(|(_, line)| !line.label.is_empty());
     let entry = |(number, line): (usize, &CurveLine)| {
         let style = Style::of(number);
@@ -276,10 +316,10 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
     let is_drawn = spacings[1].refusal(mark.at).is_none();
     let content = Content {
         grounds,
-        lines: curve.lines.iter().enumerate().map(line).collect(),
+        lines: lines.iter().enumerate().map(line).collect(),
         ..Content::default()
     };
-    let labels = [field.label.text(), curve.statistic.text()];
+    let labels = [field.label.to_string(), statistic.to_string()];
     Plot {
         key: [of_limit]
             .into_iter()
@@ -292,17 +332,17 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
     }
 }
 
-fn map_plot(field: &FieldAxis, map: &DesignMap) -> Plot {
+fn map_plot(field: &FieldAxis, other: &FieldAxis, panels: &[MapPanel], best: Option<&str>) -> Plot {
     let bands = Bands {
         field,
         along: field.scale(),
-        across: map.other.scale(),
+        across: other.scale(),
         is_along_x: false,
     };
-    let is_named = !map.other.names.is_empty();
+    let is_named = !other.names.is_empty();
     let panel = |panel: &MapPanel| {
         let columns = panel.columns.iter().map(|(at, runs)| {
-            let at = bands.across.place(at * map.other.factor());
+            let at = bands.across.place(at * other.factor());
             bands.column(at, runs)
         });
         let columns: Vec<Column> = columns.collect();
@@ -310,7 +350,7 @@ fn map_plot(field: &FieldAxis, map: &DesignMap) -> Plot {
             label: String::new(),
             style: BEST,
             size: BEST_SIZE,
-            at: vec![(x * map.other.factor(), y * field.factor())],
+            at: vec![(x * other.factor(), y * field.factor())],
         });
         Content {
             title: panel.title.clone(),
@@ -320,8 +360,8 @@ fn map_plot(field: &FieldAxis, map: &DesignMap) -> Plot {
         }
     };
     let contour = Sample::line(INK.stroke_width(STROKE)).with(Symbol::new(CROSSING, 0.7 * MARKER));
-    let best = Sample::symbol(Symbol::new(BEST, BEST_SIZE).open());
-    let best = map.best.iter().map(|words| (best, words.clone()));
+    let of_best = Sample::symbol(Symbol::new(BEST, BEST_SIZE).open());
+    let best = best.map(|words| (of_best, words.to_owned()));
     Plot {
         key: ground_key()
             .into_iter()
@@ -330,9 +370,9 @@ fn map_plot(field: &FieldAxis, map: &DesignMap) -> Plot {
             .collect(),
         marker: 0.7 * MARKER,
         ..Plot::new(
-            [map.other.label.text(), field.label.text()],
+            [other.label.to_string(), field.label.to_string()],
             [bands.across.clone(), bands.along.clone()],
-            map.panels.iter().map(panel).collect(),
+            panels.iter().map(panel).collect(),
         )
     }
 }
