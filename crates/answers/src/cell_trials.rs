@@ -181,9 +181,10 @@ impl Curves for CellTrials<'_> {
             let first = if ask.fresh { FIRST_FRESH_TRIAL } else { 0 };
             let (batches, counts) = match &scenes[&key.0] {
                 Setup::Scene(_, target) => (target.batches(first), TrialCounts::default()),
-                Setup::NotEstimable(kind) => {
-                    (Batches::from_trial(first), TrialCounts::not_estimable(kind))
-                }
+                Setup::NotEstimable(kind) => (
+                    Batches::from_trial(first, None),
+                    TrialCounts::not_estimable(kind),
+                ),
             };
             let sample = Sample {
                 cell: ask.cell,

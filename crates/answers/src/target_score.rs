@@ -59,7 +59,7 @@ impl SceneTarget {
             self.target.statistic,
             Statistic::Q05 | Statistic::Q50 | Statistic::Q95
         );
-        Batches::from_trial(first).keeping(stored, is_quantile)
+        Batches::from_trial(first, Some((stored, is_quantile)))
     }
 
     fn estimate(&self, scene: &Scene, batches: &Batches) -> Option<Estimate> {
@@ -155,7 +155,7 @@ impl SceneTarget {
         let statistic = self.target.statistic;
         let of = |estimate: &Estimate, limit: f64| match bound {
             Bound::AtMost => estimate.at_most(limit),
-            Bound::AtLeast => estimate.at_least(limit),
+            Bound::AtLeast => -estimate.at_most(limit),
         };
         // Rms errors, mean absolute errors and standard deviations are positive. The distribution of their logarithms
         // is closer to a normal distribution than their own distribution. Therefore, compare the logarithm of the

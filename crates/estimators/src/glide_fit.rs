@@ -114,7 +114,8 @@ impl GlideFit {
     /// Whether the method that a config states uses the distance between fingers.
     pub fn uses_finger_distance(config: &GlideEstimatorConfig) -> bool {
         matches!(config, GlideEstimatorConfig::TwoPass { .. })
-            || config.position_fraction_of_ifd().is_some()
+            || (config.clone().noise())
+                .is_some_and(|noise| noise.position_fraction_of_ifd.is_some())
     }
 
     /// The same method, but its stated standard deviations of positions and of normals are multiplied by the factors

@@ -52,7 +52,7 @@ impl<'a> From<&'a PressProbeConfig> for MarkerSphere<'a> {
 impl<'a> MarkerSphere<'a> {
     /// Positions (x, y) of the markers on the skin (length). A marker lies in the direction (x, y) from the apex, at
     /// the distance √(x² + y²) along the skin.
-    pub fn places(&self) -> Result<Vec<[f64; 2]>, FieldError> {
+    pub(crate) fn places(&self) -> Result<Vec<[f64; 2]>, FieldError> {
         self.layout
             .places(self.radius)
             .map_err(|error| layout_error(&error))

@@ -69,7 +69,7 @@ impl PrincipalCurvatures {
 
 impl CurvatureForm {
     /// The curvature form `curvature · I` of a sphere (or of a plane if `curvature` is 0).
-    pub const fn isotropic(curvature: f64) -> Self {
+    pub(crate) const fn isotropic(curvature: f64) -> Self {
         Self {
             k_uu: curvature,
             k_uv: 0.0,

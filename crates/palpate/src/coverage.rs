@@ -165,11 +165,9 @@ fn multiple(cell: &str) -> Option<(f64, &str)> {
 }
 
 impl Family {
-    /// Smallest and largest measured coverage at which the intervals count as valid 95 % intervals.
-    pub const HOLDS: [f64; 2] = [0.92, 0.98];
-
+    /// Whether the measured coverage is near enough to 95 % for the intervals to count as valid 95 % intervals.
     pub(crate) fn holds(&self) -> bool {
-        (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
+        (0.92..=0.98).contains(&self.coverage95)
     }
 
     /// The family in a row of a table. `None` if the row has no measured coverage, or if the readings of the family

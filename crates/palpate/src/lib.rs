@@ -82,7 +82,7 @@ pub use palpate_sweep::{
     SweepError, SweepOutput,
 };
 pub use plan::plan;
-pub use planner::{FailingCell, Goal, MODEL_ERROR_SHARE, Plan, PlanError};
+pub use planner::{FailingCell, Goal, Plan, PlanError};
 pub use readings::{frame, readings};
 pub use run_files::{resolved, result_columns};
 pub use shard::Shard;

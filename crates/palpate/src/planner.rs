@@ -15,7 +15,7 @@ use pilot::{CellPilot, Pilot};
 pub(crate) use tolerance::{Allowance, Pass, PassQuantity, PassValue, tolerance_for};
 
 /// Largest allowed shift of an estimate by the model's error, as a share of (target error × rms error).
-pub const MODEL_ERROR_SHARE: f64 = 0.1;
+const MODEL_ERROR_SHARE: f64 = 0.1;
 /// Largest number of trials per cell that may be chosen to reach a target error.
 const MAX_FOR_TARGET: f64 = 1e8;
 /// Largest number of trials per cell that may be chosen to use a time budget.
@@ -80,6 +80,9 @@ pub struct Goal {
 pub struct Plan {
     /// Whether the plan also chose the model's tolerance; false if the config states the model.
     pub chooses_model: bool,
+    /// Largest allowed shift of an estimate by the error of the chosen model, relative to the rms error. `None` without
+    /// a target error.
+    pub model_error: Option<f64>,
     /// Whether at least one cell uses random numbers. A cell without random numbers needs only one trial.
     pub is_random: bool,
     /// Number of trials that the target error requires in each cell with random numbers. `None` without a target error,
@@ -187,8 +190,8 @@ pub(crate) fn plan<C: Plannable>(
         Some(pilot) => planner.failing(&random, pilot)?,
         None => Vec::new(),
     };
-    let tolerance = goal.target_error.and_then(|target| {
-        let share = MODEL_ERROR_SHARE * target;
+    let model_error = goal.target_error.map(|target| MODEL_ERROR_SHARE * target);
+    let tolerance = model_error.and_then(|share| {
         let allowances = allowances(trials.len(), &random, pilot.as_ref(), share);
         tolerance_for(&allowances, cells.tolerances(), |cell, tolerance| {
             cells.pass(cell, &trials[cell], tolerance)
@@ -197,6 +200,7 @@ pub(crate) fn plan<C: Plannable>(
     let planned = cells.with_tolerance(tolerance).map_err(PlanError::SetUp)?;
     let mut plan = Plan {
         chooses_model: !cells.tolerances().is_empty(),
+        model_error,
         is_random: !random.is_empty(),
         by_target: None,
         by_budget: None,

@@ -2,7 +2,8 @@
 
 use strum::IntoStaticStr;
 
-use crate::{EllipticContact, GoodnessOfFit, PressError, within_object};
+use crate::regime::within_object;
+use crate::{EllipticContact, GoodnessOfFit, PressError};
 
 /// An estimated value with its standard error and interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -37,7 +37,7 @@ pub use image_fit::{
 pub use markers::{MarkerDisplacement, Markers, skin_widening};
 pub use object_press::{ObjectContact, ObjectPress};
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
-pub use regime::{ContactRegime, sneddon_indentation, within_object};
+pub use regime::{ContactRegime, sneddon_indentation};
 use skin::Place;
 pub use skin::Skin;
 

@@ -173,7 +173,7 @@ impl Markers {
 
     /// Displacement of each marker, at `depth` under the skin, by an elliptic contact at the skin coordinates `at`.
     /// `axis` is the angle between the longer axis of the contact and the x axis at the contact.
-    pub fn elliptic_displacements(
+    pub(crate) fn elliptic_displacements(
         &self,
         contact: &EllipticContact,
         at: [f64; 2],

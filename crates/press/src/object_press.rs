@@ -1,8 +1,9 @@
 //! A press of an object into the skin: its contact, and the displacements of the markers.
 
+use crate::regime::within_object;
 use crate::{
     Body, Bounds, Contact, Displacement, EllipticContact, ForwardFit, MarkerDisplacement, Markers,
-    PressError, within_object,
+    PressError,
 };
 
 /// A press of an object into the skin. The default is an empty press on a plane, at the apex of the skin.
@@ -75,7 +76,7 @@ impl ObjectPress {
     ///
     /// # Errors
     /// [`PressError`] if the shift is out of its range.
-    pub fn displacements_by(
+    fn displacements_by(
         &self,
         contact: &ObjectContact<'_>,
         body: &Body,

@@ -95,7 +95,7 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
 ///
 /// # Errors
 /// [`PressError::TooWide`] if the object is convex and the contact radius exceeds 0.9 times the object's radius.
-pub fn within_object(object_curvature: f64, contact_radius: f64) -> Result<(), PressError> {
+pub(crate) fn within_object(object_curvature: f64, contact_radius: f64) -> Result<(), PressError> {
     let limit = MAX_CONTACT / object_curvature;
     if object_curvature > 0.0 && contact_radius > limit {
         let what = "0.9 times the object's radius";

@@ -2,7 +2,8 @@
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
-use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_object};
+use crate::regime::within_object;
+use crate::{Body, Contact, ContactRegime, EllipticContact, PressError};
 
 /// Range of allowed radii (length) of the skin. Products of a few such lengths are within the range of double-precision
 /// numbers.

@@ -184,8 +184,14 @@ pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<FramePair, Recorded
 /// # Errors
 /// [`RecordedError::Readings`] if the frames have different sizes.
 pub fn difference_image(rest: &Frame, pressed: &Frame) -> Result<RgbImage, RecordedError> {
-    let image = difference(&rest.image, &pressed.image, FULL_LEVELS);
-    image.map_err(|error| RecordedError::readings(&pressed.file, error.to_string()))
+    difference(&rest.image, &pressed.image, FULL_LEVELS).ok_or_else(|| {
+        let [[width, height], [other_width, other_height]] =
+            [rest, pressed].map(|frame| <[u32; 2]>::from(frame.image.dimensions()));
+        let text = format!(
+            "the frame at rest has {width} x {height} px, the pressed one {other_width} x {other_height}"
+        );
+        RecordedError::readings(&pressed.file, text)
+    })
 }
 
 impl FramePair {

@@ -355,7 +355,9 @@ impl<'r> GlideFitResult<'r> {
         let spacing = of_graph.and_then(|graph| spacing(&graph.patch, &self.given, unit));
         let row = |contact: usize| source.row(used.rows[contact]);
         let distant = of_graph.and_then(|_| distant(contacts, unit, &row));
-        let (estimator, stated) = self.options.estimator.clone().without_noise();
+        let mut estimator = self.options.estimator.clone();
+        let stated = estimator.noise().map(std::mem::take).unwrap_or_default();
+        let stated = [stated.position_std, stated.normal_std_deg];
         let found = || match &self.surface {
             Surface::Graph(graph) => {
                 let (_, fitted) = &**graph;
@@ -542,7 +544,8 @@ fn with_length_noise(
     if let Some(distance) = options.inter_finger_distance {
         options.estimator = options.estimator.with_length_noise(distance);
     }
-    if options.estimator.position_fraction_of_ifd().is_none() {
+    let noise = options.estimator.noise();
+    if noise.is_none_or(|noise| noise.position_fraction_of_ifd.is_none()) {
         return Ok(options);
     }
     let (all, outward) = (&recorded.contacts, options.outward());

@@ -42,7 +42,7 @@ impl MeasuredSensor {
     /// [`FieldError`] with the path of the invalid field.
     pub(crate) fn new(config: &BareFingertipConfig) -> Result<Self, FieldError> {
         let sphere = MarkerSphere::from(&config.probe);
-        let markers = sphere.places()?.len();
+        let markers = sphere.markers()?.1.len();
         let mut needs = vec![Need::Model(format!("{markers} markers, no contact"))];
         let mut values = Vec::new();
         if let Layout::Gores { gores, .. } = sphere.layout {

@@ -35,7 +35,7 @@ const BATCHES: u64 = 32;
 ///     }
 /// }
 /// let runner = Runner::new(&RunOptions::default())?;
-/// let mut batches = Batches::from_trial(0);
+/// let mut batches = Batches::from_trial(0, None);
 /// runner.grow(vec![Growth { trial: &Dice, batches: &mut batches, trials: 1000 }]);
 /// let rms = batches.estimate(|all| all.quantities[0].rms_error).ok_or("all trials succeed")?;
 /// assert!((rms.value - 1.25_f64.sqrt()).abs() < 1e-12);
@@ -86,26 +86,18 @@ pub struct Estimate {
 }
 
 impl Batches {
-    /// Batches without trials. The first trial that is run for them has the number `first`.
-    pub fn from_trial(first: u64) -> Self {
+    /// Batches without trials. The first trial that is run for them has the number `first`. To save memory, `stored` may
+    /// restrict the stored statistics: to some quantities, and without their quantiles if its second value is false.
+    pub fn from_trial(first: u64, stored: Option<(Vec<usize>, bool)>) -> Self {
+        let stored = stored.map(|(quantities, histograms)| Stored {
+            quantities,
+            histograms,
+        });
         Self {
             batches: vec![Partial::default(); BATCHES as usize],
             first,
             next: first,
-            stored: None,
-        }
-    }
-
-    /// Restricts the stored statistics, to save memory. Only the statistics of the quantities in `quantities` are
-    /// stored, and their quantiles only if `histograms` is true.
-    #[must_use]
-    pub fn keeping(self, quantities: Vec<usize>, histograms: bool) -> Self {
-        Self {
-            stored: Some(Stored {
-                quantities,
-                histograms,
-            }),
-            ..self
+            stored,
         }
     }
 
@@ -190,19 +182,10 @@ impl Estimate {
 
     /// Score of the statement that the true value is at most `limit`: the number of standard errors by which `limit`
     /// exceeds the estimated value, see [`normal_tail`](palpate_statistics::normal_tail).
+    /// The score of the opposite statement, that the true value is at least `limit`, is the negative of this score.
     pub fn at_most(&self, limit: f64) -> f64 {
-        self.score(limit - self.value)
-    }
-
-    /// Score of the statement that the true value is at least `limit`: the number of standard errors by which the
-    /// estimated value exceeds `limit`, see [`Estimate::at_most`].
-    pub fn at_least(&self, limit: f64) -> f64 {
-        self.score(self.value - limit)
-    }
-
-    fn score(&self, margin: f64) -> f64 {
         let degrees = (self.without.len() as f64 - 1.0).max(1.0);
-        student(margin, self.std_error(), degrees)
+        student(limit - self.value, self.std_error(), degrees)
     }
 }
 

@@ -24,7 +24,7 @@ pub use calibration::{
     MarkerGain, NormalCalibration, NormalFrom, NormalPoint,
 };
 pub use camera::Equidistant;
-pub use difference::{SizesDiffer, difference};
+pub use difference::difference;
 pub use error::TrackingError;
 pub use field::{Displaced, Field, FieldError};
 pub use finder::{Finder, Found};

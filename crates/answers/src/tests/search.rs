@@ -122,7 +122,10 @@ impl Curves for Noise<'_> {
             };
             let first = if ask.fresh { 1 << 40 } else { 0 };
             let key = (ask.value.to_bits(), ask.cell, ask.fresh);
-            let batches = self.known.entry(key).or_insert(Batches::from_trial(first));
+            let batches = self
+                .known
+                .entry(key)
+                .or_insert(Batches::from_trial(first, None));
             let before = batches.statistics().trials;
             let trials = ask.trials;
             self.runner.grow(vec![Growth {

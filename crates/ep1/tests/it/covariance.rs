@@ -5,7 +5,7 @@ use palpate_ep1::{Estimate, LeastSquares, Measured, PadStart, ProbeReading, Read
 use palpate_geometry::CurvatureForm;
 
 use crate::draws::Draws;
-use crate::{FORM, eight, readings};
+use crate::{FORM, eight, isotropic, readings};
 
 fn quantities(estimate: &Estimate) -> [Measured; 4] {
     [
@@ -55,7 +55,7 @@ fn errors_of_measured_rotations_do_not_bias_the_curvature() {
         ..Default::default()
     };
     let star: Vec<_> = (0..8).map(|roll| (0.785 * f64::from(roll), 0.1)).collect();
-    let exact = readings(1.0, &CurvatureForm::isotropic(0.2), &star);
+    let exact = readings(1.0, &isotropic(0.2), &star);
     let (mut draws, trials) = (Draws(7), 40_000);
     let estimates = (0..trials).map(|_| LeastSquares::of(1.0, noise, &draws.noisy(&exact, &noise)));
     let sum: f64 = estimates.map(|one| one.unwrap().mean_curvature.value).sum();
@@ -110,7 +110,7 @@ fn std_over_pads(start: PadStart, directions_deg: &[f64]) -> f64 {
         .iter()
         .map(|direction| (direction.to_radians(), 0.3))
         .collect();
-    let exact = readings(1.0, &CurvatureForm::isotropic(0.2), &rolls);
+    let exact = readings(1.0, &isotropic(0.2), &rolls);
     let noise = ReadingNoise::of_pads(0.02, start);
     let estimate = LeastSquares::of(1.0, noise, &exact).unwrap();
     estimate.mean_curvature.std.unwrap()
@@ -150,7 +150,7 @@ fn rolls_that_share_errors_count_once() {
 #[test]
 fn intervals_of_flat_objects_include_the_rounding_error() {
     for flatter in [1e3, 1e9, 1e13, 1e17, 1e30] {
-        let exact = readings(2.0, &CurvatureForm::isotropic(0.5 / flatter), &eight(0.1));
+        let exact = readings(2.0, &isotropic(0.5 / flatter), &eight(0.1));
         // This noise is far smaller than the last digit of the readings, so the rounding of the readings alone
         // determines the standard error.
         let noise = ReadingNoise {
@@ -186,12 +186,7 @@ fn intervals_of_principal_curvatures_hold_them_even_where_they_coincide() {
         k_uv: 0.01,
         k_vv: 0.2,
     };
-    for form in [
-        FORM,
-        near,
-        CurvatureForm::isotropic(0.2),
-        CurvatureForm::default(),
-    ] {
+    for form in [FORM, near, isotropic(0.2), CurvatureForm::default()] {
         let (exact, truth) = (readings(1.0, &form, &eight(0.1)), form.principal());
         let (mut draws, trials, mut held) = (Draws(7), 4000, [0.0; 3]);
         for _ in 0..trials {

@@ -31,6 +31,15 @@ pub const EXACT: ReadingNoise = ReadingNoise {
     is_rotation_measured: false,
 };
 
+/// The curvature form of a sphere with this curvature.
+pub const fn isotropic(curvature: f64) -> CurvatureForm {
+    CurvatureForm {
+        k_uu: curvature,
+        k_uv: 0.0,
+        k_vv: curvature,
+    }
+}
+
 /// Noiseless readings of a probe of radius `radius` on an object with the curvature `form`. The shift of the contact is
 /// proportional to the rotation. Each element of `rolls` is a direction (rad from u) and a rotation (rad).
 pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<ProbeReading> {

@@ -2,10 +2,9 @@
 
 use approx::assert_relative_eq;
 use palpate_ep1::{GoodnessOfFit, LeastSquares, Misfit, ProbeReading, ReadingNoise};
-use palpate_geometry::CurvatureForm;
 
 use crate::draws::Draws;
-use crate::{EXACT, FORM, eight, readings};
+use crate::{EXACT, FORM, eight, isotropic, readings};
 
 const OF_SHIFTS: ReadingNoise = ReadingNoise {
     shift_std: 1e-3,
@@ -98,7 +97,7 @@ fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
         relative_rotation_std: 0.01,
         ..EXACT
     };
-    let plane = CurvatureForm::isotropic(0.0);
+    let plane = isotropic(0.0);
     let mut read = readings(1.0, &plane, &rolls);
     read[0].shift.x += 0.003;
     read[1].shift.x -= 0.003;

@@ -2,9 +2,8 @@
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, ProbeReading, ReadingNoise};
-use palpate_geometry::CurvatureForm;
 
-use crate::{eight, readings};
+use crate::{eight, isotropic, readings};
 
 fn estimate(readings: &[ProbeReading]) -> Result<Estimate, Ep1Error> {
     LeastSquares::of(1.0, ReadingNoise::default(), readings)
@@ -18,7 +17,7 @@ fn parallel_probes_are_refused() {
             (direction, 0.2),
             (direction + std::f64::consts::PI, 0.1),
         ];
-        let readings = readings(1.0, &CurvatureForm::isotropic(1.0), &rolls);
+        let readings = readings(1.0, &isotropic(1.0), &rolls);
         let error = estimate(&readings).unwrap_err();
         assert_eq!(<&str>::from(&error), "unresolvable-set", "{error}");
     }
@@ -31,7 +30,7 @@ fn parallel_probes_are_refused() {
 
 #[test]
 fn a_contact_that_did_not_move_bounds_the_radius() {
-    let mut readings = readings(1.0, &CurvatureForm::isotropic(1.0), &eight(0.1));
+    let mut readings = readings(1.0, &isotropic(1.0), &eight(0.1));
     for reading in &mut readings {
         reading.shift.x = 0.0;
     }
@@ -69,7 +68,7 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
 
 #[test]
 fn a_contact_that_moves_backwards_is_not_rolling() {
-    let mut readings = readings(1.0, &CurvatureForm::isotropic(1.0), &eight(0.1));
+    let mut readings = readings(1.0, &isotropic(1.0), &eight(0.1));
     for reading in &mut readings {
         reading.shift.y = -reading.shift.y;
     }
@@ -117,7 +116,7 @@ fn a_curvature_needs_contacts_that_move_forwards_in_every_direction() {
 
 #[test]
 fn readings_that_are_not_numbers_are_named() {
-    let good = readings(1.0, &CurvatureForm::isotropic(1.0), &eight(0.1));
+    let good = readings(1.0, &isotropic(1.0), &eight(0.1));
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for place in 0..4 {
             let mut readings = good.clone();
@@ -143,7 +142,7 @@ fn lopsided(theta: f64, across: f64) -> Result<Estimate, Ep1Error> {
         (std::f64::consts::FRAC_PI_2, theta * across),
         (std::f64::consts::PI, theta),
     ];
-    estimate(&readings(1.0, &CurvatureForm::isotropic(0.5), &rolls))
+    estimate(&readings(1.0, &isotropic(0.5), &rolls))
 }
 
 #[test]
@@ -168,7 +167,7 @@ fn rotations_must_span_the_plane_and_have_squares_in_range() {
         shift_std: 1e200,
         ..Default::default()
     };
-    let readings = readings(1.0, &CurvatureForm::isotropic(0.5), &eight(0.1));
+    let readings = readings(1.0, &isotropic(0.5), &eight(0.1));
     let found = LeastSquares::of(1.0, noise, &readings);
     assert_eq!(found, Err(Ep1Error::OutOfRange));
 }

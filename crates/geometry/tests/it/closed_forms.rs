@@ -107,7 +107,14 @@ fn at_origin(graph: &impl Surface) -> CurvatureForm {
 fn paraboloid_and_saddle_at_the_origin() {
     for c in [5.0, 0.01, -0.3] {
         let form = at_origin(&Graph::paraboloid(c).unwrap());
-        assert_eq!(form, CurvatureForm::isotropic(2.0 * c));
+        assert_eq!(
+            form,
+            CurvatureForm {
+                k_uu: 2.0 * c,
+                k_uv: 0.0,
+                k_vv: 2.0 * c
+            }
+        );
     }
     for a in [0.1, -2.0] {
         let form = at_origin(&Graph::saddle(a).unwrap());

@@ -76,7 +76,7 @@ impl Pilot {
     ) -> Self {
         let first = (1.0 / (target * target)).ceil();
         let first = (first as u64).clamp(MIN_FIRST, MAX_FIRST).min(most);
-        let mut batches = vec![Batches::from_trial(0); cells.len()];
+        let mut batches = vec![Batches::from_trial(0, None); cells.len()];
         let mut until = vec![first; cells.len()];
         loop {
             let growths = cells.iter().zip(&mut batches).zip(&until);

@@ -1,9 +1,9 @@
 //! Tests estimates of principal curvatures from presses on cylinders, ellipsoids and balls.
 
-use palpate_press::{EllipticContact, ForwardFit, Markers, PressError, Reading};
+use palpate_press::{ForwardFit, Markers, ObjectPress, PressError, Reading};
 use palpate_sensing::{Channel, Stream};
 
-use crate::sensor::{DEPTH, RADIUS, Readings, at, half_space, measured, published};
+use crate::sensor::{Readings, at, half_space, measured, published};
 
 /// A press on an object with two principal curvatures. `axis` is the angle between the direction of the smaller
 /// curvature and the x axis.
@@ -16,10 +16,16 @@ struct Press {
 
 impl Press {
     fn readings(&self, markers: &Markers) -> Readings {
-        let relative = self.curvatures.map(|curvature| curvature + 1.0 / RADIUS);
-        let contact =
-            EllipticContact::new(0.5, [relative[1], relative[0]], self.indentation).unwrap();
-        let moved = markers.elliptic_displacements(&contact, self.at, self.axis, DEPTH);
+        let [larger, smaller] = self.curvatures;
+        let press = ObjectPress {
+            curvature: 0.5 * (larger + smaller),
+            unequal: Some([smaller, larger]),
+            axis: self.axis,
+            indentation: self.indentation,
+            at: self.at,
+            shift: 0.0,
+        };
+        let moved = press.displacements(&half_space(), markers).unwrap();
         Readings {
             normal: moved.iter().map(|moved| moved.normal).collect(),
             tangential: moved.iter().map(|moved| moved.tangential).collect(),
@@ -57,9 +63,16 @@ fn presses() -> Vec<Press> {
 fn equal_curvatures_move_the_markers_as_a_round_contact_does() {
     let (markers, body, place) = (published(), half_space(), at(12.0, 200.0));
     let round = markers.skin().contact(&body, 0.05, 1.4).unwrap();
-    let equal = EllipticContact::new(0.5, [0.1; 2], 1.4).unwrap();
     let both = markers.displacements(&round, place);
-    let moved = markers.elliptic_displacements(&equal, place, 1.0, DEPTH);
+    let equal = ObjectPress {
+        curvature: 0.05,
+        unequal: Some([0.05; 2]),
+        axis: 1.0,
+        indentation: 1.4,
+        at: place,
+        shift: 0.0,
+    };
+    let moved = equal.displacements(&body, &markers).unwrap();
     for (round, moved) in both.iter().zip(moved) {
         let [x, y] = [0, 1].map(|axis| round.tangential[axis] - moved.tangential[axis]);
         let error = (round.normal - moved.normal)

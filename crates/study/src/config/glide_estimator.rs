@@ -128,7 +128,7 @@ impl GlideEstimatorConfig {
     }
 
     /// The settings in which the user states the noise; `None` for an estimator that does not use the noise.
-    const fn noise(&mut self) -> Option<&mut StatedNoise> {
+    pub const fn noise(&mut self) -> Option<&mut StatedNoise> {
         match self {
             Self::Penalised { noise, .. }
             | Self::Quadric(noise)
@@ -150,21 +150,6 @@ impl GlideEstimatorConfig {
             noise.position_std = Some(fraction * inter_finger_distance);
         }
         self
-    }
-
-    /// Separates the stated noise from the estimator. Returns the estimator without its stated noise, and two standard
-    /// deviations: of positions (a length) and of normals (in degrees). A standard deviation that is not stated is
-    /// `None`.
-    #[must_use]
-    pub fn without_noise(mut self) -> (Self, [Option<f64>; 2]) {
-        let stated = self.noise().map(std::mem::take).unwrap_or_default();
-        (self, [stated.position_std, stated.normal_std_deg])
-    }
-
-    /// Position noise of the contacts as a fraction of the inter-finger distance; `None` if the user does not state it
-    /// in this form.
-    pub fn position_fraction_of_ifd(&self) -> Option<f64> {
-        self.clone().noise()?.position_fraction_of_ifd
     }
 }
 

@@ -6,10 +6,7 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use palpate::config::{FieldError, SceneConfig};
-use palpate::{
-    ConfigError, Goal, MODEL_ERROR_SHARE, Plan, PlanError, RunOptions, Runner, Study, Warning,
-    Warnings,
-};
+use palpate::{ConfigError, Goal, Plan, PlanError, RunOptions, Runner, Study, Warning, Warnings};
 
 use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
@@ -96,8 +93,8 @@ fn lines(study: &Study, plan: &Plan, target: Option<f64>) -> Vec<String> {
         None if plan.is_random => None,
         None => Some("trials  1, because no cell has random numbers".to_owned()),
     };
-    let shift = target.map_or_else(String::new, |target| {
-        let share = percent(MODEL_ERROR_SHARE * target);
+    let shift = plan.model_error.map_or_else(String::new, |share| {
+        let share = percent(share);
         format!(": its error shifts every estimate by at most {share} of the rms error")
     });
     let model = shown(&study.config.scene).filter(|_| plan.chooses_model);

@@ -135,10 +135,8 @@ fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
-        let is_short = family.coverage95 < Family::HOLDS[0];
-        let only = if is_short { "only " } else { "" };
         format!(
-            "in {} random scenes they contained the true value in {only}{share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
+            "in {} random scenes they contained the true value in {share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
             family.scenes, family.name
         )
     };
