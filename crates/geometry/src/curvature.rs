@@ -127,7 +127,8 @@ impl CurvatureForm {
     /// let [min, max, angle] = ridge.principal_stds(&variances);
     /// assert!((min - 0.01).abs() < 1e-15 && (max - 0.01).abs() < 1e-15 && (angle - 0.02).abs() < 1e-15);
     /// // Every direction of a ball is principal.
-    /// let [.., angle] = CurvatureForm::isotropic(0.5).principal_stds(&variances);
+    /// let ball = CurvatureForm { k_uu: 0.5, k_uv: 0.0, k_vv: 0.5 };
+    /// let [.., angle] = ball.principal_stds(&variances);
     /// assert!((angle.to_degrees() - 52.0).abs() < 0.1);
     /// ```
     pub fn principal_stds(&self, covariance: &[[f64; 3]; 3]) -> [f64; 3] {
