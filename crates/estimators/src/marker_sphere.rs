@@ -58,7 +58,7 @@ impl<'a> MarkerSphere<'a> {
             .map_err(|error| layout_error(&error))
     }
 
-    /// The markers under the skin, and their positions as from [`MarkerSphere::places`].
+    /// The markers under the skin, and the coordinates of their positions on the skin.
     pub fn markers(&self) -> Result<(Markers, Vec<[f64; 2]>), FieldError> {
         let (radius, depth) = (self.radius, self.marker_depth);
         let skin =
