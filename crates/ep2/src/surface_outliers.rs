@@ -93,8 +93,8 @@ impl SoundContacts {
         let all = &self.distinct.contacts;
         let mut is_beside_path = beside_paths(all);
         let mut is_outlier = outliers(all, &counts, &is_beside_path, &resolution, outward);
-        for contact in shifted_runs(all, &is_outlier, outward) {
-            (is_beside_path[contact], is_outlier[contact]) = (true, true);
+        for (contact, is_shifted) in shifted_runs(all, &is_outlier, outward) {
+            (is_beside_path[contact], is_outlier[contact]) = (is_shifted, is_shifted);
         }
         let pairs = is_outlier.iter().zip(&is_beside_path);
         let on_path: Vec<bool> = pairs.map(|(one, is_beside)| *one && !is_beside).collect();
@@ -172,10 +172,16 @@ fn beside_paths(contacts: &[Contact]) -> Vec<bool> {
     is_beside
 }
 
-/// The contacts of shifted runs, such as those after a slip of a finger or of its frame. A jump out of the surface
-/// separates a shifted run from the other contacts of its finger, and most contacts of the run are outliers. A bump of
-/// the object has no such jumps.
-fn shifted_runs(contacts: &[Contact], is_outlier: &[bool], outward: &Vector3<f64>) -> Vec<usize> {
+/// Contacts of fingers that slip, or whose frame slips, each with whether it is shifted. A jump out of the surface
+/// separates a run of contacts from the rest of its finger, and most contacts of the run are outliers. Either the run is
+/// shifted, or the rest is: the shifted part contradicts a smooth surface through the contacts of the other fingers, and
+/// the sound part agrees with it. Contacts of a sound rest are not in the result, because single outliers may be among
+/// them.
+fn shifted_runs(
+    contacts: &[Contact],
+    is_outlier: &[bool],
+    outward: &Vector3<f64>,
+) -> Vec<(usize, bool)> {
     let patch = Patch::new(&selected(contacts.iter()), outward);
     let normal = patch.map(|patch| patch.frame.direction_in_world(&Vector3::z()));
     let normal = normal.unwrap_or_default();
@@ -189,9 +195,34 @@ fn shifted_runs(contacts: &[Contact], is_outlier: &[bool], outward: &Vector3<f64
             let step = step(*one, *next);
             step.norm() <= longest || step.dot(&normal).abs() < MIN_RISE * step.norm()
         };
-        let runs = finger.chunk_by(is_path);
-        let runs = runs.filter(|run| run.len() < finger.len() && 2 * outliers(run) > run.len());
-        shifted.extend(runs.flatten());
+        let is_run = |run: &&[usize]| run.len() < finger.len() && 2 * outliers(run) > run.len();
+        let (runs, rest): (Vec<_>, Vec<_>) = finger.chunk_by(is_path).partition(is_run);
+        let (runs, rest) = (runs.concat(), rest.concat());
+        if runs.is_empty() || rest.is_empty() {
+            continue;
+        }
+        let is_other = |one: &Contact| one.finger != contacts[finger[0]].finger;
+        let others = contacts.iter().zip(is_outlier);
+        let others = others.filter(|(one, is_outlier)| is_other(one) && !**is_outlier);
+        let Ok(patch) = Patch::new(&selected(others.map(|(one, _)| one)), outward) else {
+            continue;
+        };
+        let contradict = |part: &[usize]| {
+            let samples = part
+                .iter()
+                .map(|&one| sample(&patch.frame, 0, &contacts[one]).ok());
+            let samples: Vec<_> = samples.collect();
+            let found = Penalised::default().contradicting(&patch, &samples).ok()?;
+            Some(2 * found.iter().filter(|one| **one).count() > part.len())
+        };
+        match (contradict(&runs), contradict(&rest)) {
+            (Some(true), Some(false)) => shifted.extend(runs.iter().map(|one| (*one, true))),
+            (Some(false), Some(true)) => {
+                shifted.extend(rest.iter().map(|one| (*one, true)));
+                shifted.extend(runs.iter().map(|one| (*one, false)));
+            }
+            _ => {}
+        }
     }
     shifted
 }
