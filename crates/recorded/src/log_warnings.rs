@@ -32,7 +32,8 @@ const MIN_MEAN_COSINE: f64 = 0.8;
 
 /// The gap between two groups of contacts has at least this share of the range of all contacts.
 const MIN_GAP: f64 = 0.15;
-/// Smallest ratio of the gap between two groups of contacts to the next largest gap, which is between two strokes.
+/// Smallest ratio of the gap between two groups of contacts to the next largest gap. In a log of strokes, the next
+/// largest gap may be the distance between two strokes.
 const MIN_GAPS_RATIO: f64 = 1.3;
 /// Largest number of contacts with which two groups are compared.
 const MAX_CONTACTS: usize = 2000;
@@ -42,6 +43,8 @@ const MIN_EXCESS: f64 = 0.02;
 /// Two groups of contacts count as two objects only if the p-value of a common surface is below this value. The limit is
 /// small, because surfaces that are no polynomials fit a common polynomial worse than two polynomials.
 const MAX_P_VALUE: f64 = 1e-4;
+/// A group of contacts counts as flat if the p-value of a plane through it is above this value.
+const MIN_FLAT_P_VALUE: f64 = 0.01;
 /// Terms of polynomials, as ranges of the terms in [`residual`].
 const IMPLICIT_QUADRIC: Range<usize> = 0..9;
 const PLANE: Range<usize> = 3..6;
@@ -173,18 +176,33 @@ pub(super) fn two_groups(
 }
 
 /// Whether separate quadrics through two groups of contacts fit clearly better than one surface through both groups:
-/// a cubic, or an implicit quadric such as an ellipsoid.
+/// a cubic, or an implicit quadric such as an ellipsoid. These surfaces also follow two planes. So if both groups are
+/// flat, the common surface is a quadric.
 fn are_two_surfaces(groups: (&[&Sample], &[&Sample]), distinct: usize) -> bool {
     let groups = [groups.0, groups.1];
     let all = groups.concat();
-    let apart: f64 = groups.map(|group| residual(group, QUADRIC)).iter().sum();
-    let together = residual(&all, CUBIC).min(residual(&all, IMPLICIT_QUADRIC));
-    let bends = groups.map(|group| residual(group, PLANE) / group.len() as f64);
-    let excess = together - apart;
+    let [planes, quadrics] =
+        [PLANE, QUADRIC].map(|terms| groups.map(|one| residual(one, terms.clone())));
+    let are_flat = (0..2).all(|group| {
+        let freedom = groups[group].len().saturating_sub(QUADRIC.len());
+        let excess = planes[group] - quadrics[group];
+        excess <= RANK_TOLERANCE * RANK_TOLERANCE
+            || ratio_tail(excess, 3, quadrics[group], freedom) > MIN_FLAT_P_VALUE
+    });
+    let (together, saved) = match are_flat {
+        true => (residual(&all, QUADRIC), QUADRIC.len()),
+        false => (
+            residual(&all, CUBIC).min(residual(&all, IMPLICIT_QUADRIC)),
+            3,
+        ),
+    };
+    let excess = together - quadrics[0] - quadrics[1];
+    let bends = [0, 1].map(|group| planes[group] / groups[group].len() as f64);
     let freedom = all.len().min(distinct);
     let freedom = freedom.saturating_sub(2 * QUADRIC.len());
     excess > MIN_EXCESS * bends[0].max(bends[1]) * all.len() as f64
-        && ratio_tail(excess, 3, apart, freedom) < MAX_P_VALUE
+        && excess > RANK_TOLERANCE * RANK_TOLERANCE
+        && ratio_tail(excess, saved, quadrics[0] + quadrics[1], freedom) < MAX_P_VALUE
 }
 
 /// Sum of the squared residuals of heights after a least-squares fit of the polynomial whose terms are `terms`.
