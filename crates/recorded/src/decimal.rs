@@ -15,9 +15,15 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err(format!("must be finite, is {text}")),
         Err(_) if text.is_empty() => Err("is empty".to_owned()),
-        Err(_) if text.contains(':') => Err(format!("`{text}` is a time of day; write seconds")),
+        Err(_) if is_clock_time(text) => Err(format!("`{text}` is a date or time; write seconds")),
         Err(_) => Err(format!("`{text}` is not a number")),
     }
+}
+
+/// Whether a text is a time of day, such as `12:30:01.5`, with or without a date.
+fn is_clock_time(text: &str) -> bool {
+    let is_part = |letter: char| letter.is_ascii_digit() || ":.,-+TZ ".contains(letter);
+    text.contains(':') && text.chars().all(is_part)
 }
 
 /// Whether a field states that its number is missing. Lost readings have such fields.

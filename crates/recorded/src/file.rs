@@ -35,7 +35,7 @@ const FORMATS: [(&[u8], &str); 12] = [
 pub struct RecordedFile {
     /// Name of the file in messages.
     pub name: String,
-    /// Content of the file.
+    /// Content of the file. In JSON, quotation marks enclose the tokens for numbers that are not finite.
     pub bytes: Vec<u8>,
     /// Settings that describe the form of the file's table.
     pub form: Form,
@@ -120,30 +120,43 @@ impl RecordedFile {
     }
 }
 
-/// Replaces the tokens that Python writes into JSON for numbers that are not finite by empty texts of the same length.
-/// JSON has no such tokens. Rows with empty texts are left out.
-fn without_nan(mut bytes: Vec<u8>) -> Vec<u8> {
-    let first = bytes.iter().find(|byte| !byte.is_ascii_whitespace());
-    if !matches!(first, Some(b'{' | b'[')) {
+/// Puts quotation marks around the tokens that Python writes into JSON for numbers that are not finite. JSON has no such
+/// tokens. Rows with these texts are left out.
+fn without_nan(bytes: Vec<u8>) -> Vec<u8> {
+    let mut start = bytes
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(&bytes)
+        .trim_ascii_start();
+    while start.starts_with(b"#") || start.starts_with(b"%") || start.starts_with(b"//") {
+        let end = start.iter().position(|byte| *byte == b'\n');
+        start = start[end.unwrap_or(start.len())..].trim_ascii_start();
+    }
+    if !start.starts_with(b"{") && !start.starts_with(b"[") {
         return bytes;
     }
     let tokens: [&[u8]; 3] = [b"NaN", b"Infinity", b"-Infinity"];
-    let (mut is_text, mut place) = (false, 0);
+    let (mut is_text, mut place, mut copied) = (false, 0, 0);
+    let mut changed = Vec::new();
     while place < bytes.len() {
         match bytes[place] {
             b'\\' if is_text => place += 1,
             b'"' => is_text = !is_text,
             b'N' | b'I' | b'-' if !is_text => {
-                let rest = &mut bytes[place..];
-                if let Some(token) = tokens.iter().find(|token| rest.starts_with(token)) {
-                    rest[..token.len()].fill(b' ');
-                    rest[..2].fill(b'"');
+                let mut tokens = tokens.iter();
+                if let Some(token) = tokens.find(|token| bytes[place..].starts_with(token)) {
+                    changed.extend_from_slice(&bytes[copied..place]);
+                    changed.extend([b"\"", *token, b"\""].concat());
                     place += token.len() - 1;
+                    copied = place + 1;
                 }
             }
             _ => {}
         }
         place += 1;
     }
-    bytes
+    if changed.is_empty() {
+        return bytes;
+    }
+    changed.extend_from_slice(&bytes[copied..]);
+    changed
 }

@@ -157,7 +157,7 @@ fn units_come_from_the_header_or_the_option() {
 const NO_ROLLS: &str = r#"
 2.125 => 2,125 | - | :2 | decimal signs
 2.125 => 1e999 | - | :2 | column `shift_u_mm`: must be finite, is 1e999
-2.125 => 12:00:01 | - | :2 | column `shift_u_mm`: `12:00:01` is a time of day; write seconds
+2.125 => 12:00:01 | - | :2 | column `shift_u_mm`: `12:00:01` is a date or time; write seconds
 0.3,0,-0.25 => 17.2,0,-0.25 | - | - | probe 1 turned by 17.2 rad, 80.4 times as far as on a plane
 rotation_x_rad,rotation_y_rad => rotation_x_mrad,rotation_y_mrad | - | - | the contact moved 
 0,0,-0.3 => 0.5,0,-0.3 | - | :2 | column `probe`: must be a whole number from 0
