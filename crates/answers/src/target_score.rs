@@ -154,8 +154,8 @@ impl SceneTarget {
         let (bound, limit) = (self.target.bound, self.target.limit);
         let statistic = self.target.statistic;
         let of = |estimate: &Estimate, limit: f64| match bound {
-            Bound::AtMost => estimate.at_most(limit),
-            Bound::AtLeast => -estimate.at_most(limit),
+            Bound::AtMost => estimate.score(limit, 1.0),
+            Bound::AtLeast => estimate.score(limit, -1.0),
         };
         // Rms errors, mean absolute errors and standard deviations are positive. The distribution of their logarithms
         // is closer to a normal distribution than their own distribution. Therefore, compare the logarithm of the

@@ -7,7 +7,7 @@ mod tolerance;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::Duration;
 
-use palpate_sweep::{Clock, NOT_FINITE, Runner, Trial};
+use palpate_sweep::{Clock, Runner, Trial};
 use thiserror::Error;
 
 pub(crate) use pace::{Pace, spread};
@@ -281,11 +281,9 @@ impl Planner<'_> {
         pilot: &Pilot,
     ) -> Result<Vec<FailingCell>, PlanError<E>> {
         let all_fail = |(pilot, &cell): (&CellPilot, &usize)| {
-            (pilot.success == 0.0).then(|| FailingCell {
-                cell,
-                trials: pilot.trials,
-                kind: pilot.kind.unwrap_or(NOT_FINITE),
-            })
+            let kind = pilot.kind.filter(|_| pilot.success == 0.0)?;
+            let trials = pilot.trials;
+            Some(FailingCell { cell, trials, kind })
         };
         let failing: Vec<FailingCell> = pilot
             .cells

@@ -180,12 +180,12 @@ impl Estimate {
         libm::hypot(of_batches, self.resolution)
     }
 
-    /// Score of the statement that the true value is at most `limit`: the number of standard errors by which `limit`
-    /// exceeds the estimated value, see [`normal_tail`](palpate_statistics::normal_tail).
-    /// The score of the opposite statement, that the true value is at least `limit`, is the negative of this score.
-    pub fn at_most(&self, limit: f64) -> f64 {
+    /// Score of the statement that the true value is at most `limit` (if `sign` is 1) or at least `limit` (if `sign` is
+    /// −1): the number of standard errors by which the estimated value is on the stated side of `limit`, see
+    /// [`normal_tail`](palpate_statistics::normal_tail). An exact value that equals `limit` fulfils both statements.
+    pub fn score(&self, limit: f64, sign: f64) -> f64 {
         let degrees = (self.without.len() as f64 - 1.0).max(1.0);
-        student(limit - self.value, self.std_error(), degrees)
+        student(sign * (limit - self.value), self.std_error(), degrees)
     }
 }
 
@@ -259,5 +259,24 @@ impl Runner {
             let jobs = jobs.into_par_iter().with_max_len(1);
             jobs.for_each_init(Record::default, |record, job| job.run(record));
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exact_value_at_the_limit_fulfils_both_statements() {
+        let exact = Estimate {
+            value: 77.0,
+            without: vec![77.0; 32],
+            resolution: 0.0,
+        };
+        let meets = |limit| [1.0, -1.0].map(|sign| exact.score(limit, sign) > 0.0);
+        assert_eq!(
+            [76.0, 77.0, 78.0].map(meets),
+            [[false, true], [true; 2], [true, false]]
+        );
     }
 }

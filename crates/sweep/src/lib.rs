@@ -67,7 +67,7 @@ pub use palpate_statistics::CERTAIN;
 pub use queue::JOB;
 pub use runner::{Clock, NoThreads, RunOptions, Runner, SweepError};
 pub use stream::{Sweep, SweepOutput};
-pub use summary::{CellStatistics, Failure, NOT_FINITE, Summary, drop_undefined_moments};
+pub use summary::{CellStatistics, Failure, Summary, drop_undefined_moments};
 pub use trial_record::{Observation, Observations, Record, TrialObservations};
 
 #[cfg(doctest)]

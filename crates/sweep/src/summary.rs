@@ -190,7 +190,7 @@ fn finite(value: Option<f64>) -> Option<f64> {
 
 /// Kind of failure of a trial that recorded a number that is NaN or infinite: an estimate, a true value, an error or a
 /// standard deviation.
-pub const NOT_FINITE: &str = "not-finite";
+pub(crate) const NOT_FINITE: &str = "not-finite";
 pub(crate) const NEGATIVE_STD: &str = "negative-std";
 pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 

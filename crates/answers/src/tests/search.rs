@@ -137,7 +137,7 @@ impl Curves for Noise<'_> {
             let of_rms = batches
                 .estimate(|all| all.quantities[0].rms_error)
                 .and_then(|rms| rms.map(libm::log))
-                .map_or(0.0, |rms| rms.at_most(0.0));
+                .map_or(0.0, |rms| rms.score(0.0, 1.0));
             let failed = batches.statistics().failed();
             [
                 of_rms,
