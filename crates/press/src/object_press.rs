@@ -48,7 +48,7 @@ impl ObjectPress {
     ) -> Result<ObjectContact<'b>, PressError> {
         let skin = markers.skin();
         if let Some(curvatures) = self.unequal {
-            let what = "a layer has no model of an object with two different curvatures";
+            let what = "only a half-space has a model of an object with two different curvatures";
             let half_space = body.sideways().ok_or(PressError::Undetermined { what });
             let (poisson, depth) = half_space?;
             let contact = skin.elliptic_contact(poisson, curvatures, self.indentation)?;
@@ -76,7 +76,7 @@ impl ObjectPress {
     ///
     /// # Errors
     /// [`PressError`] if the shift is out of its range.
-    fn displacements_by(
+    pub fn displacements_by(
         &self,
         contact: &ObjectContact<'_>,
         body: &Body,

@@ -40,7 +40,7 @@ impl TruePress {
             geometry: *geometry,
             contact_radius: contact.radius(),
             force_per_young: contact.force(1.0),
-            markers: geometry.displacements(setup.body, setup.markers)?,
+            markers: geometry.displacements_by(contact, setup.body, setup.markers)?,
             discs: motions.transpose()?.unwrap_or_default(),
         })
     }
