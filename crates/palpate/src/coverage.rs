@@ -7,6 +7,7 @@
 mod comparable_scene;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Display, Formatter};
 use std::sync::OnceLock;
 
 use palpate_statistics::Number;
@@ -164,10 +165,29 @@ fn multiple(cell: &str) -> Option<(f64, &str)> {
     Some((factor.parse().ok()?, field))
 }
 
+/// Smallest and largest measured coverage at which the intervals count as valid 95 % intervals.
+const HOLDS: [f64; 2] = [0.92, 0.98];
+
+/// The measured coverage of the family, as text.
+impl Display for Family {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let only = if self.coverage95 < HOLDS[0] {
+            "only "
+        } else {
+            ""
+        };
+        let [share, lowest] = [self.coverage95, self.lowest].map(|share| 100.0 * share);
+        write!(
+            f,
+            "in {} random scenes they contained the true value in {only}{share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
+            self.scenes, self.name
+        )
+    }
+}
+
 impl Family {
-    /// Whether the measured coverage is near enough to 95 % for the intervals to count as valid 95 % intervals.
     pub(crate) fn holds(&self) -> bool {
-        (0.92..=0.98).contains(&self.coverage95)
+        (HOLDS[0]..=HOLDS[1]).contains(&self.coverage95)
     }
 
     /// The family in a row of a table. `None` if the row has no measured coverage, or if the readings of the family

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use palpate::config::ModelConfig;
-use palpate::{Accuracy, Check, Coverage, Family, Ladder, Rungs, load};
+use palpate::{Accuracy, Check, Coverage, Ladder, Rungs, load};
 
 use crate::answer_commands::note_ignored_fields;
 use crate::budget::runner;
@@ -133,18 +133,11 @@ fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
 /// The second states the coverage in the most similar random scenes. It exists only if a number of the scene is outside
 /// the ranges of the random scenes.
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
-    let measured = |family: &Family| {
-        let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
-        format!(
-            "in {} random scenes they contained the true value in {share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
-            family.scenes, family.name
-        )
-    };
     match coverage {
-        Coverage::Measured(family) => [Some(format!("tested: {}", measured(family))), None],
+        Coverage::Measured(family) => [Some(format!("tested: {family}")), None],
         Coverage::Outside(family, outside) => [
             Some(format!("not tested: random scenes have no {outside}")),
-            Some(format!("most similar: {}", measured(family))),
+            Some(format!("most similar: {family}")),
         ],
         Coverage::NotMeasured(why) => [Some(format!("not tested: {why}")), None],
     }
