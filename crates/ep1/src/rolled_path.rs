@@ -204,8 +204,8 @@ impl RollRotations {
 }
 
 impl PathPoint {
-    /// The rotation `step` of the probe between two samples, expressed in the contact frame. The contact frame turns
-    /// between the two samples, so the result is the mean over this time.
+    /// Converts `step`, the rotation vector of the probe between two samples, to the contact frame. The contact frame
+    /// itself turns between the two samples, so the result is the mean of the converted vector over the step.
     fn turn_of(&self, step: &Vector3<f64>) -> Vector3<f64> {
         let turn_of_frame = |turn: &Vector3<f64>| {
             let along = self.mobility * drive_of(turn);

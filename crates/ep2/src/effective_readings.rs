@@ -43,9 +43,9 @@ const MIN_CHANCE_DEVIATIONS: f64 = 5.0;
 /// each run is tested on its own. Let n be the expected number of runs of its length in contacts in a random order. The
 /// run counts as a rest of a finger only if n is below this value.
 const MAX_CHANCE_RUNS: f64 = 0.01;
-/// All contacts of a run are within a limit distance of its first contact. A run whose contacts are spread over this
-/// whole range does not count as a rest. This constant is the largest root mean square distance of the contacts of a
-/// rest from their mean, divided by the limit distance.
+/// All contacts of a run are within the distance `limit` of its first contact. If they are spread over this whole
+/// distance, the run does not count as a rest of the finger. This constant is the largest root mean square distance of
+/// the contacts of a rest from their mean, divided by `limit`.
 const MAX_CHANCE_EXTENT: f64 = 0.4;
 /// Several gaps in the sorted step lengths are tried as the limit between short and long steps, beginning with the gap
 /// between the shortest steps. This constant is the largest number of gaps that are tried.

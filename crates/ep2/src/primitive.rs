@@ -304,7 +304,8 @@ impl ShapeSettings {
         };
         let best = fits.iter().min_by(by_noise).unwrap_or(&fits[0]);
         let (best, is_used) = (best.solution, best.is_used.clone());
-        // The fits do not use a stated noise that the contacts contradict. If it is too large, it widens the intervals.
+        // The fits do not use a stated noise that the contacts contradict. If this noise is too large, the intervals
+        // still use it, so they are wider.
         let ratios = best.noise_ratios(stated);
         let of_intervals = [0, 1].map(|kind| stated[kind].filter(|_| ratios[kind] <= 1.0));
         let stated = [0, 1].map(|kind| stated[kind].filter(|_| ratios[kind] == 1.0));

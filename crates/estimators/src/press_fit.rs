@@ -113,7 +113,7 @@ pub fn ideal_fit(
     let priors = estimator.priors();
     Some(ForwardFit {
         baseline: baseline(priors.baseline),
-        gain: within(gain_std.unwrap_or(priors.gain_std?)),
+        gain: gain_std.unwrap_or(priors.gain_std?).into(),
         normal_std: stds[0],
         tangential_std: stds[1],
         is_elliptic: matches!(estimator, PressEstimatorConfig::Elliptic { .. }),
@@ -183,16 +183,6 @@ const fn baseline(config: Baseline) -> Prior {
     match config {
         Baseline::Known => Prior::Exact,
         Baseline::Fitted => Prior::Free,
-    }
-}
-
-/// Prior of a factor with the expected value 1 and the standard deviation `std`. If `std` is 0, the factor is exactly
-/// 1.
-fn within(std: f64) -> Prior {
-    if std > 0.0 {
-        Prior::Within(std)
-    } else {
-        Prior::Exact
     }
 }
 

@@ -469,7 +469,7 @@ impl<'a> Problem<'a> {
         let skin = self.reading.markers.skin();
         skin.holds_contact(contact.semi_axes[0])?;
         let radius = contact.radius();
-        self.reading.markers.see_from(&best.state.place, radius)?;
+        self.reading.markers.see_around(&best.state.place, radius)?;
         let ([larger, smaller], angle) = principal(&best.state.log);
         let own = skin.curvature();
         let own_log = -libm::log(self.reading.markers.scale());

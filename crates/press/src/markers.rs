@@ -243,17 +243,21 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Checks that the markers can observe a contact at the place `at` with the radius `contact_radius`. The check passes in two cases:
-    /// the distance of the nearest marker from the contact is at most twice this radius, or the markers less than 90°
-    /// away (as viewed from the sensor's centre) surround the contact.
+    /// Checks that the markers can observe a contact at the place `at` with the radius `contact_radius`. The check
+    /// passes in two cases: the distance of the nearest marker from the contact is at most twice this radius, or the
+    /// markers less than 90° away (as viewed from the sensor's centre) surround the contact.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
     pub fn see(&self, at: [f64; 2], contact_radius: f64) -> Result<(), PressError> {
-        self.see_from(&self.skin.place(at), contact_radius)
+        self.see_around(&self.skin.place(at), contact_radius)
     }
 
-    pub(crate) fn see_from(&self, contact: &Place, contact_radius: f64) -> Result<(), PressError> {
+    pub(crate) fn see_around(
+        &self,
+        contact: &Place,
+        contact_radius: f64,
+    ) -> Result<(), PressError> {
         let places = self.places.iter();
         let sights: Vec<Sight> = places.map(|place| self.sight(contact, place)).collect();
         see(
@@ -288,7 +292,7 @@ impl Markers {
     }
 }
 
-/// Checks that the markers can observe a contact at the place `at` with the radius `contact_radius`. The check passes in two cases: the
+/// Checks that the markers can observe a contact with the radius `contact_radius`. The check passes in two cases: the
 /// distance of the nearest marker from the contact is at most twice this radius, or the markers at distances below
 /// `around` surround the contact.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {

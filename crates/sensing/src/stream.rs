@@ -106,9 +106,6 @@ impl Stream {
     pub const NORMALS: usize = 2 * PAIRS;
 }
 
-/// The [`Stream`]s of `N` trials, drawn together with vector instructions. Each stream has exactly the same numbers as
-/// the [`Stream`] of the same trial.
-///
 impl TryRng for Stream {
     type Error = Infallible;
 

@@ -45,6 +45,19 @@ pub struct Calibration {
     pub hue_turns: Option<f64>,
 }
 
+/// Known displacements of a marker in a press, and the change of its image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CalibrationPoint {
+    /// Index of the marker.
+    pub marker: usize,
+    /// Displacement of the marker into the skin (length).
+    pub normal: f64,
+    /// Displacement of the marker along the skin (length).
+    pub tangential: [f64; 2],
+    /// Change of the marker's image from rest to the press.
+    pub change: Change,
+}
+
 impl Calibration {
     /// Creates a calibration for normal displacements, for tangential displacements, or for both kinds. `markers` is
     /// the number of markers that the sensor shows at rest; `None` if the number is not known.
@@ -106,26 +119,11 @@ impl Calibration {
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral_part.as_ref()?.read(shift_px, normal)
     }
-}
 
-/// Known displacements of a marker in a press, and the change of its image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CalibrationPoint {
-    /// Index of the marker.
-    pub marker: usize,
-    /// Displacement of the marker into the skin (length).
-    pub normal: f64,
-    /// Displacement of the marker along the skin (length).
-    pub tangential: [f64; 2],
-    /// Change of the marker's image from rest to the press.
-    pub change: Change,
-}
-
-impl Calibration {
     /// Fits a calibration to the markers of several presses. All markers are used for tangential displacements. For
-    /// normal displacements, only the marker with the index `only` is used; all markers if `only` is `None`. They are
-    /// computed from the feature `from` of the images. Also returns the root mean square errors of normal and of
-    /// tangential displacements near the contacts; `None` for an error that is 0 or cannot be computed.
+    /// normal displacements, only the marker with the index `only` is used; all markers if `only` is `None`. Normal
+    /// displacements are computed from the feature `from` of the images. Also returns the root mean square errors of
+    /// normal and of tangential displacements near the contacts; `None` for an error that is 0 or cannot be computed.
     ///
     /// # Errors
     /// [`CalibrationError`] if the points do not determine a slope, or if a number is not finite.

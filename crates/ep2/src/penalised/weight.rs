@@ -306,9 +306,8 @@ impl<'a> Search<'a> {
 /// Logarithm of the smoothing weight λ that is expected for a sphere with the curvature κ: λ = 1/(¾ κ³)².
 /// `square_curvature` is κ². Lengths are in units of half a side of the square that contains the patch.
 ///
-/// The weight is the inverse square of the amplitude of the third derivatives, and ¾ κ³ is assumed for this amplitude.
-/// To leading order, the penalty of the sphere (the integral of its squared third derivatives over the square) is 32
-/// κ⁶.
+/// The weight is 1/a², where a is the typical size of the third derivatives. To leading order, the third derivatives of
+/// a sphere are proportional to κ³. The factor ¾ is an assumption.
 pub(super) fn log_weight_of_sphere(square_curvature: f64) -> f64 {
     -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature)
 }

@@ -353,8 +353,9 @@ impl Solution {
         Pose::new(pose.shape, point, normal, axis, pose.curvature / stretch)
     }
 
-    /// Estimated variances of positions and of normals, divided by the stated ones; 1 for noise that the contacts do not
-    /// contradict. The estimated variances must not depend on the stated noise.
+    /// Ratios of the estimated to the expected variances of positions and of normals; 1 for noise that the contacts do
+    /// not contradict. The expected variance is the stated one; for normals, it also contains the variance that errors
+    /// of the positions cause on a curved surface. Call this only for a fit that does not use the stated noise.
     pub(super) fn noise_ratios(&self, stated: StatedNoise) -> [f64; 2] {
         let bending = [0.0, self.bending_share() * self.variances[1]];
         std::array::from_fn(|kind| {

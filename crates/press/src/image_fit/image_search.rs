@@ -99,7 +99,7 @@ fn search(mut problem: Problem<'_>) -> Result<PressEstimate, PressError> {
         problem
             .fit
             .markers
-            .see_from(&best.state.place, contact.radius)?;
+            .see_around(&best.state.place, contact.radius)?;
         if best.is_stuck() {
             return Err(PressError::Undetermined {
                 what: "the sum of squared residuals has no clear minimum",

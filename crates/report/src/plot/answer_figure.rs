@@ -1,6 +1,6 @@
-//! Figures of answers. The figure of `palpate design` shows the values of the searched field that meet the target. If only one field
-//! is varied, the target's statistic is plotted over this field. If several fields are varied, the searched field is
-//! plotted over another field.
+//! Figures of answers. The figure of `palpate design` shows the values of the searched field that meet the target. If
+//! only one field is varied, the target's statistic is plotted over this field. If several fields are varied, the
+//! searched field is plotted over another field.
 
 use super::drawing::Figure;
 use super::heat::HeatPanel;
@@ -78,8 +78,8 @@ pub enum AnswerChart {
         /// order. Values between these ranges are undecided.
         runs: Vec<Stretch>,
     },
-    /// Answer of `palpate design` with several varied fields: the searched field over another field. The background is
-    /// that of a curve, and a contour connects the values at which the target is just met.
+    /// Answer of `palpate design` with several varied fields: the searched field over another field. The background has
+    /// the same colours as in [`Self::Curve`], and a contour connects the values at which the target is just met.
     Map {
         /// Axis of the searched field.
         searched: FieldAxis,
@@ -419,9 +419,10 @@ struct Bands<'a> {
     is_along_x: bool,
 }
 
-/// A column of the map: the ranges of the searched field at one value of the other field, which is plotted along the
-/// second axis.
+/// The ranges of the searched field at one position of the other axis. In a map, this is the position of one value of
+/// the other field.
 struct Column {
+    /// Position on the other axis, from 0 to 1.
     at: f64,
     /// For each range, whether its values meet the target (true) or miss it.
     sides: Vec<bool>,
