@@ -76,6 +76,17 @@ impl Formula {
         self.program.quadratic()
     }
 
+    /// Whether the formula is written as a function of x² + y² alone, so that its graph is a surface of revolution.
+    pub(crate) fn is_revolved(&self) -> bool {
+        self.program.is_revolved()
+    }
+
+    /// Whether the formula is even in x and in y by its form, so that its graph is symmetric about the planes x = 0 and
+    /// y = 0.
+    pub(crate) fn is_even(&self) -> bool {
+        self.program.is_even()
+    }
+
     /// The height with its first and second derivatives. Each operation adds a relative rounding error of 1e-15. A
     /// subtraction of nearly equal numbers amplifies the rounding errors.
     ///

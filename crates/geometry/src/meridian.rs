@@ -2,10 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use crate::HeightField;
+
 /// The meridian of a surface of revolution from its apex, or the section of another surface in a plane of symmetry.
 ///
 /// The parameter `t` is 0 at the apex and increases along the meridian. Points, normals, slope angles and arc-length
-/// elements have relative errors of at most 1e-15.
+/// elements have relative errors of at most 1e-15, except those of a formula, which have its rounding errors.
 ///
 /// ```
 /// use palpate_geometry::Meridian;
@@ -16,7 +18,7 @@ use std::f64::consts::TAU;
 /// assert!((equator.r - 2.0).abs() < 1e-15);
 /// assert!((equator.height + 1.0).abs() < 1e-15);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Meridian {
     /// The curve `z = −c r²` of a paraboloid or of a section of a saddle; the parameter is `r`.
     Paraboloid {
@@ -30,6 +32,14 @@ pub enum Meridian {
         a: f64,
         /// Polar half-axis (length) of the spheroid.
         c: f64,
+    },
+    /// The section of a height field along one of its coordinate axes, from the origin. The parameter is the coordinate
+    /// along the axis. Outside of the height field's domain, all numbers are NaN.
+    HeightField {
+        /// Height above the section's axis.
+        height: HeightField,
+        /// Axis of the section: 0 for x, 1 for y.
+        axis: usize,
     },
 }
 
@@ -61,6 +71,10 @@ impl Meridian {
     /// The point with parameter `t`. `t` and the coefficients of the meridian must be finite.
     pub fn at(&self, t: f64) -> MeridianPoint {
         let (r, height, [outward, along]) = match *self {
+            Self::HeightField { ref height, axis } => {
+                let ([apex, ..], [z, slope, _]) = (height.along(axis, 0.0), height.along(axis, t));
+                (t, z - apex, [-slope, 1.0])
+            }
             Self::Paraboloid { c } => (t, -c * t * t, [2.0 * c * t, 1.0]),
             Self::Spheroid { a, c } => {
                 let (sin, cos) = libm::sincos(t);
@@ -78,15 +92,19 @@ impl Meridian {
 
     /// The slope at parameter `t`. As in [`Meridian::at`], `t` and the coefficients of the meridian must be finite.
     pub fn slope(&self, t: f64) -> MeridianSlope {
+        let of_graph = |slope: f64, bend: f64| {
+            let stretch = libm::hypot(slope, 1.0);
+            MeridianSlope {
+                slope_rad: libm::atan(slope),
+                arc_per_parameter: stretch,
+                slope_per_parameter: bend / stretch / stretch,
+            }
+        };
         match *self {
-            Self::Paraboloid { c } => {
-                let slope = 2.0 * c * t;
-                let stretch = libm::hypot(slope, 1.0);
-                MeridianSlope {
-                    slope_rad: libm::atan(slope),
-                    arc_per_parameter: stretch,
-                    slope_per_parameter: 2.0 * c / stretch / stretch,
-                }
+            Self::Paraboloid { c } => of_graph(2.0 * c * t, 2.0 * c),
+            Self::HeightField { ref height, axis } => {
+                let [_, slope, bend] = height.along(axis, t);
+                of_graph(-slope, -bend)
             }
             Self::Spheroid { a, c } => {
                 let (sin, cos) = libm::sincos(t);

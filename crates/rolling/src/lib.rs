@@ -6,7 +6,7 @@
 //! | model | valid for | error, relative to the displacement of the contact per radian |
 //! |---|---|---|
 //! | closed form | planes, spheres, dishes, cylinders; no spin | 1e-14 |
-//! | meridian | surfaces of revolution through the apex, ellipsoids and saddles along their axes; no spin or sliding | 1e-13 |
+//! | meridian | surfaces of revolution through the apex; ellipsoids, saddles and symmetric formulas along their axes; no spin or sliding | 1e-13 |
 //! | RK4 | all rolls | measured against a finer integration when the model is chosen |
 //! | DOP853 | all rolls | its tolerance, or measured as for RK4 |
 //!

@@ -5,12 +5,14 @@
 //! radius. This equation is solved for the parameter of the meridian.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::num::NonZeroUsize;
+use std::sync::LazyLock;
 
+use gauss_quad::GaussLegendre;
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::{Meridian, Shape, Surface};
 
 use crate::closed_form::roll_on_probe;
-use crate::error::RollFault;
 use crate::{Contact, Motion, Shift};
 
 /// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
@@ -23,7 +25,23 @@ const MAX_DIFFERENCE: f64 = 1.5e-3;
 /// 260 duplications.
 const MAX_DUPLICATIONS: usize = 300;
 
-#[derive(Clone, Copy, Debug)]
+/// Maximum number of Newton iterations along the section of a height field. If they do not suffice, an integrator
+/// computes the roll.
+const MAX_SECTION_ITERATIONS: usize = 20;
+/// Maximum number of successive halvings of an interval of integration along the section of a height field.
+const MAX_HALVINGS: usize = 6;
+/// A Newton step along the section of a height field is integrated without halving if it is at most this fraction of
+/// the parameter.
+const SMALL_STEP: f64 = 0.1;
+
+/// Nodes and weights of a Gauss–Legendre rule on [−1, 1].
+static RULE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+    let nodes = NonZeroUsize::new(10).expect("a rule has nodes");
+    let rule = GaussLegendre::new(nodes);
+    rule.iter().map(|&(node, weight)| [node, weight]).collect()
+});
+
+#[derive(Clone, Debug)]
 pub(crate) struct MeridianRung {
     /// The meridian of an object that is a surface of revolution whose axis passes through the apex. All its meridians
     /// are equal, so one is stored. `None` for other objects.
@@ -67,39 +85,41 @@ impl MeridianRung {
     }
 
     /// The point of a section of the object at which the probe has turned by `theta > 0`, as parameter and as arc
-    /// length from the apex.
-    fn solve(&self, section: &Meridian, theta: f64) -> Result<(f64, f64), RollFault> {
+    /// length from the apex. `None` if the numbers are too large, or if the roll leaves the domain of a height field.
+    fn solve(&self, section: &Meridian, theta: f64) -> Option<(f64, f64)> {
         match *section {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),
             Meridian::Spheroid { a, c } => along_ellipse(a, c, self.radius, theta),
+            Meridian::HeightField { .. } => along_section(section, self.radius, theta),
         }
         .filter(|(t, arc)| t.is_finite() && arc.is_finite())
-        .ok_or(RollFault::NotFinite)
     }
 
-    /// Displacement of the contact on the probe by `motion`, which starts at the apex and follows `section`.
-    pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Result<Shift, RollFault> {
+    /// Displacement of the contact on the probe by `motion`, which starts at the apex and follows `section`. `None` as
+    /// from [`MeridianRung::advance`].
+    pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Option<Shift> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
         if theta == 0.0 {
-            return Ok(Shift::default());
+            return Some(Shift::default());
         }
         let (_, arc) = self.solve(section, theta)?;
-        Ok(Shift::along_great_circle(turn * (arc / theta), self.radius))
+        Some(Shift::along_great_circle(turn * (arc / theta), self.radius))
     }
 
     /// The contact at the end of `motion`. It starts at the object's apex (`apex`) and moves along the meridian `section`
-    /// of the object.
+    /// of the object. `None` if the meridian model does not find the contact; an integrator then finds it or the reason
+    /// why the roll ends.
     pub(crate) fn advance(
         &self,
         section: &Meridian,
         apex: &Contact,
         motion: &Motion,
-    ) -> Result<Contact, RollFault> {
+    ) -> Option<Contact> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
         if theta == 0.0 {
-            return Ok(*apex);
+            return Some(*apex);
         }
         let (t, arc) = self.solve(section, theta)?;
         let point = section.at(t);
@@ -109,7 +129,7 @@ impl MeridianRung {
         // perpendicular to the meridian.
         let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
-        Ok(Contact {
+        Some(Contact {
             on_object: apex.on_object + outward * point.r + apex.normal * point.height,
             normal: apex.normal * cos + outward * sin,
             x_axis: apex.x_axis - along * direction.x,
@@ -117,6 +137,66 @@ impl MeridianRung {
             arc_length: apex.arc_length + arc,
         })
     }
+}
+
+/// Parameter and arc length at which a probe on any section has turned by `theta > 0`, by Newton's method and
+/// quadrature. `None` if the method does not converge, for example because the section ends, has a kink, or is curved
+/// inwards as strongly as the probe.
+fn along_section(section: &Meridian, radius: f64, theta: f64) -> Option<(f64, f64)> {
+    let rates = |t: f64| {
+        let point = section.slope(t);
+        let turn = point.slope_per_parameter + point.arc_per_parameter / radius;
+        (turn > 0.0).then(|| Vector2::new(turn, point.arc_per_parameter))
+    };
+    let (mut t, mut passed, mut rate) = (0.0_f64, Vector2::zeros(), rates(0.0)?);
+    for _ in 0..MAX_SECTION_ITERATIONS {
+        let step: f64 = (theta - passed.x) / rate.x;
+        passed += if step.abs() > SMALL_STEP * t {
+            integral(&rates, t, t + step, MAX_HALVINGS)?
+        } else {
+            gauss(&rates, t, t + step)?
+        };
+        t += step;
+        rate = rates(t)?;
+        // Newton's method converges quadratically, as on an ellipse.
+        if step.abs() <= 1e-8 * t {
+            let last = (theta - passed.x) / rate.x;
+            // At a kink, the slope changes by more than the integral of its derivative.
+            let turned = section.slope(t).slope_rad + passed.y / radius;
+            let is_smooth = (turned - passed.x).abs() <= 1e-12 * theta.max(1.0);
+            return is_smooth.then_some((t + last, passed.y + last * rate.y));
+        }
+    }
+    None
+}
+
+/// The integral of `rates` from `from` to `to`. The interval is halved until the halves agree with the whole.
+fn integral(
+    rates: &impl Fn(f64) -> Option<Vector2<f64>>,
+    from: f64,
+    to: f64,
+    halvings: usize,
+) -> Option<Vector2<f64>> {
+    let middle = 0.5 * (from + to);
+    let whole = gauss(rates, from, to)?;
+    let halves = gauss(rates, from, middle)? + gauss(rates, middle, to)?;
+    if (halves - whole).amax() <= 1e-13 * halves.amax() || halvings == 0 {
+        return Some(halves);
+    }
+    let [first, second] =
+        [(from, middle), (middle, to)].map(|(from, to)| integral(rates, from, to, halvings - 1));
+    Some(first? + second?)
+}
+
+/// The integral of `rates` from `from` to `to` by one Gauss–Legendre rule.
+fn gauss(rates: &impl Fn(f64) -> Option<Vector2<f64>>, from: f64, to: f64) -> Option<Vector2<f64>> {
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let sum = RULE
+        .iter()
+        .try_fold(Vector2::zeros(), |sum, [node, weight]| {
+            Some(sum + rates(middle + half * node)? * *weight)
+        })?;
+    Some(sum * half)
 }
 
 /// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`. Newton's method finds them,

@@ -202,9 +202,7 @@ impl Roller {
                 }
                 Rung::Meridian(rung) => rung
                     .section(motion)
-                    .map(|section| rung.shift(section, motion))
-                    .transpose()
-                    .map_err(|fault| RollError::new(fault, 0.0, self.first.on_object))?,
+                    .and_then(|section| rung.shift(section, motion)),
                 Rung::Integrated(_) => None,
             };
             if let Some(shift) = quick
@@ -313,8 +311,9 @@ impl Roller {
             Rung::ClosedForm(_) => FALLBACK.advance(&self.bodies(), from, motion)?,
             Rung::Meridian(rung) => {
                 let is_along = *from == self.first && !motion.spins() && !motion.slides();
-                match rung.section(motion).filter(|_| is_along) {
-                    Some(section) => (rung.advance(section, from, motion).map_err(at_start)?, 0),
+                let section = rung.section(motion).filter(|_| is_along);
+                match section.and_then(|section| rung.advance(section, from, motion)) {
+                    Some(contact) => (contact, 0),
                     None => FALLBACK.advance(&self.bodies(), from, motion)?,
                 }
             }

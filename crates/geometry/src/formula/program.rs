@@ -55,6 +55,88 @@ fn product(a: Quadratic, b: Quadratic) -> Option<Quadratic> {
     ])
 }
 
+/// The polynomial of an instruction without operands.
+fn polynomial(leaf: Instruction) -> Quadratic {
+    match leaf {
+        Instruction::X => [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        Instruction::Y => [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        Instruction::Constant(value) => [value, 0.0, 0.0, 0.0, 0.0, 0.0],
+        _ => unreachable!("an instruction with operands"),
+    }
+}
+
+/// A part of a formula that may be a function of x² + y² alone.
+enum Radial {
+    Polynomial(Quadratic),
+    /// A function of x² + y² that is no polynomial of at most degree two.
+    Other,
+}
+
+impl Radial {
+    fn is_revolved(&self) -> bool {
+        match self {
+            Self::Polynomial([_, x, y, xx, xy, yy]) => [*x, *y, *xy] == [0.0; 3] && xx == yy,
+            Self::Other => true,
+        }
+    }
+
+    fn changed(operation: Unary, a: Self) -> Option<Self> {
+        match a {
+            Self::Polynomial(terms) => changed(operation, terms).map(Self::Polynomial),
+            Self::Other => None,
+        }
+        .or_else(|| a.is_revolved().then_some(Self::Other))
+    }
+
+    fn combined(operation: Binary, a: Self, b: Self) -> Option<Self> {
+        match (&a, &b) {
+            (Self::Polynomial(a), Self::Polynomial(b)) => {
+                combined(operation, *a, *b).map(Self::Polynomial)
+            }
+            _ => None,
+        }
+        .or_else(|| (a.is_revolved() && b.is_revolved()).then_some(Self::Other))
+    }
+}
+
+/// What a change of the sign of a variable does to a part of a formula: nothing, or it changes the part's sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Parity {
+    Even,
+    Odd,
+}
+
+impl Parity {
+    /// The parity of the result of `operation`; `None` if it is neither even nor odd.
+    fn changed(self, operation: Unary) -> Option<Self> {
+        use Unary::{
+            Abs, AbsPower, Asin, Atan, Cbrt, Cos, Cosh, DivideBy, Negate, Power, Scale, Sin, Sinh,
+            Tan, Tanh,
+        };
+        match (self, operation) {
+            (Self::Even, _) | (_, Abs | AbsPower(_) | Cos | Cosh) => Some(Self::Even),
+            (_, Power(exponent)) if exponent % 2.0 == 0.0 => Some(Self::Even),
+            (_, Power(exponent)) => (exponent % 2.0).abs().eq(&1.0).then_some(Self::Odd),
+            (_, Negate | Scale(_) | DivideBy(_) | Sin | Tan | Asin | Atan | Sinh | Tanh | Cbrt) => {
+                Some(Self::Odd)
+            }
+            _ => None,
+        }
+    }
+
+    fn combined(self, operation: Binary, other: Self) -> Option<Self> {
+        match operation {
+            Binary::Hypot => Some(Self::Even),
+            Binary::Multiply | Binary::Divide if self != other => Some(Self::Odd),
+            Binary::Multiply | Binary::Divide => Some(Self::Even),
+            Binary::Add | Binary::Subtract => (self == other).then_some(self),
+            Binary::Power | Binary::Atan2 => {
+                (self == Self::Even && other == Self::Even).then_some(Self::Even)
+            }
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Instruction {
     X,
@@ -113,12 +195,47 @@ impl Program {
     /// The polynomial of at most degree two that the program computes. `None` if any intermediate result has another
     /// form; the final result may still be such a polynomial.
     pub(super) fn quadratic(&self) -> Option<Quadratic> {
-        let mut stack: Vec<Quadratic> = Vec::new();
+        self.walk(polynomial, changed, combined)
+    }
+
+    /// Whether the program computes a function of x² + y² alone: one of its parts is a polynomial in x² + y², and the
+    /// other parts depend only on such parts.
+    pub(super) fn is_revolved(&self) -> bool {
+        let known = self.walk(
+            |leaf| Radial::Polynomial(polynomial(leaf)),
+            Radial::changed,
+            Radial::combined,
+        );
+        known.is_some_and(|whole| whole.is_revolved())
+    }
+
+    /// Whether the program computes a function that is even in x and even in y, by the parities of its parts.
+    pub(super) fn is_even(&self) -> bool {
+        let parity = |leaf| match leaf {
+            Instruction::X => [Parity::Odd, Parity::Even],
+            Instruction::Y => [Parity::Even, Parity::Odd],
+            _ => [Parity::Even; 2],
+        };
+        let known = self.walk(
+            parity,
+            |operation, [x, y]| Some([x.changed(operation)?, y.changed(operation)?]),
+            |operation, [ax, ay], [bx, by]| {
+                Some([ax.combined(operation, bx)?, ay.combined(operation, by)?])
+            },
+        );
+        known == Some([Parity::Even; 2])
+    }
+
+    /// Evaluates a property of the program from the properties of its leaves. `None` if a part does not have it.
+    fn walk<T>(
+        &self,
+        leaf: impl Fn(Instruction) -> T,
+        changed: impl Fn(Unary, T) -> Option<T>,
+        combined: impl Fn(Binary, T, T) -> Option<T>,
+    ) -> Option<T> {
+        let mut stack: Vec<T> = Vec::new();
         for instruction in &self.instructions {
             let next = match *instruction {
-                Instruction::X => [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-                Instruction::Y => [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-                Instruction::Constant(value) => [value, 0.0, 0.0, 0.0, 0.0, 0.0],
                 Instruction::Unary(operation) => changed(operation, stack.pop()?)?,
                 Instruction::Binary(operation) => {
                     let right = stack.pop()?;
@@ -130,6 +247,7 @@ impl Program {
                     stack.push(top);
                     below
                 }
+                other => leaf(other),
             };
             stack.push(next);
         }

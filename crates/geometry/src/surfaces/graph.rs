@@ -57,7 +57,7 @@ pub struct Saddle {
 }
 
 /// The graph `z = f(x, y)` of a [`Formula`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     formula: Formula,
 }
@@ -94,6 +94,16 @@ impl Graph<Saddle> {
 impl From<Formula> for Graph<HeightField> {
     fn from(formula: Formula) -> Self {
         Self::of_height(HeightField { formula })
+    }
+}
+
+impl HeightField {
+    /// The height and its first and second derivatives at the distance `t` from the origin along the x axis (`axis` = 0)
+    /// or the y axis (1). NaN where the height does not belong to the graph.
+    pub(crate) fn along(&self, axis: usize, t: f64) -> [f64; 3] {
+        checked_jet(self, [t, 0.0][axis], [0.0, t][axis]).map_or([f64::NAN; 3], |jet| {
+            [jet.value, jet.gradient[axis], jet.hessian[2 * axis]]
+        })
     }
 }
 
@@ -163,17 +173,27 @@ impl Height for HeightField {
         }
     }
 
-    /// Returns a section only at the vertex of a polynomial of degree two, along its principal directions x and y. A
-    /// formula with other functions may be symmetric too, but [`Meridian`] cannot represent its sections.
+    /// Returns a section at the vertex of a polynomial of degree two, along its principal directions x and y. Of other
+    /// formulas, returns a section only at the origin: in any direction if the graph is a surface of revolution, and
+    /// along x and y if it is symmetric about both axes.
     fn meridian_at(&self, x: f64, y: f64, direction: &Vector3<f64>) -> Option<Meridian> {
-        let [_, fx, fy, xx, xy, yy] = self.formula.quadratic()?;
-        let is_vertex = fx + 2.0 * xx * x == 0.0 && fy + 2.0 * yy * y == 0.0 && xy == 0.0;
-        let c = match (direction.y == 0.0 || xx == yy, direction.x == 0.0) {
-            (true, _) => -xx,
-            (_, true) => -yy,
-            _ => return None,
-        };
-        is_vertex.then_some(Meridian::Paraboloid { c })
+        let is_along = [direction.y == 0.0, direction.x == 0.0];
+        if let Some([_, fx, fy, xx, xy, yy]) = self.formula.quadratic() {
+            let is_vertex = fx + 2.0 * xx * x == 0.0 && fy + 2.0 * yy * y == 0.0 && xy == 0.0;
+            let c = match is_along {
+                [true, _] => -xx,
+                [_, true] => -yy,
+                _ if xx == yy => -xx,
+                _ => return None,
+            };
+            return is_vertex.then_some(Meridian::Paraboloid { c });
+        }
+        let axis = usize::from(is_along[1]);
+        let is_symmetric = self.formula.is_revolved() || (is_along[axis] && self.formula.is_even());
+        (x == 0.0 && y == 0.0 && is_symmetric).then(|| Meridian::HeightField {
+            height: self.clone(),
+            axis,
+        })
     }
 
     fn may_touch_twice(&self, _radius: f64) -> bool {

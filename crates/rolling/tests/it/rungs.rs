@@ -53,6 +53,9 @@ fn meridian_is_the_integrated_law() {
         ellipsoid(1.0, 1.0, 3.0),
         ellipsoid(1.0, 1.0, 0.02),
         ellipsoid(0.05, 0.05, 5.0),
+        height_field("0.3*exp(-x^2 - y^2)", &[]),
+        height_field("0.1*sqrt(1 + (y*y + x*x)^2) - 0.4*(x^2 + y^2)", &[]),
+        height_field("cos(3*(x^2 + y^2))/1000", &[]),
     ];
     for object in objects {
         for theta in [1e-6, 0.1, 1.0, 4.0] {
@@ -70,8 +73,14 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
     use std::f64::consts::FRAC_PI_2;
 
     let auto = auto(1e-9);
-    let formula = height_field("1 - 0.3*x^2 + y*y/20", &[]);
-    for object in [saddle(0.3), saddle(-0.1), ellipsoid(3.0, 2.0, 1.0), formula] {
+    let formulas = [
+        "1 - 0.3*x^2 + y*y/20",
+        "0.1*cos(2*x)*cosh(y/2)",
+        "abs(x)^3/-9 - y*sin(y)/20",
+    ];
+    let objects = [saddle(0.3), saddle(-0.1), ellipsoid(3.0, 2.0, 1.0)];
+    let formulas = formulas.map(|formula| height_field(formula, &[]));
+    for object in objects.into_iter().chain(formulas) {
         for quarter in 0..4 {
             let motion = Motion::rolling(f64::from(quarter) * FRAC_PI_2, 1.0, 0.8);
             let rolled = roller(1.0, &object, (0.0, 0.0), auto, motion);

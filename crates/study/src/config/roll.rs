@@ -209,7 +209,7 @@ pub enum RollModelConfig {
     ClosedForm {},
     /// Computes the length of the contact's path from the roll angle. This is possible for rolls along a meridian
     /// through the apex of a surface of revolution. If the motion has no noise, it is also possible for rolls along the
-    /// axes of ellipsoids, saddles and formulas of degree two.
+    /// axes of ellipsoids, saddles, and formulas that are of degree two or even in x and in y.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
