@@ -2,21 +2,27 @@
 
 use super::table_format::Decimal;
 
-/// Parses the text of a table field, which must be a finite number.
+/// Parses the text of a table field, which must be a finite number. The number may have separators of thousands.
 pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
-    let parsed = match decimal {
-        Decimal::Point => text.parse::<f64>(),
-        Decimal::Comma if text.contains('.') => {
-            return Err(format!("`{text}` is not a number with a decimal comma"));
-        }
-        Decimal::Comma => text.replacen(',', ".", 1).parse::<f64>(),
+    let parse = |text: &str| match decimal {
+        Decimal::Point => text.parse::<f64>().ok(),
+        Decimal::Comma if text.contains('.') => None,
+        Decimal::Comma => text.replacen(',', ".", 1).parse::<f64>().ok(),
     };
+    let parsed = parse(text)
+        .or_else(|| parse(&text.replace('\u{2212}', "-")))
+        .or_else(|| ungrouped(text, decimal)?.parse().ok());
     match parsed {
-        Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("must be finite, is {text}")),
-        Err(_) if text.is_empty() => Err("is empty".to_owned()),
-        Err(_) if is_clock_time(text) => Err(format!("`{text}` is a date or time; write seconds")),
-        Err(_) => Err(format!("`{text}` is not a number")),
+        Some(number) if number.is_finite() => Ok(number),
+        Some(_) => Err(format!("must be finite, is {text}")),
+        None if text.is_empty() => Err("is empty".to_owned()),
+        None if is_clock_time(text) => Err(format!("`{text}` is a date or time; write seconds")),
+        None if decimal == Decimal::Comma && text.contains('.') => {
+            Err(format!("`{text}` is not a number with a decimal comma"))
+        }
+        None => Err(format!(
+            "`{text}` is not a number; leave the field empty if its number is missing"
+        )),
     }
 }
 
@@ -26,59 +32,80 @@ fn is_clock_time(text: &str) -> bool {
     text.contains(':') && text.chars().all(is_part)
 }
 
-/// Whether a field states that its number is missing. Lost readings have such fields.
+/// Whether a field states that its number is missing. Lost readings have such fields. Excel writes errors such as
+/// `#NUM!`, and C programs on Windows write `1.#INF`.
 pub(super) fn is_missing(text: &str) -> bool {
-    let text = text.trim_start_matches(['+', '-', '#']);
-    let mut words = ["", "nan", "inf", "infinity", "na", "n/a", "null", "none"].into_iter();
-    words.any(|word| word.eq_ignore_ascii_case(text))
+    let word = text.trim_start_matches(['+', '-']);
+    let mut words = "nan,inf,infinity,na,n/a,n.a.,<na>,nat,null,none".split(',');
+    word.is_empty() || word.contains('#') || words.any(|one| one.eq_ignore_ascii_case(word))
 }
 
+/// Finds the decimal sign of a table from its numbers.
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
+    /// Whether a point may also separate thousands, as in tables with semicolons that Excel writes in other locales.
+    pub(super) has_semicolons: bool,
     /// First number in the table whose comma can only be a decimal comma; `None` if there is none.
-    comma: Option<String>,
-    /// First number in the table with a decimal point; `None` if there is none.
-    point: Option<String>,
+    pub(super) comma: Option<String>,
+    /// First number in the table whose point can only be a decimal point; `None` if there is none.
+    pub(super) point: Option<String>,
 }
 
 impl DecimalSign {
-    /// Stores `text`, a number of the table, if its point or comma shows which decimal sign the table uses.
-    pub(super) fn add(&mut self, text: &str) {
+    /// Stores `text`, a number of the table, if its point or comma shows which decimal sign the table uses. Returns
+    /// whether the number does not have the usual form, that is, whether it has a comma or may have a separator.
+    pub(super) fn add(&mut self, text: &str) -> bool {
+        let may_be = |decimal| ungrouped(text, decimal).is_some();
         let first = match () {
-            () if text.contains('.') => &mut self.point,
-            () if text.contains(',') && !may_be_grouped(text) => &mut self.comma,
-            () => return,
+            () if text.contains(',') && !may_be(Decimal::Point) => &mut self.comma,
+            () if text.contains('.') && !(self.has_semicolons && may_be(Decimal::Comma)) => {
+                &mut self.point
+            }
+            () => return text.contains([',', '.']),
         };
         first.get_or_insert_with(|| text.to_owned());
+        text.contains(',')
     }
 
     /// The decimal sign of the table, or an error if this sign is ambiguous. The error message quotes `odd`, a number
-    /// of the table that contains a comma.
+    /// of the table whose comma or point may separate thousands.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),
             (Some(comma), Some(point)) => Err(format!(
-                "`{comma}` has a comma and `{point}` has a point: write all numbers with one decimal sign and without separators of thousands"
+                "`{comma}` has a comma and `{point}` has a point: write all numbers with one decimal sign"
             )),
-            (None, Some(_)) => Err(format!(
-                "`{odd}` has a separator of thousands; write it without"
-            )),
+            (None, Some(_)) => Ok(Decimal::Point),
             (None, None) => {
-                let (as_decimal, as_whole) = (odd.replace(',', "."), odd.replace(',', ""));
+                let whole = odd.replace([',', '.'], "");
+                let [point, comma] = match odd.contains(',') {
+                    true => [whole, odd.replace(',', ".")],
+                    false => [odd.to_owned(), whole],
+                };
                 Err(format!(
-                    "`{odd}` may be {as_decimal} or {as_whole}; give setting `decimal` comma if it is {as_decimal}, else write it without the comma"
+                    "`{odd}` may be {point} or {comma}; give setting `decimal` point if it is {point}, setting `decimal` comma if it is {comma}"
                 ))
             }
         }
     }
 }
 
-/// Whether the commas of a number may separate thousands: in `1,234` they may, in `1,5` they may not.
-fn may_be_grouped(text: &str) -> bool {
-    let digits = text.trim_start_matches(['+', '-']);
-    let mut groups = digits.split(',');
+/// The number without separators of thousands, with a decimal point. `None` if the text has another form. In `1,234`,
+/// the comma may separate thousands; in `1,5` it cannot. Spaces and apostrophes may separate thousands, too.
+fn ungrouped(text: &str, decimal: Decimal) -> Option<String> {
+    let (sign, separator) = match decimal {
+        Decimal::Point => ('.', ','),
+        Decimal::Comma => (',', '.'),
+    };
+    let text = text.replace('\u{2212}', "-");
+    let (whole, part) = text.split_once(sign).unwrap_or((&text, ""));
+    let separators = [separator, ' ', '\u{a0}', '\u{202f}', '\'', '\u{2019}'];
+    let mut groups = whole.trim_start_matches(['+', '-']).split(separators);
     let is_digits = |group: &str| group.bytes().all(|byte| byte.is_ascii_digit());
     let is_first =
         |group: &str| (1..=3).contains(&group.len()) && is_digits(group) && !group.starts_with('0');
-    groups.next().is_some_and(is_first) && groups.all(|group| group.len() == 3 && is_digits(group))
+    let is_grouped = groups.next().is_some_and(is_first)
+        && groups.all(|group| group.len() == 3 && is_digits(group));
+    (is_grouped && !part.contains(separators))
+        .then(|| format!("{}.{part}", whole.replace(separators, "")))
 }

@@ -14,7 +14,7 @@ use super::error::RecordedError;
 use super::header::{Header, Place};
 use super::log_warnings::listed;
 use super::source::ReadingSource;
-use super::table_format::{Decimal, pair};
+use super::table_format::{Decimal, Delimiter, pair};
 use super::text_table::TextTable;
 
 /// Maximum size of all columns that palpate does not use, MiB.
@@ -89,7 +89,7 @@ impl ReadingTable {
             let row = count / table.fingers().unwrap_or(1);
             count += 1;
             if !record.has(expected) {
-                let hint = match table.has_commas() && found > expected {
+                let hint = match table.has(Delimiter::Comma) && found > expected {
                     true => "; if its commas are decimal signs, separate the fields by ; or tabs",
                     false => "",
                 };
@@ -322,7 +322,8 @@ fn is_label(column: &Column) -> bool {
     matches!(column.name, "finger" | "probe")
 }
 
-/// Detects the decimal sign of the numbers in a table. The sign is a point, unless a number contains a comma.
+/// Detects the decimal sign of the numbers in a table. The sign is a point, unless a number contains a comma or, in a
+/// table with semicolons, its point may separate thousands.
 fn decimal_of(
     table: &TextTable<'_>,
     header: &Header<'_>,
@@ -332,16 +333,18 @@ fn decimal_of(
         return Ok(Decimal::Point);
     }
     let mut odd: Option<(usize, usize, String)> = None;
-    let mut sign = DecimalSign::default();
+    let mut sign = DecimalSign {
+        has_semicolons: table.has(Delimiter::Semicolon),
+        ..DecimalSign::default()
+    };
     table.each(|record| {
         // Rows with a wrong number of fields are ignored here. Such rows are rejected later, when the numbers are read.
         let is_whole = record.has(table.header.len());
         for place in places.iter().filter(|_| is_whole) {
             let field = tidy(&record.fields[place.index]);
-            if odd.is_none() && field.contains(',') {
+            if sign.add(field) && odd.is_none() {
                 odd = Some((record.line, place.index, field.to_owned()));
             }
-            sign.add(field);
         }
         Ok(())
     })?;

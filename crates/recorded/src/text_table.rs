@@ -255,8 +255,9 @@ impl<'a> TextTable<'a> {
         Ok((format, header, header_line))
     }
 
-    pub(super) fn has_commas(&self) -> bool {
-        matches!(&self.format, Format::Delimited(text) if text.delimiter == Delimiter::Comma)
+    /// Whether this delimiter separates the fields of the table.
+    pub(super) fn has(&self, delimiter: Delimiter) -> bool {
+        matches!(&self.format, Format::Delimited(text) if text.delimiter == delimiter)
     }
 
     pub(super) fn may_have_commas(&self) -> bool {
@@ -264,9 +265,14 @@ impl<'a> TextTable<'a> {
             Format::Delimited(text) if text.delimiter == Delimiter::Comma => {
                 text.text.all.contains('"')
             }
-            Format::Delimited(DelimitedText { text, .. }) | Format::Json(_, text) => {
-                text.all.contains(',')
+            Format::Delimited(table) => {
+                table.delimiter == Delimiter::Semicolon || table.text.all.contains(',')
             }
+            // In JSON, only a number in quotation marks may have a decimal comma.
+            Format::Json(_, text) => text.all.split('"').any(|part| {
+                part.starts_with(|one: char| "+-".contains(one) || one.is_ascii_digit())
+                    && part.contains(',')
+            }),
             Format::Numpy(_) => false,
         }
     }

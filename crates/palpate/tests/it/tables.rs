@@ -99,19 +99,27 @@ fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
 #[test]
 fn unambiguous_numbers_decide_the_decimal_sign() {
     let table =
-        |rows: &str| format!("rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n{rows}\n");
-    let decimal = Form {
-        decimal: Some(Decimal::Comma),
+        |rows: &str| format!("rotation_x_rad;rotation_y_rad;shift_u_nm;shift_v_nm\n{rows}\n");
+    let form = |decimal| Form {
+        decimal,
+        length_unit: Some(LengthUnit::Um),
         ..Form::default()
     };
-    let point = roll(table("0;-1;1.5;0"), decimal.clone()).unwrap_err();
+    let comma = form(Some(Decimal::Comma));
+    let point = roll(table("0;-1;1.5;0"), comma.clone()).unwrap_err();
     assert!(point.contains("`1.5` is not a number with a decimal comma"));
     for (rows, form) in [
-        ("0;-0,3;1,234;0\n0,3;0;0;1,234", Form::default()),
-        ("0;-1;1,234;0\n1;0;0;1,234", decimal),
+        ("0;-0,3;1234,5;0\n0,3;0;0;1234,5", form(None)),
+        ("0;-0,3;1.234,5;0\n0,3;0;0;1.234,5", form(None)),
+        ("0;-1;1.234,5;0\n1;0;0;1.234,5", comma),
+        ("0;\u{2212}0.3;1,234.5;0\n0.3;0;0;1'234.5", form(None)),
     ] {
         let found = roll(table(rows), form).unwrap();
-        assert_close(found["arc_length"]["value"].as_f64().unwrap(), 1.234, 1e-12);
+        assert_close(
+            found["arc_length"]["value"].as_f64().unwrap(),
+            1.2345,
+            1e-12,
+        );
         assert_eq!(warnings(&found).len(), 1);
     }
 }
@@ -207,10 +215,9 @@ probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n
 "#;
 /// Tables with semicolons as delimiters that contain a wrong number. Each row has the format of `refuses`.
 const DECIMALS: &str = r#"
-rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1,234;0\n1;0;0;2,345\n | - | :2 | `1,234` may be 1.234 or 1234
+rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1,234;0\n1;0;0;2,345\n | - | :2 | `1,234` may be 1234 or 1.234
 -1 => -1,5 | - | :2 | one decimal sign
-1.5 => 1,234.5 | - | :2 | separator of thousands
-1.5 => 1,234,567 | - | :2 | `1,234,567`
+rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1.234;0\n1;0;0;345\n | - | :2 | `1.234` may be 1.234 or 1234
 "#;
 
 const NO_GLIDES: &str = r#"

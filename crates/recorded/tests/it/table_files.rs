@@ -395,7 +395,7 @@ fn wide_tables_hold_several_fingers() {
     let wrong = table.replacen(first[5], "east", 1);
     assert_eq!(
         glide(wrong, "").unwrap_err(),
-        "r:2: column `f2_y`: `east` is not a number"
+        "r:2: column `f2_y`: `east` is not a number; leave the field empty if its number is missing"
     );
     // A log of ROS messages that each contain the poses of several fingers, in metres.
     let header = repeated("field.posesF.position.C", ["0", "1", "2"], &letters[..3]);
