@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use serde_json::{Map, Value as Json};
 
+use super::decimal::is_missing;
 use super::error::RecordedError;
 use super::file::RecordedFile;
 use super::heading::Heading;
@@ -94,12 +95,22 @@ impl<'a> JsonTable<'a> {
                     None => sequence(file, text, None)?,
                 }
             };
+        // A lost reading may have a single value in place of a vector.
+        let is_whole = |row: &str| !["null", "NaN"].iter().any(|lost| row.contains(lost));
         let first = match &table.rows {
             Rows::Sequence { rows, names, .. } => {
                 let value = |&(row, line)| Ok((value(file, names.as_deref(), line, row)?, line));
-                rows.first().map(value).transpose()?
+                let mut whole = rows.iter().filter(|(row, _)| is_whole(row));
+                whole.next().or(rows.first()).map(value).transpose()?
             }
-            Rows::Records(rows) => rows.first().map(|row| (row.clone(), 1)),
+            Rows::Records(rows) => {
+                let mut whole = rows
+                    .iter()
+                    .zip(1..)
+                    .filter(|(row, _)| is_whole(&row.to_string()));
+                let first = whole.next().or(rows.first().map(|row| (row, 1)));
+                first.map(|(row, number)| (row.clone(), number))
+            }
             Rows::Columns(_) => None,
         };
         let (first, line) = first.unwrap_or((Json::Null, header_line));
@@ -218,12 +229,17 @@ impl<'a> JsonTable<'a> {
         row: &Json,
         fields: &mut StringRecord,
     ) -> RowResult {
-        let values: HashMap<String, String> = pairs(file, line, row)?.into_iter().collect();
+        let pairs = pairs(file, line, row)?;
+        if pairs.iter().map(|(name, _)| name).eq(&self.names) {
+            pairs.iter().for_each(|(_, value)| fields.push_field(value));
+            return Ok(());
+        }
+        let values: HashMap<String, String> = pairs.into_iter().collect();
         for name in &self.names {
             let value = values.get(name);
             let keys = values.keys().filter(|_| value.is_none());
             let keys = keys.filter(|key| is_within(key, name) || is_within(name, key));
-            if let Some(key) = keys.min() {
+            if let Some(key) = keys.min().filter(|key| !is_missing(&values[*key])) {
                 let message = format!("has `{key}`, but the first row has `{name}`");
                 return Err(file.fail(line, message));
             }
@@ -372,7 +388,10 @@ fn nested(
         }
     }
     let count = lists().map(|(_, list)| list.len()).max().unwrap_or(0);
-    let is_vector = |(_, list): (&String, &Vec<Json>)| list.iter().all(Json::is_array);
+    let is_item = |item: &Json| item.is_array() || is_missing(&scalar(item));
+    let is_vector = |(_, list): (&String, &Vec<Json>)| {
+        list.iter().all(is_item) && list.iter().any(Json::is_array)
+    };
     if count <= MAX_COMPONENTS || lists().any(|(_, list)| list.len() != count) {
         return Ok(None);
     }

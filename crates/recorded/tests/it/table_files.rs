@@ -127,6 +127,16 @@ fn files_of_other_programs_hold_the_same_contacts() {
         let found = glide(&contents, "").unwrap_or_else(|error| panic!("{error}: {contents}"));
         assert_eq!(found, expected, "{contents}");
     }
+    let vector = |lost: &str| {
+        let place = vectors.find("[[").unwrap() + 1;
+        let end = vectors[place..].find(']').unwrap();
+        format!("{}{lost}{}", &vectors[..place], &vectors[place + end + 1..])
+    };
+    for lost in ["NaN", "null", "[null,null,null]"] {
+        let lost = vector(lost);
+        let found = glide(&lost, hint(&glide(&lost, "").unwrap_err())).unwrap();
+        assert_eq!(found["contacts"], 29, "{lost}");
+    }
     for lost in ["NaN", "-Infinity"] {
         let of_python = columns(false).replacen(&rows()[4][1].to_string(), lost, 1);
         assert_eq!(glide(&of_python, "").unwrap()["contacts"], 29);
