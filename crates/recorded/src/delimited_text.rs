@@ -3,6 +3,8 @@
 use csv::{ReaderBuilder, StringRecord, Terminator};
 
 use super::error::RecordedError;
+use palpate_study::readings::spelt;
+
 use super::heading::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text, comment};
@@ -43,14 +45,21 @@ impl<'a> DelimitedText<'a> {
             columns,
         };
         let fields = split(text, first, delimiter);
-        let next = text.rows_after(header_line).next();
-        let next = next.map(|(row, _)| split(text, row, delimiter));
+        let mut rows = text.rows_after(header_line);
+        let mut rows = std::iter::from_fn(|| Some(split(text, rows.next()?.0, delimiter)));
+        let mut next = rows.next();
         let is_split = delimiter != Delimiter::Comma || stated.is_some() || first.contains(',');
         if is_split && has_numbers(&fields, next.as_ref()) {
             let header = (0..fields.len()).map(|place| place.to_string());
             return Ok((table(0, fields.len()), header.collect()));
         }
         let mut header = names(text, first, delimiter);
+        let mut heading = 1;
+        if let Some(row) = next.take_if(|row| has_axes(row, &fields)) {
+            header = grouped(&header, &row);
+            heading += 1;
+            next = rows.next();
+        }
         let units = next.and_then(|row| units(&row, header.len()));
         for (name, unit) in header.iter_mut().zip(units.iter().flatten()) {
             match bracketed(name).1 {
@@ -63,7 +72,7 @@ impl<'a> DelimitedText<'a> {
                 }
             }
         }
-        let heading = 1 + usize::from(units.is_some());
+        heading += usize::from(units.is_some());
         Ok((table(heading, header.len()), header))
     }
 
@@ -222,6 +231,31 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
         unit.clear();
     }
     is_row.then_some(units)
+}
+
+/// Whether the row after the first line `first` of a table names axes, such as x, y and z. The first line then contains
+/// the names of groups of columns, as in files of pandas and of motion capture systems.
+fn has_axes(row: &StringRecord, first: &StringRecord) -> bool {
+    let is_axis = |field: &str| matches!(&*spelt(bracketed(tidy(field)).0), "x" | "y" | "z");
+    row.len() == first.len() && row != first && row.iter().any(is_axis) && !has_number(row)
+}
+
+/// Names of columns from a line with the names of groups and a line with the names within the groups. The name of a
+/// group may be written only above its first column.
+fn grouped(groups: &[String], names: &StringRecord) -> Vec<String> {
+    let mut group = "";
+    let mut header = Vec::new();
+    for (own, name) in groups.iter().zip(names) {
+        group = if own.is_empty() { group } else { own };
+        let (base, unit) = bracketed(group);
+        let unit = unit.map_or(String::new(), |unit| format!(" [{unit}]"));
+        header.push(match (group, tidy(name)) {
+            ("", name) => name.to_owned(),
+            (group, "") => group.to_owned(),
+            (_, name) => format!("{}_{name}{unit}", base.trim()),
+        });
+    }
+    header
 }
 
 /// Number of the first line with an odd number of quotation marks; `None` if there is none.

@@ -188,19 +188,31 @@ impl<'a> TextTable<'a> {
 
     /// Hint for a file whose first line is not its header, but a title: the line that names some of `columns`.
     pub(super) fn header_hint(&self, columns: &[Column]) -> String {
-        let Format::Delimited(DelimitedText { text, .. }) = &self.format else {
+        let Format::Delimited(DelimitedText { text, heading, .. }) = &self.format else {
             return String::new();
         };
         let is_header = |row: &str| {
-            Delimiter::ALL.into_iter().any(|delimiter| {
+            Delimiter::ALL.into_iter().find_map(|delimiter| {
                 let header: Vec<String> = names(*text, row, delimiter);
                 let header = Header::new(&header, &self.file.form.columns);
-                let has = |column: &&Column| matches!(header.place(column), Ok(Some(_)));
-                columns.iter().filter(has).count() > 1
+                let places = columns.iter().map(|column| header.place(column));
+                let is_twice = |_: &_| self.file.form.columns.is_empty();
+                let is_name = |place: &Result<Option<_>, _>| {
+                    place.as_ref().map_or_else(is_twice, Option::is_some)
+                };
+                let found: Vec<_> = places.filter(is_name).collect();
+                (found.len() > 1).then(|| found.iter().any(Result::is_err))
             })
         };
-        let mut rows = text.rows_after(self.header_line).take(MAX_TITLE_LINES);
-        let line = rows.find(|(row, _)| is_header(row)).map(|(_, line)| line);
+        let rows = text.rows_after(self.header_line);
+        let rows = rows.skip(heading.saturating_sub(1)).take(MAX_TITLE_LINES);
+        let mut before = None;
+        let line = rows.into_iter().find_map(|(row, line)| {
+            let before = before.replace(line);
+            // If names occur twice, the line before contains the names of their groups.
+            let line_of = |is_twice: bool| before.filter(|_| is_twice).unwrap_or(line);
+            is_header(row).map(line_of)
+        });
         line.map_or_else(String::new, |line| {
             format!("; line {line} names columns: write # before the lines above it")
         })

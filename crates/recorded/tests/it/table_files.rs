@@ -391,6 +391,9 @@ fn wide_tables_hold_several_fingers() {
             (&3.into(), &30.into())
         );
     }
+    // The names of the fingers are in the line above the names of the axes.
+    let groups = "\"t\",thumb,,,index,,,ring,,\ns,x,y,z,x,y,z,x,y,z";
+    assert_eq!(glide(wide(groups, &ALL[1..4]), "").unwrap()["fingers"], 3);
     let header = repeated("F_C", ["f1", "f2", "f3"], &letters[..3]);
     let table = wide(&header, &ALL[1..4]);
     let first: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
