@@ -97,7 +97,7 @@ struct ArrayColumn {
 pub(super) struct NumpyTable<'a> {
     arrays: Vec<Cow<'a, [u8]>>,
     columns: Vec<ArrayColumn>,
-    rows: usize,
+    pub(super) rows: usize,
 }
 
 struct Array<'a> {

@@ -98,6 +98,16 @@ impl<'a> TextTable<'a> {
         if self.header.iter().zip(0..).all(counts) {
             self.header = (0..count).map(|place| place.to_string()).collect();
             if !is_named && !orders.is_empty() {
+                let has = |count| orders.iter().any(|order| order.len() == count);
+                if let Format::Numpy(NumpyTable { rows, .. }) = self.format
+                    && count > rows
+                    && has(rows)
+                    && !has(count)
+                {
+                    return Err(format!(
+                        "an array of shape ({rows}, {count}) has one column per reading; transpose it (.T), because one row per reading is needed"
+                    ));
+                }
                 self.header = names_by_order(count, orders, self.leading())?;
                 let names = self.header.join(",");
                 let numbers = match &self.format {

@@ -463,7 +463,10 @@ fn damaged_files_are_refused_with_the_reason() {
         (b"\x1f\x8b\x08".to_vec(), "is compressed by gzip"),
         (b"PAR1\0".to_vec(), "is a Parquet file; save"),
         (b"x\0,\0y\0".to_vec(), "save it as UTF-8"),
-        (edited("(30, 3)", "(3, 30)"), "the 30 columns have no names"),
+        (
+            edited("(30, 3)", "(3, 30)"),
+            "has one column per reading; transpose it",
+        ),
         (edited("(30, 3)", "(90,)  "), "is an array of shape (90)"),
         (edited("<f8", "<c8"), "has elements of type `<c8`"),
         (
