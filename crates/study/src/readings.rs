@@ -158,12 +158,20 @@ impl Column {
 }
 
 /// Converts a name to lower case, with one underscore between words. Letters, digits and degree signs form words; all
-/// other characters separate them.
+/// other characters separate them. A capital letter after two small letters begins a word, as in `normalX`.
 pub fn spelt(name: &str) -> String {
-    let is_part = |letter: char| letter.is_alphanumeric() || letter == '\u{b0}';
-    let words = name.split(|letter| !is_part(letter));
-    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
-    words.join("_").to_lowercase()
+    let (mut words, mut small) = (String::new(), 0);
+    for letter in name.chars() {
+        let is_part = letter.is_alphanumeric() || letter == '\u{b0}';
+        let is_start = !is_part || (small > 1 && letter.is_uppercase());
+        if is_start && !words.is_empty() && !words.ends_with('_') {
+            words.push('_');
+        }
+        small = if letter.is_lowercase() { small + 1 } else { 0 };
+        words.extend(letter.to_lowercase().filter(|_| is_part));
+    }
+    words.truncate(words.trim_end_matches('_').len());
+    words
 }
 
 /// The columns of the tables of readings, by the kind of reading.
