@@ -23,8 +23,12 @@ const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 /// Largest rotation of a probe on an edge so sharp that its ratio exceeds `MAX_TURN_RATIO`. Larger rotations with such
 /// a ratio are rejected.
 const MAX_SHARP_TURN_RAD: f64 = PI;
-/// Readings with a ratio below this value are rejected. No dish has a radius so close to that of the probe.
+/// Readings with a ratio below this value are rejected, because no dish has a radius so close to that of the probe, and
+/// so are readings with a ratio above its reciprocal.
 const LEAST_TURN_RATIO: f64 = 1.0 / 200.0;
+
+/// Largest accepted quotient of the ratios in two directions; a larger quotient may be due to mixed units.
+const MAX_DIRECTION_RATIO: f64 = 8.0;
 
 /// If the root mean square residual is above this share of the shifts, the rotations are tested for a common rotation.
 const MAX_MISFIT: f64 = 0.02;
@@ -83,6 +87,7 @@ impl RollEstimate {
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
             .chain(Warning::of("poor-fit", self.common_rotation()))
             .chain(Warning::of("flat-object", self.flatness()))
+            .chain(Warning::of("units", self.mixed_units()))
             .chain(Warning::of("few-crossings", self.few_crossings()))
             .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))
             .chain(Warning::of("units", self.rotation_noise(readings)))
@@ -120,6 +125,19 @@ impl RollEstimate {
                 Number::rounded(std),
                 self.unit.as_str(),
                 Number::rounded(sharper)
+            )
+        })
+    }
+
+    /// Text of a warning if the turn ratio in one direction is much larger than in another; otherwise `None`.
+    fn mixed_units(&self) -> Option<String> {
+        let principal = self.estimate.curvature.principal();
+        let ratio = |curvature: f64| 1.0 + self.options.probe_radius * curvature;
+        let (low, high) = (ratio(principal.k_min), ratio(principal.k_max));
+        let ratio = Number::rounded(high / low);
+        (self.single_direction.is_none() && high > MAX_DIRECTION_RATIO * low.max(1.0)).then(|| {
+            format!(
+                "for the same shift, the probe turned {ratio} times as far in one direction as in another: unless the object is a sharp edge, are both shifts in the same unit, and both rotations?"
             )
         })
     }
@@ -197,7 +215,7 @@ impl RollRecording {
                     shown(median),
                     unit.as_str()
                 ),
-                wrong.is_some(),
+                wrong.is_some() || median > LEAST_TURN_RATIO.recip(),
             ),
             _ if median < MIN_TURN_RATIO => (
                 format!(

@@ -12,11 +12,12 @@ use palpate_sensing::{Channel, Stream};
 use palpate_study::config::{LengthUnit, SceneConfig, StudyConfig, load};
 
 /// Parts of the texts of the tested warnings.
-const WORDS: [&str; 6] = [
+const WORDS: [&str; 7] = [
     "contradict the positions of the contacts",
     "but the readings show",
     "less than the distance between two pads",
     "as far as on a plane",
+    "times as far in one direction",
     "whole turn",
     "point inward",
 ];

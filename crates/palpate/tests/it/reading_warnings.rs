@@ -118,6 +118,7 @@ const PRESS_MISTAKES: &str = "
 0 1 | 1e3 | half the circumference
 ";
 const ROLL_MISTAKES: &str = "
+3 | 0.1 | times as far in one direction as in another
 1 2 | 57.296 | the rotations in degrees
 1 2 | 1e-3 | in a smaller unit
 1 2 | 0.01745 | in rad although
