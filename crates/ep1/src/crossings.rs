@@ -8,7 +8,7 @@ use crate::{PadCell, RollSample, SeriesNoise};
 /// A parabola is fitted to the measured rotations near a change of the active pad, to average their noise. This constant
 /// determines the length of the parabola. It is the rotation over half of the parabola, divided by the standard
 /// deviation of a measured rotation.
-const REACH: f64 = 10.0;
+const REACH: f64 = 20.0;
 /// Largest number of samples in half of the parabola that is fitted to the measured rotations near a change of the
 /// active pad.
 const MOST_REACH: usize = 10_000;
