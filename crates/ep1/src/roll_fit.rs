@@ -12,7 +12,8 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector4};
 
 use crate::crossings::Crossing;
 use crate::rolled_path::{
-    LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients, drive_of,
+    LocalShape, MAX_COEFFICIENTS, PathPoint, RollRotations, StartFrame, by_coefficients,
+    coefficients, drive_of,
 };
 
 use estimated_noise::SharedError;
@@ -85,6 +86,9 @@ pub(crate) struct FitNoise {
     /// If the variance of a contact point is estimated from residuals, it is at least this value (in squared radii of
     /// the probe).
     pub(crate) min_variance: f64,
+    /// Weights of a normal prior with mean 0 for the coefficients of the shape: the inverse of the prior variance of each
+    /// coefficient, or 0 if it has no prior.
+    pub(crate) prior: [f64; MAX_COEFFICIENTS],
 }
 
 /// The state and the normal equations of one roll. Two unknowns of the roll itself, its start and the error of its
@@ -108,6 +112,36 @@ pub(crate) struct RollFit<const N: usize> {
     /// Position of the contact that is farthest from the start on the object, in the frame that is carried along the
     /// path.
     pub(crate) end: Vector2<f64>,
+}
+
+impl FitNoise {
+    /// The noise with a prior for the coefficients of a shape with three terms, except those of the first `terms`. The
+    /// prior of the tensor T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the largest principal
+    /// curvature `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3 k³. The weights of
+    /// the prior are multiplied by `variance`. If `estimated` noise is given, the result contains this noise.
+    pub(crate) fn with_prior(
+        mut self,
+        terms: usize,
+        curvature: f64,
+        variance: f64,
+        estimated: Option<EstimatedNoise>,
+    ) -> Self {
+        for term in terms..3 {
+            let std = (term + 2) as f64 * curvature.powi(term as i32 + 1);
+            let mut weight = variance / (std * std).max(f64::EPSILON);
+            // With binomial coefficients as weights, the prior does not depend on the directions of the axes.
+            for j in 0..=term + 2 {
+                self.prior[coefficients(term) + j] = weight;
+                weight *= (term + 2 - j) as f64 / (j + 1) as f64;
+            }
+        }
+        if let Some(estimated) = estimated {
+            self.contact_std = estimated.variance.sqrt();
+            self.relative_roll_std = estimated.shared.sqrt();
+            self.is_estimated = false;
+        }
+        self
+    }
 }
 
 /// The result of a fit to all rolls.
@@ -364,6 +398,18 @@ impl<const N: usize> SeriesFit<N> {
                 fit.chi_squared += state.chi_squared;
                 fit.freedom += state.freedom;
             }
+            for (at, weight) in noise
+                .prior
+                .into_iter()
+                .enumerate()
+                .filter(|one| one.1 > 0.0)
+            {
+                let own = fit.shape.tensors[at];
+                fit.information[(at, at)] += weight;
+                gradient[at] -= weight * own;
+                fit.chi_squared += weight * own * own;
+                fit.freedom += 1;
+            }
             fit.freedom = fit.freedom.saturating_sub(N);
             fit.covariance = inverse_of(&fit.information)?;
             let full = fit.covariance * gradient;
@@ -411,28 +457,6 @@ impl<const N: usize> SeriesFit<N> {
         // If rolls contradict each other, the fit may not converge. With a rough tolerance, the result is still good
         // enough as the start of a search.
         (tolerance >= ROUGH && fit.chi_squared.is_finite()).then_some(fit)
-    }
-
-    /// The fit with a prior for the coefficients of all terms after the first `terms`, computed to first order. The
-    /// prior of the tensor T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the largest principal
-    /// curvature `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3 k³.
-    pub(crate) fn with_prior(&self, terms: usize, curvature: f64, variance: f64) -> Option<Self> {
-        let mut fit = self.clone();
-        let mut gradient = SVector::<f64, N>::zeros();
-        for term in terms..self.shape.terms {
-            let std = (term + 2) as f64 * curvature.powi(term as i32 + 1);
-            let mut weight = variance / (std * std).max(f64::EPSILON);
-            // With binomial coefficients as weights, the prior does not depend on the directions of the axes.
-            for j in 0..=term + 2 {
-                let at = crate::rolled_path::coefficients(term) + j;
-                fit.information[(at, at)] += weight;
-                gradient[at] = -weight * self.shape.tensors[at];
-                weight *= (term + 2 - j) as f64 / (j + 1) as f64;
-            }
-        }
-        fit.covariance = inverse_of(&fit.information)?;
-        fit.shape = moved(&self.shape, &(fit.covariance * gradient))?.0;
-        Some(fit)
     }
 
     /// Chi-squared of all rolls minus chi-squared without this roll, and the degrees of freedom of this difference.

@@ -7,7 +7,7 @@ use crate::crossings::{Crossing, Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
 use crate::roll_series::{are_reversed, check, groups, shape_of_ends, undetermined};
-use crate::rolled_path::{LocalShape, RollRotations, drive_of};
+use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::symmetric::{inverse_slopes, largest_spread};
 use crate::{
@@ -82,6 +82,8 @@ struct Problem<'r> {
 /// A fit of a polynomial shape with a given number of terms.
 struct Candidate {
     criterion: f64,
+    shape: LocalShape,
+    noise: Option<EstimatedNoise>,
     estimate: SeriesEstimate,
     /// The roll that contradicts the other rolls most; `None` if no contradiction is significant.
     worst: Option<usize>,
@@ -89,7 +91,7 @@ struct Candidate {
 
 impl Problem<'_> {
     fn estimate(&mut self) -> Result<SeriesEstimate, SeriesError> {
-        let is_exact = matches!(self.places, Places::Pads(_)) && self.noise.is_exact();
+        let is_exact = self.has_exact_pads();
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
         let tolerance = if is_set { ROUGH_TOLERANCE } else { TOLERANCE };
         let mut noise = self.fit_noise();
@@ -361,6 +363,7 @@ impl Problem<'_> {
             relative_roll_std: self.noise.relative_rotation_std,
             is_estimated: !self.is_noise_stated(),
             min_variance: 0.0,
+            prior: [0.0; MAX_COEFFICIENTS],
         }
     }
 
@@ -383,6 +386,10 @@ impl Problem<'_> {
     /// residuals.
     fn is_noise_stated(&self) -> bool {
         !self.noise.is_exact() || !matches!(self.places, Places::Contacts { std: 0.0 })
+    }
+
+    fn has_exact_pads(&self) -> bool {
+        matches!(self.places, Places::Pads(_)) && self.noise.is_exact()
     }
 
     /// Stores the p-value of each roll. Returns the roll that contradicts the other rolls most; `None` if no
@@ -471,13 +478,19 @@ impl Problem<'_> {
             all.push(Candidate { criterion, ..last });
         }
         // If the readings are noisy, a fit with one or two terms may agree with them although the curvature changes
-        // more. Its curvature is then biased. Therefore replace this curvature by that of the fit with three terms and
-        // a prior for the higher terms.
-        for Candidate { estimate, .. } in all.iter_mut().filter(|one| one.estimate.terms < 3) {
+        // more. Its curvature is then biased. Therefore replace this curvature by that of a fit with three terms and a
+        // prior for the higher terms.
+        for one in all.iter_mut().filter(|one| one.estimate.terms < 3) {
+            let Some(third) = &third else { break };
+            let Candidate {
+                shape, estimate, ..
+            } = one;
             let principal = estimate.curvature.principal();
             let largest = self.radius * principal.k_max.abs().max(principal.k_min.abs());
-            let Some(fit) = &third else { break };
-            if let Some(fit) = fit.with_prior(estimate.terms, largest, self.variance(fit)) {
+            let variance = one.noise.map_or(self.variance(third), |_| 1.0);
+            let noise = noise.with_prior(estimate.terms, largest, variance, one.noise);
+            shape.terms = 3;
+            if let Some(fit) = SeriesFit::<12>::new(data, &noise, *shape, TOLERANCE) {
                 let found = self.of_fit(&fit, 3);
                 (estimate.curvature, estimate.covariance) = (found.curvature, found.covariance);
             }
@@ -498,6 +511,8 @@ impl Problem<'_> {
     ) -> Candidate {
         Candidate {
             criterion: self.criterion(fit, N),
+            shape: fit.shape,
+            noise: fit.estimated,
             worst: self.p_values(data, fit),
             estimate: self.of_fit(fit, terms),
         }
@@ -532,9 +547,9 @@ impl Problem<'_> {
         // Exact readings of pads determine the rotation at a crossing only up to the rotation between two samples. The
         // assumed errors contain this uncertainty. If the polynomial has too few terms for the curvature along the
         // rolls, the residuals exceed the assumed errors. Then χ² per degree of freedom increases the covariance.
-        let stated = match self.places {
-            Places::Pads(_) if self.noise.is_exact() => fit.chi_squared / fit.freedom.max(1) as f64,
-            _ => 1.0,
+        let stated = match self.has_exact_pads() {
+            true => fit.chi_squared / fit.freedom.max(1) as f64,
+            false => 1.0,
         };
         fit.estimated
             .map_or(stated.max(1.0), |noise| noise.variance)
@@ -555,7 +570,7 @@ impl Problem<'_> {
         };
         if let Some(noise) = fit.estimated {
             uncertainty = Uncertainty::Student(noise.freedom as usize);
-        } else if self.noise.is_exact() && matches!(self.places, Places::Pads(_)) {
+        } else if self.has_exact_pads() {
             uncertainty = Uncertainty::Student(fit.freedom.max(1));
         }
         let goodness = self.is_noise_stated();
