@@ -411,7 +411,15 @@ impl Problem<'_> {
             if freedom == 0 || roll.observations.is_empty() {
                 continue;
             }
+            let is_scatter = self.has_exact_pads() && self.method == SeriesMethod::Trajectory;
+            let others = (fit.chi_squared - fall).max(0.0);
+            let of_others = fit.freedom.saturating_sub(freedom);
             let p_value = match fit.estimated {
+                // If the polynomial has too few terms for the curvature along the rolls, exact readings contradict every
+                // fit, in all rolls. So compare this roll with the scatter of the other rolls (F test).
+                None if is_scatter && others > of_others as f64 => {
+                    ratio_tail(fall, freedom, others, of_others)
+                }
                 None => chi_squared_tail(fall, freedom),
                 // The noise is estimated, so compare this roll with the scatter between the other rolls (F test). This
                 // scatter may be much larger than the noise of samples.
@@ -500,6 +508,7 @@ impl Problem<'_> {
         let weights = all.iter().map(weight);
         let weighted: Vec<_> = weights.zip(all.iter().map(|one| &one.estimate)).collect();
         let mean = SeriesEstimate::mean(&weighted);
+        self.reports.clone_from(&mean.rolls);
         (mean, all[0].worst)
     }
 
