@@ -15,7 +15,7 @@ use crate::PadCell;
 
 /// Numbers of nodes of successive numerical integrals over the set of possible mobilities (contact travels per radian).
 /// Each integral returns the mean and the covariance of the mobility. They are the first guess for the next integral.
-const NODES: [usize; 6] = [96, 256, 256, 512, 1024, 2048];
+const NODES: [usize; 6] = [64, 192, 256, 512, 1024, 2048];
 /// The result of a numerical integral is accepted only if the effective number of nodes exceeds this share of the
 /// number of all nodes. For the weights w of the nodes, the effective number is (Σ w)² / Σ w².
 const MIN_EFFECTIVE: f64 = 0.15;

@@ -204,45 +204,48 @@ pub(crate) fn check(
         if !is_on_probe(radius, &start) {
             return Err(SeriesError::OffProbe { roll, sample: 0 });
         }
-        let mut last = f64::NEG_INFINITY;
-        let mut place = Vector2::repeat(f64::NAN);
         let mut runs: Vec<Run> = Vec::new();
-        for (sample, reading) in series.samples.iter().enumerate() {
+        let samples = &series.samples;
+        let mut sample = 0;
+        while let Some(reading) = samples.get(sample) {
             let is_finite = (reading.time_s + reading.rotation.sum()).is_finite();
-            let is_later = reading.time_s > last;
-            // Most samples are on the pad of the sample before. Equal bits are the fastest test of that.
-            let is_repeat = reading.place.map(f64::to_bits) == place.map(f64::to_bits);
-            if is_finite & is_later & is_repeat {
-                last = reading.time_s;
-                continue;
-            }
-            let is_same = reading.place.x == place.x && reading.place.y == place.y;
-            if !(is_finite && (is_same || reading.place.sum().is_finite())) {
+            if !(is_finite && reading.place.sum().is_finite()) {
                 return Err(SeriesError::NotFinite { roll, sample });
             }
-            if !is_later {
+            let before = sample.checked_sub(1).map(|before| samples[before]);
+            if let Some(before) = before.filter(|before| reading.time_s <= before.time_s) {
                 return Err(SeriesError::TimeOrder {
                     roll,
                     sample,
                     time_s: reading.time_s,
-                    last_s: last,
+                    last_s: before.time_s,
                 });
             }
-            last = reading.time_s;
-            place = reading.place;
-            if !is_on_probe(radius, &place) {
+            if !is_on_probe(radius, &reading.place) {
                 return Err(SeriesError::OffProbe { roll, sample });
             }
+            // Most samples are later, finite, and on the pad of the sample before. They need no further check. Equal bits
+            // and an absolute value are the fastest tests of that.
+            let is_plain = |pair: &[RollSample]| {
+                let [before, one] = [&pair[0], &pair[1]];
+                let moved = |axis: usize| before.place[axis].to_bits() ^ one.place[axis].to_bits();
+                let sum = one.time_s + one.rotation.sum();
+                (moved(0) | moved(1) == 0) & (one.time_s > before.time_s) & (sum.abs() < f64::MAX)
+            };
+            let mut pairs = samples[sample..].windows(2);
+            let next = pairs.position(|pair| !is_plain(pair));
+            let next = next.map_or(samples.len(), |plain| sample + plain + 1);
             if pitch.is_some() {
-                if let Some(run) = runs.last_mut() {
-                    run.last = sample - 1;
+                match runs.last_mut() {
+                    Some(run) if samples[run.last].place == reading.place => run.last = next - 1,
+                    _ => runs.push(Run {
+                        first: sample,
+                        last: next - 1,
+                        centre: reading.place / radius,
+                    }),
                 }
-                runs.push(Run {
-                    first: sample,
-                    last: series.samples.len() - 1,
-                    centre: place / radius,
-                });
             }
+            sample = next;
         }
         all.push(without_chatter(
             &runs,

@@ -238,12 +238,14 @@ impl PathPoint {
         let mut middle = last + step.push(turned.z) * 0.5;
         middle.z += 0.25 * middle.xy().perp(&turned.xy());
         // `slopes` is the derivative of the rotation vector with respect to a small rotation of the probe.
-        let cross = middle.cross_matrix();
         let square = middle.norm_squared();
         let of_square = 1.0 / 12.0 + square * (1.0 / 720.0 + square / 30_240.0);
-        let slopes = frame + cross * frame * 0.5 + cross * cross * frame * of_square;
-        let turn = (slopes.fixed_view::<2, 2>(0, 0).try_inverse()? * step).push(0.0);
-        Some((turn, last.z + slopes.row(2).transpose().dot(&turn)))
+        let slopes = middle * (middle.transpose() * of_square) + middle.cross_matrix() * 0.5;
+        let slopes = slopes + Matrix3::from_diagonal_element(1.0 - of_square * square);
+        let slopes = slopes * frame.fixed_columns::<2>(0);
+        let turn = slopes.fixed_rows::<2>(0).try_inverse()? * step;
+        let normal_part = last.z + slopes.row(2).tr_dot(&turn);
+        Some((turn.push(0.0), normal_part))
     }
 
     /// The contact after the probe has rotated by `turn`, a rotation vector in the contact frame.

@@ -31,7 +31,7 @@ const MAX_TRIES: usize = 16;
 const TOLERANCE: f64 = 1e-8;
 /// Tolerance of a fit that only provides a first guess for the set of mobilities (contact travels per radian) that
 /// agree with exact readings.
-const ROUGH_TOLERANCE: f64 = 1e-2;
+const ROUGH_TOLERANCE: f64 = 0.1;
 /// Largest standard deviation of a mobility (contact travel per radian) that counts as determined, divided by the
 /// mobility. With a larger value, the interval of the mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
@@ -185,7 +185,9 @@ impl Problem<'_> {
         }
         // Try to leave out each roll in turn, first the roll whose crossings of pad edges contradict the other rolls
         // most.
-        self.p_values(data, fit);
+        // The rough fit is not accurate enough for a comparison of the rolls.
+        let fit = SeriesFit::new(data, noise, fit.shape, TOLERANCE).unwrap_or_else(|| fit.clone());
+        self.p_values(data, &fit);
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
         order.sort_by(|one, other| p_value(one).total_cmp(&p_value(other)));
