@@ -110,11 +110,16 @@ impl EffectiveReadings {
 }
 
 impl DistinctContacts {
+    /// Merges equal contacts, and consecutive contacts of a finger that are within the distance `limit` of the first.
+    pub fn within(contacts: &[Contact], limit: f64) -> Self {
+        Runs::new(contacts, limit, true).merged(contacts)
+    }
+
     /// Merges exact copies of a contact, and contacts that were recorded while a finger rested. A finger rests while
     /// its steps are clearly shorter than the steps of a moving finger. Lost readings (such as 9999) among the contacts
     /// do not affect the result.
     pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
-        let mut distinct = Runs::new(contacts, 0.0, true).merged(contacts);
+        let mut distinct = Self::within(contacts, 0.0);
         for merged in [rests, noisy_rests] {
             // The steps to and from a lost reading are long, so all other steps seem to be those of a resting finger.
             let near = without_far(&distinct.contacts);
@@ -175,7 +180,7 @@ impl DistinctContacts {
             false => *contact,
         });
         let moved: Vec<Contact> = moved.collect();
-        self.again(Runs::new(&moved, 0.0, true).merged(&moved))
+        self.again(Self::within(&moved, 0.0))
     }
 
     fn again(mut self, again: Self) -> Self {
@@ -450,7 +455,7 @@ fn noisy_rests(contacts: &[Contact]) -> Option<DistinctContacts> {
             moved[row].normal = contacts[row].normal.map(|own| normal.unwrap_or(own));
         }
     }
-    (!moved.is_empty()).then(|| Runs::new(&moved, 0.0, true).merged(&moved))
+    (!moved.is_empty()).then(|| DistinctContacts::within(&moved, 0.0))
 }
 
 /// Number of consecutive residuals that count as one independent residual: 1 + 2 Σ ρ, which is at least 1. The sum of

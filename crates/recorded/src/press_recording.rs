@@ -3,10 +3,16 @@
 use super::RecordedFile;
 use super::error::RecordedError;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
-use super::source::{ReadingSource, copies, finite, same_length};
+use super::source::{ReadingSource, finite, same_length};
 use super::text_table::TextTable;
+use nalgebra::Point3;
+use palpate_ep2::{Contact, DistinctContacts};
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{COLUMNS, Column, columns_of};
+
+/// Consecutive rows belong to the same marker if their places are near each other. This constant is the largest distance
+/// between them, divided by the mean distance between neighbouring markers that are in one line.
+const MAX_PLACE_ERROR: f64 = 0.2;
 
 /// Recorded readings of a press.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,8 +68,9 @@ impl PressRecording {
         })
     }
 
-    /// The press without repeated markers, and a warning about them. A marker is repeated if all its numbers equal the
-    /// numbers of an earlier marker. `None` if no marker is repeated.
+    /// The press with one reading per marker, and a warning about repeated markers; `None` if no marker is repeated.
+    /// Rows with the same place, or consecutive rows with almost the same place, are replaced by their mean. If the noise
+    /// is estimated, the mean is right whether the noise of these rows is independent or not.
     pub(super) fn without_copies(&self) -> Option<(Self, String)> {
         let along = self.tangential.as_deref();
         let marker = |marker: usize| {
@@ -71,21 +78,57 @@ impl PressRecording {
             let [along_x, along_y] = along.map_or([0.0; 2], |along| along[marker]);
             [x, y, normal, along_x, along_y]
         };
-        let all = 0..self.places.len();
-        let text = self
-            .source
-            .repeated("marker", all.clone().map(marker), 0.0)?;
-        let mut copied = copies(all.clone().map(marker)).into_iter().peekable();
-        let kept = all.filter(|marker| copied.next_if_eq(marker).is_none());
-        let kept: Vec<usize> = kept.collect();
-        let of_kept = |along: &[[f64; 2]]| kept.iter().map(|&one| along[one]).collect();
+        let count = self.places.len();
+        let contact = |&[x, y]: &[f64; 2]| Contact {
+            finger: 0,
+            position: Point3::new(x, y, 0.0),
+            normal: None,
+            weight: 1.0,
+        };
+        let contacts: Vec<Contact> = self.places.iter().map(contact).collect();
+        let distances = contacts
+            .iter()
+            .map(|one| (one.position - contacts[0].position).norm());
+        let limit = MAX_PLACE_ERROR * distances.fold(0.0, f64::max) / count as f64;
+        let mut markers: Vec<Vec<usize>> = Vec::new();
+        for (row, run) in DistinctContacts::within(&contacts, limit)
+            .run_of_row
+            .into_iter()
+            .enumerate()
+        {
+            match markers.get_mut(run) {
+                Some(rows) => rows.push(row),
+                None => markers.push(vec![row]),
+            }
+        }
+        let copies = count - markers.len();
+        if copies == 0 {
+            return None;
+        }
+        let exact = self.source.repeated("marker", (0..count).map(marker), 0.0);
+        let text = exact.unwrap_or_else(|| {
+            format!(
+                "{copies} rows have the place of an earlier row: the mean of such rows counts once"
+            )
+        });
+        let mean = |rows: &Vec<usize>| {
+            let first = marker(rows[0]);
+            let share = 1.0 / rows.len() as f64;
+            let changes = |place: usize| {
+                rows.iter()
+                    .map(move |&row| marker(row)[place] - first[place])
+            };
+            [0, 1, 2, 3, 4].map(|place| first[place] + share * changes(place).sum::<f64>())
+        };
+        let means: Vec<[f64; 5]> = markers.iter().map(mean).collect();
+        let firsts: Vec<usize> = markers.iter().map(|rows| rows[0]).collect();
         let press = Self {
-            source: self.source.selected(&kept),
-            places: kept.iter().map(|&one| self.places[one]).collect(),
-            normal: kept.iter().map(|&one| self.normal[one]).collect(),
-            tangential: along.map(of_kept),
+            source: self.source.selected(&firsts),
+            places: means.iter().map(|&[x, y, ..]| [x, y]).collect(),
+            normal: means.iter().map(|mean| mean[2]).collect(),
+            tangential: along.map(|_| means.iter().map(|&[.., x, y]| [x, y]).collect()),
             unit: self.unit,
-            extras: self.extras.selected(&kept),
+            extras: self.extras.selected(&firsts),
         };
         Some((press, text))
     }

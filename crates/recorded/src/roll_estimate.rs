@@ -435,6 +435,16 @@ pub fn estimate_roll(
     if !has_series && has_common_rotation(readings, residual) == Some(true) {
         return Err(fail(ORIENTATIONS.to_owned()));
     }
+    let is_per_roll = !has_series && options.noise.pad_start == PadStart::PerRoll;
+    let copies = is_per_roll.then(|| recorded.without_near_copies(residual, options.probe_radius));
+    if let Some((merged, text)) = copies.flatten() {
+        return Ok(RollEstimate {
+            repeated: Some(text),
+            lost,
+            probes,
+            ..estimate_roll(merged, options)?
+        });
+    }
     let mut noise_freedom = None;
     let std_from = match options.noise {
         ReadingNoise {

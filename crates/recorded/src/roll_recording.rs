@@ -15,6 +15,9 @@ use super::source::{ReadingSource, copies, finite, same_length};
 /// Largest number of rolls for which repeated rolls are found by comparing all pairs. For more rolls, a hash table is
 /// faster.
 const MAX_COMPARED: usize = 32;
+/// Consecutive rolls count as copies of one roll if they differ by at most this multiple of the root-mean-square
+/// residual of all rolls.
+const MAX_COPY_DISTANCE: f64 = 0.2;
 
 /// Recorded readings of rolls.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,6 +152,40 @@ impl RollRecording {
             [x, y, u, v]
         });
         self.leave_out_repeated(rolls.collect(), 0.5)
+    }
+
+    /// Merges consecutive rolls that differ much less than their noise, because a recorder wrote the same roll several
+    /// times with small changes. `residual` is the root-mean-square residual of all rolls. Returns the merged rolls and
+    /// a warning; `None` if fewer than half of the rolls are copies. Equal rolls may come from a coarse sensor, so they
+    /// are not merged.
+    pub(super) fn without_near_copies(
+        &self,
+        residual: f64,
+        probe_radius: f64,
+    ) -> Option<(Self, String)> {
+        let limit = MAX_COPY_DISTANCE * residual;
+        let is_copy = |one: &ProbeReading, other: &ProbeReading| {
+            let turned = (one.rotation - other.rotation).norm() * probe_radius;
+            turned.max((one.shift - other.shift).norm()) <= limit && one != other
+        };
+        let rolls = &self.readings;
+        let is_first = |&roll: &usize| roll == 0 || !is_copy(&rolls[roll - 1], &rolls[roll]);
+        let firsts: Vec<usize> = (0..rolls.len()).filter(is_first).collect();
+        let count = rolls.len() - firsts.len();
+        if firsts.len() < 2 || count < firsts.len() {
+            return None;
+        }
+        let mut merged = self.clone();
+        merged.keep(&firsts);
+        for (mean, group) in merged.readings.iter_mut().zip(rolls.chunk_by(is_copy)) {
+            let share = 1.0 / group.len() as f64;
+            mean.rotation = group.iter().map(|one| one.rotation * share).sum();
+            mean.shift = group.iter().map(|one| one.shift * share).sum();
+        }
+        let text = format!(
+            "{count} rows repeat the roll of the row before them to within a fifth of the noise: copies count once"
+        );
+        Some((merged, text))
     }
 
     /// Leaves out time series that repeat an earlier time series. Returns a warning; `None` if none was left out.

@@ -194,7 +194,7 @@ subjects! {
         "unknown-noise": "The noise is estimated from few readings, so the estimated noise is uncertain.";
         "unknown-fit": "The goodness of fit of the surface could not be computed.";
         "unexplained-readings": "The fit explains little of the variance of the readings.";
-        "repeated-rows": "Some rows are identical in every digit. Copied rows are not new readings, and make the stated uncertainty too small.";
+        "repeated-rows": "Some rows repeat earlier rows, in every digit or to within a small part of the noise. Copied rows are not new readings, and make the stated uncertainty too small.";
         "units": "The readings or a stated noise seem to be in another unit, or the displacements of a press seem to have the opposite sign.";
         "signs": "The readings seem to have the opposite sign, or their columns seem to be swapped. For example, displacements point outward, or normals contradict the positions.";
         "unnamed-probes": "No column states to which roll each row belongs. Palpate separates the rolls by rows, blank lines or times.";

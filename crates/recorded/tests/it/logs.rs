@@ -362,10 +362,23 @@ fn a_stroke_without_normals_holds_for_any_outer_side() {
 
 #[test]
 fn copies_count_once() {
-    let rows = |text: &str, times: usize| {
+    // The copies differ by `step` in their last number.
+    let changed = |text: &str, times: usize, step: f64| {
         let (header, rows) = text.split_once('\n').unwrap();
-        let rows = rows.lines().flat_map(|row| vec![format!("{row}\n"); times]);
-        format!("{header}\n{}", rows.collect::<String>())
+        let copies = rows.lines().flat_map(|row| {
+            let (row, last) = row.rsplit_once(',').unwrap();
+            let last: f64 = last.parse().unwrap();
+            (0..times).map(move |copy| format!("{row},{}\n", last + step * copy as f64))
+        });
+        format!("{header}\n{}", copies.collect::<String>())
+    };
+    let rows = |text: &str, times: usize| changed(text, times, 0.0);
+    let near = |one: &Value, four: &Value, key: &str| {
+        for key in ["value", "std"].map(|part| format!("/{key}/{part}")) {
+            let [one, four] = [one, four].map(|of| of.pointer(&key).unwrap().as_f64().unwrap());
+            assert!((four / one - 1.0).abs() < 0.01, "{key}: {one}, {four}");
+        }
+        assert!(codes(four).contains(&"repeated-rows"));
     };
     let same = |one: &Value, four: &Value, keys: &[&str]| {
         for key in keys {
@@ -386,12 +399,14 @@ fn copies_count_once() {
     let of_raster = estimate(&raster, "penalised").unwrap();
     assert_eq!(of_raster["effective_contacts"], 36.0);
     let roll = "rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,-0.3,2.01,0\n0.3,0,0,2\n0.2,-0.2,1.32,1.3\n0.2,0.2,-1.31,1.33\n";
-    let [one, four] = [1, 4].map(|times| {
-        let readings = RollRecording::try_from(file(&rows(roll, times))).unwrap();
+    let of_rolls = |text: &str| {
+        let readings = RollRecording::try_from(file(text)).unwrap();
         let estimate = estimate_roll(readings, &RollOptions::new(10.0)).unwrap();
         serde_json::to_value(estimate).unwrap()
-    });
+    };
+    let [one, four] = [1, 4].map(|times| of_rolls(&rows(roll, times)));
     same(&one, &four, &["mean_curvature", "residual_rms"]);
+    near(&one, &of_rolls(&changed(roll, 4, 1e-5)), "mean_curvature");
     let mut press = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
     for marker in 0..49 {
         let [x, y] = [marker % 7, marker / 7].map(|step| f64::from(step) - 3.0);
@@ -400,13 +415,19 @@ fn copies_count_once() {
         press += &format!("{x},{y},{depth}\n");
     }
     let given = json!({ "sensor_radius": 20.0, "depth": 2.0 });
-    let [one, four] = [1, 4].map(|times| {
-        let readings = PressRecording::try_from(file(&rows(&press, times))).unwrap();
+    let of_press = |text: &str| {
+        let readings = PressRecording::try_from(file(text)).unwrap();
         let options = PressOptions::with_settings(None, given.as_object().unwrap(), None, false);
         let report = estimate_press(&readings, &options.unwrap()).unwrap();
         serde_json::to_value(report).unwrap()
-    });
+    };
+    let [one, four] = [1, 4].map(|times| of_press(&rows(&press, times)));
     same(&one, &four, &["object_curvature", "indentation", "noise"]);
+    near(
+        &one,
+        &of_press(&changed(&press, 4, 1e-5)),
+        "object_curvature",
+    );
 }
 
 #[test]
