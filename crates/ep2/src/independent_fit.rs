@@ -165,8 +165,8 @@ impl IndependentFit {
     /// change either: the standard error is large if it exceeds the largest difference between the curvatures of a
     /// shape and of a paraboloid through the same contacts.
     ///
-    /// A quadric (`is_quadric`) is biased on most other shapes. Therefore its estimate is compared with a penalised
-    /// spline instead of a shape. The mean square error of the quadric is at least the squared difference between both
+    /// A quadric (`is_quadric`) is biased on most other shapes. Therefore its estimate is also compared with a penalised
+    /// spline. The mean square error of the quadric is at least the squared difference between both
     /// estimates, plus the variance of the spline. Both methods are also compared with the fit around an implicit
     /// quadric, such as an ellipsoid, if the contacts do not exclude this quadric.
     ///
@@ -208,9 +208,7 @@ impl IndependentFit {
         let sides = self.fit.domain.map(|[low, high]| high - low);
         let angle = 0.5 * curvature * self.fit.frame.scale() * sides[0].max(sides[1]);
         let is_precise = stds.mean_std < 0.25 * curvature * angle * angle;
-        let shape = (is_precise && !is_quadric)
-            .then(|| settings.fit(&selection).ok())
-            .flatten();
+        let shape = is_precise.then(|| settings.fit(&selection).ok()).flatten();
         let is_determined = |fit: &ShapeFit| fit.shape == Shape::Plane || fit.is_resolved();
         let shape = shape.filter(|fit| !fit.is_none_of_these() && is_determined(fit));
         let rejected = |fit: &Fit| fit.basis.as_ref().and_then(|basis| basis.rejected);
