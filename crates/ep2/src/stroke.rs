@@ -24,7 +24,7 @@ const PROBABILITY: f64 = 0.95;
 const MAX_SPREAD_RATIO: f64 = 2.5;
 /// Assumed standard deviation of the error of the stated outward direction (rad). The error is a rotation about the
 /// direction of the stroke.
-const OUTWARD_STD: f64 = 0.1;
+const OUTWARD_STD: f64 = 0.2;
 /// Assumed standard deviation of the second derivatives across the stroke, for half of the stroke's length as the unit.
 /// A single straight stroke does not determine them.
 const ACROSS_STD: f64 = 1.0;
