@@ -306,6 +306,11 @@ impl<'r> GlideFitResult<'r> {
         let method = method.clone().with_noise_factors(fitted.noise_ratios);
         match method.misfit(&fitted.patch, Some(&fitted.fit)) {
             Ok(mut tested) => {
+                // The mean of several contacts is not a contact that could be named as an outlier.
+                if fitted.contacts.len() < self.used.readings.distinct {
+                    let is_outlier = |one: &Misfit| matches!(one, Misfit::Outlier { .. });
+                    tested.misfits.retain(|one| !is_outlier(one));
+                }
                 for misfit in &mut tested.misfits {
                     if let Misfit::Outlier { reading, .. } = misfit {
                         *reading = self.used.rows[fitted.rows[*reading]];
@@ -353,8 +358,10 @@ impl<'r> GlideFitResult<'r> {
         let of_used = has_copies.then(|| source.selected(&used.rows));
         let repeated = of_used.and_then(|source| source.repeated("contact", rows, 0.0));
         let spacing = of_graph.and_then(|graph| spacing(&graph.patch, &self.given, unit));
-        let row = |contact: usize| source.row(used.rows[contact]);
-        let distant = of_graph.and_then(|_| distant(contacts, unit, &row));
+        let distant = of_graph.and_then(|graph| {
+            let row = |contact: usize| source.row(used.rows[graph.rows[contact]]);
+            distant(&graph.contacts, unit, &row)
+        });
         let mut estimator = self.options.estimator.clone();
         let stated = estimator.noise().map(std::mem::take).unwrap_or_default();
         let stated = [stated.position_std, stated.normal_std_deg];
