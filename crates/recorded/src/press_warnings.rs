@@ -163,8 +163,8 @@ const MIN_OUTWARD: f64 = 0.9;
 /// Smallest accepted distance of the outermost marker from the apex, relative to the sensor's radius. If all markers
 /// are nearer to the apex, there is a warning about units.
 const MIN_EXTENT: f64 = 5e-3;
-/// Smallest accepted normal displacement of the marker that is displaced most, relative to the sensor's radius. If its
-/// displacement is smaller, there is a warning about units.
+/// Smallest accepted normal displacement of the marker that is displaced most, relative to the sensor's radius or, on a
+/// flat pad, to the width of the markers. If its displacement is smaller, there is a warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
 /// Smallest accepted ratio of the largest displacement along the skin to the largest normal displacement. A smaller
@@ -181,8 +181,11 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     let largest = sizes.fold(0.0, f64::max);
     let along = recorded.tangential.iter().flatten().flatten();
     let along = along.fold(0.0, |most: f64, one| most.max(one.abs()));
-    let [far, moved, sensor] = [extent, largest, radius].map(Number::rounded);
-    let sensor = format!("the sensor's radius, {sensor} {unit}");
+    let is_flat = radius == f64::INFINITY;
+    let size = if is_flat { 2.0 * extent } else { radius };
+    let [far, moved, sensor] = [extent, largest, size].map(Number::rounded);
+    let what = ["the sensor's radius", "the width of the pad"][usize::from(is_flat)];
+    let sensor = format!("{what}, {sensor} {unit}");
     let signed = recorded.normal.iter();
     let signed = signed.filter(|one| one.abs() > MIN_SIGNED * largest);
     let outward = signed.clone().filter(|one| **one < 0.0).count() as f64;
@@ -203,11 +206,10 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
             "the displacements point outward, but inward displacements must be positive: is the sign wrong?"
                 .to_owned()
         }
-        () if radius == f64::INFINITY => return None,
-        () if 0.0 < extent && extent < MIN_EXTENT * radius => format!(
+        () if 0.0 < extent && extent < MIN_EXTENT * size => format!(
             "all markers lie within {far} {unit} of the apex, much less than {sensor}: are the readings in m and the radius in mm?"
         ),
-        () if 0.0 < largest && largest < MIN_DISPLACEMENT * radius => format!(
+        () if 0.0 < largest && largest < MIN_DISPLACEMENT * size => format!(
             "no marker is displaced by more than {moved} {unit}, much less than {sensor}: are the displacements in m and the rest in mm?"
         ),
         () => return None,

@@ -168,6 +168,18 @@ fn sensors_of_large_radius_are_pressed() {
             assert!(high - low < 0.1, "{radius}: {low} {high}");
         }
     }
+    // Displacements that are too small by a factor of 1000 cause a warning.
+    let small = include_str!("../data/press-flat-pad-ball4.csv").replace("ment_mm", "ment_um");
+    let mut small = RecordedFile::new("pad.csv", small.into_bytes());
+    small.form.length_unit = MM;
+    let small = PressRecording::try_from(small).unwrap();
+    let options = PressOptions::new(f64::INFINITY);
+    let report = serde_json::to_value(estimate_press(&small, &options).unwrap()).unwrap();
+    let said = report["warnings"].to_string();
+    assert!(
+        said.contains("the displacements in m and the rest in mm"),
+        "{said}"
+    );
 }
 
 /// A layer is fitted to a press of a half-space. Its fit rejects the markers at the contact as outliers, so only the
