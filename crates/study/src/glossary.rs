@@ -238,7 +238,7 @@ subjects! {
         "uneven-pictures": "Palpate computes how light and blur change the images of markers at rest. This effect is different for displaced markers.";
     }
     "Failures of rolls" {
-        "too-few-probes": "There are fewer than two rolls. The curvature of a surface has three components, and one roll determines two of them. Roll in at least two directions.";
+        "too-few-probes": "There are fewer than two rolls. The curvature of a surface has three components, and one roll determines two of them. Roll in at least two directions. In a time series without a column `probe`, a new roll starts after a blank line, or where the time does not increase.";
         "unresolvable-set": "All rolls have nearly the same direction, so the curvature across this direction is undetermined. Add a roll in another direction.";
         "noisy-rotations": "In some direction, more than half of the sum of squared rotations comes from measurement errors. Use longer rolls or a finer encoder.";
         "unresolved": "The contact did not move in some direction although the probe rolled. The object's curvature is too large for the pitch of the pads, so the readings give only a bound on its radius. Use finer pads or longer rolls.";
