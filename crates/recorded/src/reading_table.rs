@@ -185,6 +185,25 @@ impl ReadingTable {
         })
     }
 
+    /// Leaves out each row that equals the row before it, and adds a warning.
+    pub(super) fn leave_out_copies(&mut self) {
+        let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();
+        let is_new = |&row: &usize| row == 0 || rows[row] != rows[row - 1];
+        let kept: Vec<usize> = (0..rows.len()).filter(is_new).collect();
+        let count = rows.len() - kept.len();
+        if count == 0 {
+            return;
+        }
+        self.numbers = kept.iter().flat_map(|&row| rows[row]).copied().collect();
+        let gaps = self.after_gaps.iter_mut();
+        gaps.for_each(|gap| *gap = kept.partition_point(|row| row < gap));
+        self.source = self.source.selected(&kept);
+        self.extras = self.extras.selected(&kept);
+        let text = format!("{count} rows equal the row before them: copies count once");
+        let note = Warning::new("repeated-rows", text, []);
+        self.source.notes.push(note);
+    }
+
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> {
         let rows = self.numbers.chunks_exact(self.columns);
         self.source.lines.iter().copied().zip(rows)

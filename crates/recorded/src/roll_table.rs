@@ -93,7 +93,10 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     let columns = [probe, time, form.columns(), contacts, starts].concat();
     let may = &COLUMNS.rolls[..usize::from(!names_probes)];
-    let sheet = ReadingTable::read(&table, &columns, may)?;
+    let mut sheet = ReadingTable::read(&table, &columns, may)?;
+    if names_probes || kind != Kind::Rows {
+        sheet.leave_out_copies();
+    }
     if kind != Kind::Rows
         && let Some(hint) = header.unread(may, &[])
     {

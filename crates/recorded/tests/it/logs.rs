@@ -407,6 +407,16 @@ fn copies_count_once() {
     let [one, four] = [1, 4].map(|times| of_rolls(&rows(roll, times)));
     same(&one, &four, &["mean_curvature", "residual_rms"]);
     near(&one, &of_rolls(&changed(roll, 4, 1e-5)), "mean_curvature");
+    let named: Vec<String> = (0..)
+        .zip(roll.lines())
+        .map(|(row, line)| format!("{row},{line}"))
+        .collect();
+    let named = named.join("\n").replacen('0', "probe", 1);
+    same(
+        &one,
+        &of_rolls(&rows(&named, 4)),
+        &["mean_curvature", "residual_rms"],
+    );
     let mut press = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
     for marker in 0..49 {
         let [x, y] = [marker % 7, marker / 7].map(|step| f64::from(step) - 3.0);
