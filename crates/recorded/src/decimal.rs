@@ -55,12 +55,11 @@ impl DecimalSign {
     /// Stores `text`, a number of the table, if its point or comma shows which decimal sign the table uses. Returns
     /// whether the number does not have the usual form, that is, whether it has a comma or may have a separator.
     pub(super) fn add(&mut self, text: &str) -> bool {
-        let may_be = |decimal| ungrouped(text, decimal).is_some();
+        let is_odd = |decimal| ungrouped(text, decimal).is_none();
+        let is_point = self.point.is_some() || !self.has_semicolons;
         let first = match () {
-            () if text.contains(',') && !may_be(Decimal::Point) => &mut self.comma,
-            () if text.contains('.') && !(self.has_semicolons && may_be(Decimal::Comma)) => {
-                &mut self.point
-            }
+            () if text.contains(',') && is_odd(Decimal::Point) => &mut self.comma,
+            () if text.contains('.') && (is_point || is_odd(Decimal::Comma)) => &mut self.point,
             () => return text.contains([',', '.']),
         };
         first.get_or_insert_with(|| text.to_owned());

@@ -1,10 +1,9 @@
 //! Tables of fields that are separated by commas, semicolons, tabs or spaces.
 
 use csv::{ReaderBuilder, StringRecord, Terminator};
-
-use super::error::RecordedError;
 use palpate_study::readings::spelt;
 
+use super::error::RecordedError;
 use super::heading::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text, comment};
