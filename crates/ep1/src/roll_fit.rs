@@ -20,7 +20,7 @@ use estimated_noise::SharedError;
 pub(crate) use estimated_noise::{EstimatedNoise, MIN_SHARE};
 
 /// Largest number of steps of a fit.
-const MAX_STEPS: usize = 25;
+const MAX_STEPS: usize = 100;
 
 /// A fit ends if Newton's decrement is below this value. The decrement is the squared distance of the estimate from the
 /// minimum, in units of the standard errors.
@@ -33,9 +33,6 @@ const STEP: f64 = 1e-6;
 /// A fit also ends if the largest change of an unknown is below this value, but above half of the largest change in the
 /// step before. Further steps would then hardly improve the fit.
 const SETTLED: f64 = 1e-5;
-/// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard
-/// deviation of the start. This distance is a little more than half a pad.
-const MAX_START: f64 = 2.2;
 /// A step of a fit is its largest change of an unknown. If the ratio of a step to the previous step exceeds this value,
 /// the steps seem to alternate between two points, and the next steps are halved.
 const ALTERNATING: f64 = 0.8;
@@ -62,6 +59,8 @@ pub(crate) struct RollData {
     pub(crate) start: Vector2<f64>,
     /// Standard deviation of the first guess `start`, in radii of the probe; infinite if the fit must ignore the guess.
     pub(crate) start_std: f64,
+    /// Largest accepted distance of the start from `start` along each axis, in radii of the probe.
+    pub(crate) start_limit: f64,
     /// Rotations of the probe at the readings. If the probe spins, there are more rotations between the readings.
     pub(crate) rotations: RollRotations,
     /// The readings, each with the index of its rotation in `rotations`.
@@ -426,11 +425,12 @@ impl<const N: usize> SeriesFit<N> {
                 // determine the start. In a model with too few terms, the fit would then move the start far away to
                 // reduce the residuals.
                 let before = state.start;
-                let limit = MAX_START * roll.start_std;
                 for part in 0..2 {
                     let moved = before[part] + own[part];
                     let guess = roll.start[part];
-                    state.start[part] = moved.max(guess - limit).min(guess + limit);
+                    state.start[part] = moved
+                        .max(guess - roll.start_limit)
+                        .min(guess + roll.start_limit);
                 }
                 // The largest change includes the changes of the roll's start and of its rotation error.
                 let moved = (state.start - before).amax();

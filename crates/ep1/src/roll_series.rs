@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::SeriesError;
 use crate::crossings::{Run, without_chatter};
 use crate::roll_fit::Observation;
-use crate::rolled_path::{LocalShape, drive_of};
+use crate::rolled_path::drive_of;
 
 /// Largest number of contact points of a roll that a fit uses. If a roll has more contact points, they are divided into
 /// this number of groups, and the fit uses the mean of each group.
@@ -285,15 +285,6 @@ pub(crate) fn groups(
         (middle, rotation, has_contacts.then_some(contact))
     };
     (0..count).map(mean).collect()
-}
-
-/// A shape with constant curvature that follows from the first and the farthest samples of the rolls, by least squares.
-/// `None` if the rolls do not determine it.
-pub(crate) fn shape_of_ends(rolls: &[RollSeries], radius: f64) -> Option<LocalShape> {
-    let (drives, travels) = sums_of_ends(rolls);
-    let mobility = travels * drives.try_inverse()? / radius;
-    let mobility = (mobility + mobility.transpose()) * 0.5;
-    LocalShape::of_mobility(&mobility).filter(|_| mobility.determinant() > 0.0)
 }
 
 /// Sums of the products of the drive (rotation vector, turned by 90°) with itself, and of the contact's travel with the

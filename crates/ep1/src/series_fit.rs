@@ -1,12 +1,12 @@
 //! Estimates curvature from time series of rolls.
 
-use nalgebra::{Matrix2, Matrix3, Vector2};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{Crossing, Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
-use crate::roll_series::{are_reversed, check, groups, shape_of_ends, undetermined};
+use crate::roll_series::{are_reversed, check, groups, undetermined};
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::symmetric::{inverse_slopes, largest_spread};
@@ -27,6 +27,9 @@ const MIN_RESIDUAL: f64 = 1e-3;
 const ROLLS_PER_OUTLIER: usize = 4;
 /// If exact readings contradict each other, at most this number of rolls is left out in turn.
 const MAX_TRIES: usize = 16;
+/// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard
+/// deviation of the start. This distance is a little more than half a pad.
+const MAX_START: f64 = 2.2;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
 /// Tolerance of a fit that only provides a first guess for the set of mobilities (contact travels per radian) that
@@ -38,6 +41,8 @@ const MAX_SPREAD: f64 = 0.25;
 /// If the errors of rotations grow with the rotation, the fit uses the rotations about the contact normal only if their
 /// root mean square exceeds their standard deviation by this factor.
 const MIN_SPIN: f64 = 2.0;
+/// Smallest rotation about the contact normal during a roll that counts as a spin (rad).
+const MIN_ANGLE: f64 = 0.02;
 /// If the mobility (contact travel per radian) depends on the direction, the crossings of pad edges are located again.
 /// The mobility counts as dependent on the direction if the difference between its largest and its smallest value,
 /// divided by their sum, exceeds this limit.
@@ -79,6 +84,14 @@ struct Problem<'r> {
     reports: Vec<RollReport>,
 }
 
+/// Whether the probe rotates noticeably about the contact normal during the roll.
+fn spins(roll: &RollSeries) -> bool {
+    roll.has_spin
+        && roll
+            .farthest()
+            .is_some_and(|last| last.rotation.z.abs() > MIN_ANGLE)
+}
+
 /// A fit of a polynomial shape with a given number of terms.
 struct Candidate {
     criterion: f64,
@@ -93,7 +106,11 @@ impl Problem<'_> {
     fn estimate(&mut self) -> Result<SeriesEstimate, SeriesError> {
         let is_exact = self.has_exact_pads();
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
-        let tolerance = if is_set { ROUGH_TOLERANCE } else { TOLERANCE };
+        // If the probe spins, the bounds of the set are accurate only near the mobility at which they are linearised.
+        let tolerance = match is_set && !self.rolls.iter().any(spins) {
+            true => ROUGH_TOLERANCE,
+            false => TOLERANCE,
+        };
         let mut noise = self.fit_noise();
         let rolls = self.rolls;
         loop {
@@ -102,11 +119,6 @@ impl Problem<'_> {
             let usable = data.iter().filter(is_used).count();
             let from = |shape| SeriesFit::<3>::weighted(&data, &noise, shape, tolerance);
             let mut first = from(LocalShape::FLAT);
-            // If the object is far from flat, the fit may not converge. Then start it from the ends of the rolls.
-            if let (None, false, Some(shape)) = (&first, is_set, shape_of_ends(rolls, self.radius))
-            {
-                first = from(shape);
-            }
             // If the curvature changes, a fit of constant curvature to exact readings may not converge. Its result is
             // then still good enough as the start of fits with more terms.
             if is_exact && first.is_none() {
@@ -299,6 +311,7 @@ impl Problem<'_> {
         let scale = 1.0 / self.radius;
         let mut data = Vec::with_capacity(self.rolls.len());
         let (rolls, has_spin) = (self.rolls, self.has_spin());
+        let std = self.noise.rotation_std_rad;
         for (roll, (series, report)) in rolls.iter().zip(&mut self.reports).enumerate() {
             if report.left_out == Some(Exclusion::Inconsistent) {
                 continue;
@@ -319,6 +332,9 @@ impl Problem<'_> {
             let has_spin = has_spin && series.has_spin;
             let spin = series.farthest().filter(|_| has_spin);
             let spin = spin.map_or(0.0, |last| last.rotation.z.abs());
+            // If noisy rotations are relative to the orientation of the first sample, they share the error of this
+            // orientation. This error moves the contact like an error of the start does.
+            let is_start_exact = samples[0].rotation != Vector3::zeros() || std == 0.0;
             let (mut all, start_std) = match self.places {
                 Places::Pads(cell) => {
                     let pitch = cell.pitch * scale;
@@ -343,9 +359,12 @@ impl Problem<'_> {
             let observations = observations.filter_map(|(index, one)| Some((index, one.2?)));
             data.push(RollData {
                 roll,
-                is_start_known: series.start.is_some(),
+                is_start_known: series.start.is_some() && is_start_exact,
                 start: guess,
-                start_std,
+                start_std: series.start.map_or(start_std, |_| std),
+                start_limit: series
+                    .start
+                    .map_or(MAX_START * start_std, |_| f64::INFINITY),
                 observations: observations.collect(),
                 rotations: RollRotations::new(all.into_iter().map(|one| one.1).collect(), has_spin),
             });

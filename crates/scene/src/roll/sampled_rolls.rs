@@ -39,8 +39,6 @@ pub(super) struct SampledRolls {
 #[derive(Clone, Debug)]
 struct SampledRoll {
     times_s: Vec<f64>,
-    /// Times of the samples, as fractions of the duration of the roll.
-    fractions: Vec<f64>,
     points: Vec<PathPoint>,
 }
 
@@ -52,10 +50,6 @@ impl SampledRoll {
             .collect();
         let points = roller.path(&[*command], &times_s);
         Ok(Self {
-            fractions: times_s
-                .iter()
-                .map(|time| time / command.duration_s)
-                .collect(),
             points: points.map_err(|error| error.to_string())?,
             times_s,
         })
@@ -193,13 +187,16 @@ impl RollScene {
             let (places, start) = sensor
                 .read_samples(&contacts)
                 .map_err(|error| (place, NoSeries::Sensor(error)))?;
-            let errors = noise.measured(&roll.command, &samples.fractions);
+            let duration_s = roll.command.duration_s;
+            // Times of the samples, as fractions of the duration of the roll.
+            let fractions = samples.times_s.iter().map(|time_s| time_s / duration_s);
+            let fractions: Vec<f64> = fractions.collect();
+            let errors = noise.measured(&roll.command, &fractions);
             let commanded = samples.points.iter().map(|point| point.rotation.xy());
             let mut measured: Vec<Vector2<f64>> =
                 commanded.zip(errors).map(|(a, b)| a + b).collect();
             if let Some(rotations) = &mut rotations {
-                let duration_s = roll.command.duration_s;
-                rotations.read_samples(&mut measured, &samples.fractions, duration_s);
+                rotations.read_samples(&mut measured, &fractions, duration_s);
             }
             let turns = samples.points.iter().map(|point| point.rotation.z);
             let spins = turns.clone().any(|turn| turn.abs() > ROUNDING_RAD);
