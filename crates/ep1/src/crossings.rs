@@ -75,15 +75,13 @@ pub(crate) fn without_chatter(all: &[Run], reach: f64) -> Vec<Run> {
 }
 
 /// The crossings of pad edges between successive runs. A run consists of successive samples on one pad. Distances are
-/// in radii of the probe. `mobility` is the contact's travel per radian. It determines which direction of rotation
-/// moves the contact across an edge.
+/// in radii of the probe.
 pub(crate) fn crossings(
     samples: &[RollSample],
     runs: &[Run],
     pitch: f64,
     cell: &PadCell,
     noise: &SeriesNoise,
-    mobility: &Matrix2<f64>,
 ) -> Vec<Crossing> {
     let mut all = Vec::new();
     for pair in runs.windows(2) {
@@ -107,8 +105,7 @@ pub(crate) fn crossings(
                 normal.dot(&before.centre) + 0.5 * pitch,
                 normal.dot(&after.centre) - 0.5 * pitch,
             ];
-            let across = (mobility * normal).normalize();
-            let (rotation, std) = rotation_at_change(samples, &before, &after, noise, &across);
+            let (rotation, std) = rotation_at_change(samples, &before, &after, noise, &normal);
             all.push(Crossing {
                 normal,
                 offset: 0.5 * (edges[0] + edges[1]),

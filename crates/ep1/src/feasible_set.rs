@@ -79,7 +79,7 @@ struct Corner {
 }
 
 /// Indices of three bounds (rows), which intersect in a corner; `None` for a side of the bounding box.
-type Basis = [Option<usize>; 3];
+pub(crate) type Basis = [Option<usize>; 3];
 
 /// State of the linear programs for the bounds (rows) of all rolls. `starts` contains the corner at which the last
 /// program of each roll ended, because the next program begins there. `sums` are sums of bounds of a roll in which the
@@ -87,18 +87,7 @@ type Basis = [Option<usize>; 3];
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Programs {
     sums: Vec<Row>,
-    starts: Vec<Basis>,
-}
-
-impl Programs {
-    /// Linear programs for the same rolls with slightly changed bounds. Each program begins at the corner at which the
-    /// previous one ended.
-    pub(crate) fn restarted(&self) -> Self {
-        Self {
-            sums: Vec::new(),
-            starts: self.starts.clone(),
-        }
-    }
+    pub(crate) starts: Vec<Basis>,
 }
 
 /// The corner of the polyhedron `rows` that is furthest in `direction`, computed with the dual simplex method. The

@@ -62,13 +62,15 @@ pub(crate) struct BoundedRoll {
 }
 
 impl BoundedRoll {
-    /// Bounds of the contact's positions in a roll, for an object whose shape is close to `shape`.
+    /// Bounds of the contact's positions in a roll, for an object whose shape is close to `shape`. The edges of all pads
+    /// are moved outward by `width`, in radii of the probe.
     pub(crate) fn new(
         series: &RollSeries,
         runs: &[Run],
         radius: f64,
         cell: &PadCell,
         shape: &LocalShape,
+        width: f64,
     ) -> Option<Self> {
         let samples = &series.samples;
         let mobility = shape.relative().try_inverse()?;
@@ -97,10 +99,10 @@ impl BoundedRoll {
             }
             edge.2 = rotations.len() - 1;
         }
-        // Move each edge of a pad outward by the estimated error of the computed path of the contact.
+        // Move each edge of a pad outward by `width` and by the estimated error of the computed path of the contact.
         let count = rotations.len() as f64;
         for edge in &mut edges {
-            edge.1 += square / (count * count);
+            edge.1 += square / (count * count) + width;
         }
         Some(Self {
             is_start_known: series.start.is_some(),
@@ -109,11 +111,6 @@ impl BoundedRoll {
             edges,
             rotations: RollRotations::new(rotations, series.has_spin),
         })
-    }
-
-    /// Moves each edge of the pads outward by `width`, in radii of the probe.
-    pub(crate) fn widen(&mut self, width: f64) {
-        self.edges.iter_mut().for_each(|edge| edge.1 += width);
     }
 }
 
@@ -267,10 +264,12 @@ impl PadEdgeSet {
         let mut programs = Programs::default();
         (0..4).any(|at| {
             let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_4 * f64::from(at));
-            let direction = Vector3::new(cos * cos, 2.0 * sin * cos, sin * sin);
-            let own = unique_entries(&self.centre);
+            let along = Vector2::new(cos, sin);
+            let direction = entries(&(along * along.transpose()));
             let end = furthest_change(&self.rows, &direction, &mut programs);
-            end.is_some_and(|(change, _)| direction.dot(&(own + change)) <= 0.0)
+            end.is_some_and(|(change, _)| {
+                direction.dot(&change) <= -along.dot(&(self.centre * along))
+            })
         })
     }
 
@@ -341,7 +340,10 @@ impl PadEdgeSet {
             let shape = LocalShape::of_mobility(&mobility).filter(|_| is_rolling(&mobility))?;
             let rows = self.linearised(&shape, &starts)?;
             let step;
-            (step, moved) = furthest_change(&rows, direction, &mut programs.restarted())?;
+            // The bounds differ slightly, so begin at the corner at which the previous program ended.
+            let mut near = Programs::default();
+            near.starts.clone_from(&programs.starts);
+            (step, moved) = furthest_change(&rows, direction, &mut near)?;
             let last = direction.dot(&change);
             change += step;
             let found = direction.dot(&change);
@@ -440,13 +442,11 @@ impl PadEdgeSet {
             ),
         };
         let direction = entries(&slopes);
-        let mean = direction.dot(&self.mean);
-        let low = self
-            .furthest(&-direction, programs)
-            .map_or(f64::NEG_INFINITY, |end| -end - mean);
-        let high = self
-            .furthest(&direction, programs)
-            .map_or(f64::INFINITY, |end| end - mean);
+        let mut end = |sign: f64| {
+            let end = self.furthest(&(direction * sign), programs);
+            end.map_or(f64::INFINITY, |end| end - sign * direction.dot(&self.mean))
+        };
+        let [low, high] = [-end(-1.0), end(1.0)];
         let low = (value + low.min(0.0) + remainder[0]).max(least);
         let high = value + high.max(0.0) + remainder[1];
         [low, high].map(|end| end.is_finite().then_some(end))
@@ -501,11 +501,6 @@ impl PadEdgeSet {
 /// The matrix may also be the inverse of a mobility.
 fn is_rolling(mobility: &Matrix2<f64>) -> bool {
     mobility.determinant() > 0.0 && mobility.trace() > 0.0
-}
-
-/// The entries uu, uv, vv of a symmetric matrix.
-fn unique_entries(matrix: &Matrix2<f64>) -> Vector3<f64> {
-    Vector3::new(matrix[(0, 0)], matrix[(0, 1)], matrix[(1, 1)])
 }
 
 fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {

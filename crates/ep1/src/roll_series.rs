@@ -61,10 +61,10 @@ impl RollSeries {
         self.samples.iter().rev().step_by(step).min_by(order)
     }
 
-    /// Travel of the contact from the first to the farthest sample, and the drive of the farthest sample.
-    fn end(&self) -> Option<(Vector2<f64>, Vector2<f64>)> {
-        let last = self.farthest()?;
-        Some((last.place - self.samples[0].place, drive_of(&last.rotation)))
+    /// Magnitude of the measured rotation about the contact normal (rad); 0 if it was not measured.
+    pub(crate) fn spin(&self) -> f64 {
+        let last = self.farthest().filter(|_| self.has_spin);
+        last.map_or(0.0, |last| last.rotation.z.abs())
     }
 }
 
@@ -208,8 +208,8 @@ pub(crate) fn check(
         let samples = &series.samples;
         let mut sample = 0;
         while let Some(reading) = samples.get(sample) {
-            let is_finite = (reading.time_s + reading.rotation.sum()).is_finite();
-            if !(is_finite && reading.place.sum().is_finite()) {
+            let sum = reading.time_s + reading.rotation.sum() + reading.place.sum();
+            if !sum.is_finite() {
                 return Err(SeriesError::NotFinite { roll, sample });
             }
             let before = sample.checked_sub(1).map(|before| samples[before]);
@@ -287,22 +287,15 @@ pub(crate) fn groups(
     (0..count).map(mean).collect()
 }
 
-/// Sums of the products of the drive (rotation vector, turned by 90°) with itself, and of the contact's travel with the
-/// drive, over the farthest samples of the rolls.
-fn sums_of_ends(rolls: &[RollSeries]) -> (Matrix2<f64>, Matrix2<f64>) {
-    let mut sums = (Matrix2::zeros(), Matrix2::zeros());
-    for (travel, drive) in rolls.iter().filter_map(RollSeries::end) {
-        sums.0 += drive * drive.transpose();
-        sums.1 += travel * drive.transpose();
-    }
-    sums
-}
-
 /// Whether the contacts moved against the direction of the rolls, for example because the rotations have the wrong
 /// sign.
 pub(crate) fn are_reversed(rolls: &[RollSeries]) -> bool {
     let (mut along, mut travel) = (0.0, 0.0);
-    for (moved, drive) in rolls.iter().filter_map(RollSeries::end) {
+    for (roll, last) in rolls
+        .iter()
+        .filter_map(|roll| Some((roll, roll.farthest()?)))
+    {
+        let (moved, drive) = (last.place - roll.samples[0].place, drive_of(&last.rotation));
         along += moved.dot(&drive) / drive.norm().max(f64::MIN_POSITIVE);
         travel += moved.norm();
     }
@@ -311,7 +304,10 @@ pub(crate) fn are_reversed(rolls: &[RollSeries]) -> bool {
 
 /// The error for rolls that do not determine the curvature. It contains the direction in which the rolls are shortest.
 pub(crate) fn undetermined(rolls: &[RollSeries]) -> SeriesError {
-    let (gram, _) = sums_of_ends(rolls);
+    let ends = rolls.iter().filter_map(RollSeries::farthest);
+    let gram: Matrix2<f64> = ends
+        .map(|last| drive_of(&last.rotation) * drive_of(&last.rotation).transpose())
+        .sum();
     let direction_rad = 0.5 * libm::atan2(-2.0 * gram[(0, 1)], gram[(1, 1)] - gram[(0, 0)]);
     SeriesError::Undetermined { direction_rad }
 }

@@ -43,8 +43,6 @@ pub enum Exclusion {
 /// Whether and how a fit used one roll.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RollReport {
-    /// Number of crossings of pad edges.
-    pub crossings: usize,
     /// P-value: probability that by chance alone the roll would contradict the other rolls at least as much. `None` if
     /// the roll cannot be tested.
     pub p_value: Option<f64>,
@@ -225,14 +223,10 @@ impl SeriesEstimate {
         if self.has_few_crossings() {
             return bounds;
         }
-        let within =
-            |end: Option<f64>, bound: Option<f64>, inner: fn(f64, f64) -> f64| match (end, bound) {
-                (Some(end), Some(bound)) => Some(inner(end, bound)),
-                (end, bound) => end.or(bound),
-            };
+        let [low, high] = [0, 1].map(|end| interval[end].or(bounds[end]));
         [
-            within(interval[0], bounds[0], f64::max),
-            within(interval[1], bounds[1], f64::min),
+            low.map(|low| low.max(bounds[0].unwrap_or(low))),
+            high.map(|high| high.min(bounds[1].unwrap_or(high))),
         ]
     }
 

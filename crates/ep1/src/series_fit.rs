@@ -1,6 +1,6 @@
 //! Estimates curvature from time series of rolls.
 
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{Crossing, Run, crossings};
@@ -43,10 +43,6 @@ const MAX_SPREAD: f64 = 0.25;
 const MIN_SPIN: f64 = 2.0;
 /// Smallest rotation about the contact normal during a roll that counts as a spin (rad).
 const MIN_ANGLE: f64 = 0.02;
-/// If the mobility (contact travel per radian) depends on the direction, the crossings of pad edges are located again.
-/// The mobility counts as dependent on the direction if the difference between its largest and its smallest value,
-/// divided by their sum, exceeds this limit.
-const ISOTROPY: f64 = 0.02;
 
 /// The curvature from time series of rolls of a probe of `radius`.
 ///
@@ -84,14 +80,6 @@ struct Problem<'r> {
     reports: Vec<RollReport>,
 }
 
-/// Whether the probe rotates noticeably about the contact normal during the roll.
-fn spins(roll: &RollSeries) -> bool {
-    roll.has_spin
-        && roll
-            .farthest()
-            .is_some_and(|last| last.rotation.z.abs() > MIN_ANGLE)
-}
-
 /// A fit of a polynomial shape with a given number of terms.
 struct Candidate {
     criterion: f64,
@@ -107,18 +95,22 @@ impl Problem<'_> {
         let is_exact = self.has_exact_pads();
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
         // If the probe spins, the bounds of the set are accurate only near the mobility at which they are linearised.
-        let tolerance = match is_set && !self.rolls.iter().any(spins) {
-            true => ROUGH_TOLERANCE,
-            false => TOLERANCE,
+        let spins = self.rolls.iter().any(|roll| roll.spin() > MIN_ANGLE);
+        let tolerance = if is_set && !spins {
+            ROUGH_TOLERANCE
+        } else {
+            TOLERANCE
         };
         let mut noise = self.fit_noise();
         let rolls = self.rolls;
+        if are_reversed(rolls) {
+            return Err(SeriesError::NotRolling);
+        }
         loop {
-            let mut data = self.prepare(&Matrix2::identity());
+            let data = self.prepare();
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
-            let from = |shape| SeriesFit::<3>::weighted(&data, &noise, shape, tolerance);
-            let mut first = from(LocalShape::FLAT);
+            let mut first = SeriesFit::<3>::weighted(&data, &noise, LocalShape::FLAT, tolerance);
             // If the curvature changes, a fit of constant curvature to exact readings may not converge. Its result is
             // then still good enough as the start of fits with more terms.
             if is_exact && first.is_none() {
@@ -135,17 +127,7 @@ impl Problem<'_> {
             if usable < 2 {
                 return Err(SeriesError::TooFewRolls { rolls: usable });
             }
-            if are_reversed(rolls) {
-                return Err(SeriesError::NotRolling);
-            }
-            let mut first = first.ok_or_else(|| undetermined(rolls))?;
-            let mobility = first.shape.relative().try_inverse().unwrap_or_default();
-            let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
-            if uneven > ISOTROPY * mobility.trace() && !self.noise.is_exact() {
-                data = self.prepare(&mobility);
-                first = SeriesFit::new(&data, &noise, first.shape, tolerance)
-                    .ok_or_else(|| undetermined(rolls))?;
-            }
+            let first = first.ok_or_else(|| undetermined(rolls))?;
             let scale = first.estimated.map_or(1.0, |noise| noise.variance);
             // Use the same smallest variance in all fits. Only then are the information criteria of fits with different
             // numbers of terms comparable.
@@ -264,8 +246,7 @@ impl Problem<'_> {
         for (at, roll) in data.iter().enumerate() {
             let series = &self.rolls[roll.roll];
             let runs = &self.runs[roll.roll];
-            let mut bounded = BoundedRoll::new(series, runs, self.radius, cell, &shape)?;
-            bounded.widen(width);
+            let mut bounded = BoundedRoll::new(series, runs, self.radius, cell, &shape, width)?;
             if let Some(fit) = fit {
                 bounded.start = fit.rolls[at].start;
                 bounded.response = fit.rolls[at].start_response();
@@ -305,9 +286,8 @@ impl Problem<'_> {
         true
     }
 
-    /// Prepares the rolls that a fit uses. `mobility` is a first guess of the contact's travel per radian, with which
-    /// crossings of pad edges are located.
-    fn prepare(&mut self, mobility: &Matrix2<f64>) -> Vec<RollData> {
+    /// Prepares the rolls that a fit uses.
+    fn prepare(&mut self) -> Vec<RollData> {
         let scale = 1.0 / self.radius;
         let mut data = Vec::with_capacity(self.rolls.len());
         let (rolls, has_spin) = (self.rolls, self.has_spin());
@@ -330,17 +310,14 @@ impl Problem<'_> {
             }
             let guess = series.start.unwrap_or(samples[0].place) * scale;
             let has_spin = has_spin && series.has_spin;
-            let spin = series.farthest().filter(|_| has_spin);
-            let spin = spin.map_or(0.0, |last| last.rotation.z.abs());
+            let spin = series.spin();
             // If noisy rotations are relative to the orientation of the first sample, they share the error of this
             // orientation. This error moves the contact like an error of the start does.
             let is_start_exact = samples[0].rotation != Vector3::zeros() || std == 0.0;
             let (mut all, start_std) = match self.places {
                 Places::Pads(cell) => {
                     let pitch = cell.pitch * scale;
-                    let found =
-                        crossings(samples, &self.runs[roll], pitch, cell, self.noise, mobility);
-                    report.crossings = found.len();
+                    let found = crossings(samples, &self.runs[roll], pitch, cell, self.noise);
                     if found.is_empty() {
                         report.left_out = Some(Exclusion::NoCrossing);
                     }
@@ -471,7 +448,7 @@ impl Problem<'_> {
         first: SeriesFit<3>,
     ) -> (SeriesEstimate, Option<usize>) {
         let mut shape = first.shape;
-        let mut all = vec![self.candidate(data, &first, 1)];
+        let mut all = vec![self.candidate(data, &first)];
         self.more_terms::<7>(data, noise, &mut shape, &mut all);
         let third = self.more_terms::<12>(data, noise, &mut shape, &mut all);
         // If the object is symmetric about the start of the rolls, odd derivatives of the curvature are zero there. A
@@ -533,18 +510,15 @@ impl Problem<'_> {
         (mean, all[0].worst)
     }
 
-    fn candidate<const N: usize>(
-        &mut self,
-        data: &[RollData],
-        fit: &SeriesFit<N>,
-        terms: usize,
-    ) -> Candidate {
+    fn candidate<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Candidate {
+        let deviance = |noise| fit.deviance(&noise);
         Candidate {
-            criterion: self.criterion(fit, N),
+            // The information criterion of Akaike.
+            criterion: 2.0 * N as f64 + fit.estimated.map_or(fit.chi_squared, deviance),
             shape: fit.shape,
             noise: fit.estimated,
             worst: self.p_values(data, fit),
-            estimate: self.of_fit(fit, terms),
+            estimate: self.of_fit(fit, fit.shape.terms),
         }
     }
 
@@ -558,7 +532,7 @@ impl Problem<'_> {
         shape.terms += 1;
         let fit = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE)?;
         *shape = fit.shape;
-        let mut one = self.candidate(data, &fit, shape.terms);
+        let mut one = self.candidate(data, &fit);
         // Widen the standard errors to account for the omitted terms. The omitted terms probably change the curvature
         // at the start less than the last two terms did. Therefore the widening is the change that the last two terms
         // caused, multiplied by a factor: the share of the last terms in the curvature at the end of a roll.
@@ -577,32 +551,21 @@ impl Problem<'_> {
         // Exact readings of pads determine the rotation at a crossing only up to the rotation between two samples. The
         // assumed errors contain this uncertainty. If the polynomial has too few terms for the curvature along the
         // rolls, the residuals exceed the assumed errors. Then χ² per degree of freedom increases the covariance.
-        let stated = match self.has_exact_pads() {
-            true => fit.chi_squared / fit.freedom.max(1) as f64,
-            false => 1.0,
-        };
-        fit.estimated
-            .map_or(stated.max(1.0), |noise| noise.variance)
-    }
-
-    /// The information criterion of Akaike for a fit.
-    fn criterion<const N: usize>(&self, fit: &SeriesFit<N>, coefficients: usize) -> f64 {
-        let penalty = 2.0 * coefficients as f64;
-        let deviance = |noise| fit.deviance(&noise);
-        penalty + fit.estimated.map_or(fit.chi_squared, deviance)
+        match fit.estimated {
+            Some(noise) => noise.variance,
+            None if self.has_exact_pads() => (fit.chi_squared / fit.freedom.max(1) as f64).max(1.0),
+            None => 1.0,
+        }
     }
 
     fn of_fit<const N: usize>(&self, fit: &SeriesFit<N>, terms: usize) -> SeriesEstimate {
         let covariance = fit.covariance.fixed_view::<3, 3>(0, 0) * self.variance(fit);
-        let mut uncertainty = match self.noise.is_exact() {
-            true => Uncertainty::NormalMobility,
-            false => Uncertainty::NormalForm,
+        let uncertainty = match fit.estimated {
+            Some(noise) => Uncertainty::Student(noise.freedom as usize),
+            None if self.has_exact_pads() => Uncertainty::Student(fit.freedom.max(1)),
+            None if self.noise.is_exact() => Uncertainty::NormalMobility,
+            None => Uncertainty::NormalForm,
         };
-        if let Some(noise) = fit.estimated {
-            uncertainty = Uncertainty::Student(noise.freedom as usize);
-        } else if self.has_exact_pads() {
-            uncertainty = Uncertainty::Student(fit.freedom.max(1));
-        }
         let goodness = self.is_noise_stated();
         let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));
         let paths: Vec<f64> = fit.rolls.iter().map(|roll| roll.end.norm()).collect();
@@ -622,13 +585,11 @@ impl Problem<'_> {
         uncertainty: Uncertainty,
     ) -> SeriesEstimate {
         let relative = shape.relative();
-        let covariance = match is_of_mobility {
-            true => {
-                let slopes = inverse_slopes(&relative);
-                slopes * covariance * slopes.transpose()
-            }
-            false => covariance,
+        let slopes = match is_of_mobility {
+            true => inverse_slopes(&relative),
+            false => Matrix3::identity(),
         };
+        let covariance = slopes * covariance * slopes.transpose();
         let arc_length = self.radius * paths.iter().sum::<f64>() / paths.len().max(1) as f64;
         SeriesEstimate::new(
             self.radius,

@@ -4,8 +4,8 @@
 use approx::assert_relative_eq;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use palpate_ep1::{
-    Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
-    SeriesNoise, estimate_series,
+    Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesMethod, SeriesNoise,
+    estimate_series,
 };
 use palpate_geometry::{Cylinder, Ellipsoid, Graph, Shape, ShapeThresholds, Sphere, Surface};
 use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
@@ -24,13 +24,11 @@ const QUANTITIES: [Quantity; 5] = [
 #[test]
 fn the_set_of_exact_rolls_contains_the_truth_and_is_narrow() {
     let mut draws = Draws(47);
-    for cell in [
-        SQUARE,
-        PadCell {
-            is_hexagonal: true,
+    for is_hexagonal in [false, true] {
+        let cell = PadCell {
+            is_hexagonal,
             ..SQUARE
-        },
-    ] {
+        };
         for (object, width) in [(47.0, 0.025), (470.0, 0.16)] {
             for turn in [0.1, 0.3, 0.6] {
                 let stated = rolls(object, &cell, turn, &mut draws);
@@ -112,13 +110,8 @@ fn few_crossings_give_wide_bounds() {
                     .apply(|part| *part = if is_zero(*part) { 0.0 } else { *part });
             }
             let curvature = 1.0 / object;
-            let truths = [
-                curvature,
-                curvature * curvature,
-                curvature,
-                curvature,
-                curvature,
-            ];
+            let square = curvature * curvature;
+            let truths = [curvature, square, curvature, curvature, curvature];
             for rolls in [along, all] {
                 let bounds = bounds_around(cell, RADIUS, &rolls, truths);
                 let [low, high] = bounds[0];
@@ -327,19 +320,6 @@ fn intervals_include_the_change_of_curvature_that_noise_hides() {
 }
 
 #[test]
-fn trajectories_of_reversed_rolls_are_refused() {
-    let cell = SQUARE;
-    let mut rolls = without_starts(&rolls(50.0, &cell, 0.3, &mut Draws(6)));
-    for sample in rolls.iter_mut().flat_map(|roll| &mut roll.samples) {
-        sample.rotation = -sample.rotation;
-    }
-    for places in [Places::Pads(cell), Places::Contacts { std: 0.0 }] {
-        let found = estimate_series(SeriesMethod::Trajectory, RADIUS, &places, &EXACT, &rolls);
-        assert_eq!(found.unwrap_err(), SeriesError::NotRolling);
-    }
-}
-
-#[test]
 fn errors_of_the_measured_rotations_do_not_attenuate() {
     let mut draws = Draws(11);
     let noise = SeriesNoise {
@@ -503,11 +483,8 @@ fn a_roll_that_contradicts_the_others_is_left_out() {
             .collect();
         assert_eq!(named, [(5, Exclusion::Inconsistent)], "{noise:?}");
         assert!(found.rolls[5].p_value.is_none_or(|p_value| p_value < 1e-4));
-        assert_relative_eq!(
-            found.curvature.mean_curvature(),
-            1.0 / 47.0,
-            max_relative = 0.02
-        );
+        let mean = found.curvature.mean_curvature();
+        assert_relative_eq!(mean, 1.0 / 47.0, max_relative = 0.02);
     }
 }
 
@@ -525,13 +502,17 @@ fn bad_series_are_named() {
         estimate(&rolls)
     };
     type Change = fn(&mut Vec<RollSeries>);
-    let changes: [(&str, Change); 4] = [
+    let changes: [(&str, Change); 5] = [
         ("time-order", |rolls| rolls[2].samples.swap(3, 4)),
         ("not-finite", |rolls| {
             rolls[2].samples[7].rotation.x = f64::NAN;
         }),
         ("off-probe", |rolls| rolls[2].samples[7].place.x = 40.0),
         ("too-few-rolls", Vec::clear),
+        ("not-rolling", |rolls| {
+            let samples = rolls.iter_mut().flat_map(|roll| &mut roll.samples);
+            samples.for_each(|one| one.rotation = -one.rotation);
+        }),
     ];
     for (name, change) in changes {
         assert_eq!(<&str>::from(changed(&change).unwrap_err()), name);
@@ -542,27 +523,21 @@ fn bad_series_are_named() {
         <&str>::from(estimate(&one_way).unwrap_err()),
         "undetermined"
     );
-    for (roll, why, change) in [
-        (
-            1,
-            Exclusion::TooFewSamples,
-            &(|roll: &mut RollSeries| roll.samples.truncate(1)) as &dyn Fn(&mut RollSeries),
-        ),
-        (1, Exclusion::TooFewSamples, &|roll| roll.samples.clear()),
-        (6, Exclusion::NoRotation, &|roll| {
-            roll.samples
-                .iter_mut()
-                .for_each(|sample| sample.rotation = Vector3::zeros());
+    type Cut = fn(&mut RollSeries);
+    let cuts: [(usize, Exclusion, Cut); 4] = [
+        (1, Exclusion::TooFewSamples, |one| one.samples.truncate(1)),
+        (1, Exclusion::TooFewSamples, |one| one.samples.clear()),
+        (6, Exclusion::NoRotation, |one| {
+            let samples = one.samples.iter_mut();
+            samples.for_each(|sample| sample.rotation = Vector3::zeros());
         }),
-        (0, Exclusion::NoCrossing, &|roll| roll.samples.truncate(5)),
-    ] {
+        (0, Exclusion::NoCrossing, |one| one.samples.truncate(5)),
+    ];
+    for (roll, why, change) in cuts {
         let found = changed(&|rolls| change(&mut rolls[roll])).unwrap();
         assert_eq!(found.rolls[roll].left_out, Some(why));
-        assert_relative_eq!(
-            found.curvature.mean_curvature(),
-            1.0 / 47.0,
-            max_relative = 0.02
-        );
+        let mean = found.curvature.mean_curvature();
+        assert_relative_eq!(mean, 1.0 / 47.0, max_relative = 0.02);
     }
 }
 
@@ -607,11 +582,8 @@ fn gaps_and_chatter_do_not_bias() {
     assert!(found.rolls.iter().all(|roll| roll.left_out.is_none()));
     let [low, high] = found.bounds(Quantity::Mean).unwrap();
     assert!(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
-    assert_relative_eq!(
-        found.curvature.mean_curvature(),
-        1.0 / 47.0,
-        max_relative = 0.02
-    );
+    let mean = found.curvature.mean_curvature();
+    assert_relative_eq!(mean, 1.0 / 47.0, max_relative = 0.02);
     let thresholds = ShapeThresholds::new(1e-6, 1e-3).unwrap();
     assert_relative_eq!(found.class_probabilities(&thresholds)[0], 1.0);
 }
