@@ -105,45 +105,33 @@ fn readings(estimate: &Value) -> Option<String> {
     let (what, count) = counts.find_map(|what| Some((what, estimate[what].as_u64()?)))?;
     let left = ["left_out", "wrong_markers"].map(|key| estimate[key].as_array());
     let left: Vec<&Value> = left.into_iter().flatten().flatten().collect();
-    let effective = estimate["effective_contacts"].as_f64().map(Number::rounded);
-    let independent = effective.map_or(String::new(), |all| format!("{all} independent"));
     let warnings = estimate["warnings"].as_array().into_iter().flatten();
     let lost = warnings.filter_map(|one| one["numbers"]["without_numbers"].as_f64());
     let lost: f64 = lost.sum();
+    let (first, separator) = match left.len() {
+        0 => (format!("{count} {what}"), ", "),
+        all => (left_out(all, &left, &format!("of {count} {what}")), "; "),
+    };
+    let independent = estimate["effective_contacts"].as_f64().map(Number::rounded);
     let without = match lost > 0.0 {
-        true => format!("{lost} without numbers left out"),
-        false => "none left out".to_owned(),
+        true => Some(format!("{lost} without numbers left out")),
+        false => left.is_empty().then(|| "none left out".to_owned()),
     };
-    if left.is_empty() {
-        let independent = Some(independent).filter(|all| !all.is_empty());
-        let all = [Some(format!("{count} {what}")), independent, Some(without)];
-        return Some(all.into_iter().flatten().collect::<Vec<_>>().join(", "));
-    }
-    let rows = left
-        .iter()
-        .take(LISTED_ROWS)
-        .map(|one| one.get("row").unwrap_or(&one["probe"]).to_string());
+    let independent = independent.map(|all| format!("{all} independent"));
+    let all = [Some(first), independent, without].into_iter().flatten();
+    Some(all.collect::<Vec<_>>().join(separator))
+}
+
+/// Text with the rows, or the probes, in `left`.
+fn left_out(count: usize, left: &[&Value], total: &str) -> String {
+    let rows = left.iter().take(LISTED_ROWS);
+    let rows = rows.map(|one| one.get("row").unwrap_or(&one["probe"]).to_string());
     let rows = rows.collect::<Vec<_>>().join(", ");
-    let more = if left.len() > LISTED_ROWS {
-        ", …"
-    } else {
-        ""
-    };
+    let more = if count > LISTED_ROWS { ", …" } else { "" };
     let has_rows = left.iter().all(|one| one.get("row").is_some());
     let word = if has_rows { "row" } else { "probe" };
-    let word = if left.len() == 1 {
-        word.to_owned()
-    } else {
-        format!("{word}s")
-    };
-    let text = format!(
-        "{} of {count} {what} left out: {word} {rows}{more}",
-        left.len()
-    );
-    let lost = Some(without).filter(|_| lost > 0.0);
-    let independent = Some(independent).filter(|all| !all.is_empty());
-    let all = [Some(text), lost, independent].into_iter().flatten();
-    Some(all.collect::<Vec<_>>().join("; "))
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {total} left out: {word}{plural} {rows}{more}")
 }
 
 #[cfg(test)]
