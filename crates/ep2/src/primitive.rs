@@ -66,6 +66,17 @@ pub enum Shape {
     Cylinder,
 }
 
+impl Shape {
+    /// Number of fitted parameters of the shape.
+    pub const fn unknowns(self) -> usize {
+        match self {
+            Self::Plane => 3,
+            Self::Sphere => 4,
+            Self::Cylinder => 5,
+        }
+    }
+}
+
 /// Estimated curvature or radius with its 95 % interval. An end of the interval is `None` if the interval is not
 /// bounded there.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,7 +26,7 @@ use super::glide_warnings::{
 use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings, two_groups};
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
-use super::shape_report::{LeftOut, ShapeReport, StrokeReport, is_undetermined, unknowns};
+use super::shape_report::{LeftOut, ShapeReport, StrokeReport, is_undetermined};
 use super::value::{FORMAT_VERSION, Value, finite};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
@@ -457,7 +457,7 @@ impl<'r> GlideFitResult<'r> {
             }
             Surface::Shape(fit) => {
                 let report = ShapeReport::new(fit, unit, self.stroke.is_some());
-                (fit.noise, None, unknowns(fit.shape) as f64, Some(report))
+                (fit.noise, None, fit.shape.unknowns() as f64, Some(report))
             }
         };
         let mean_curvature = value(curvature.mean, mean_std, Unit::PerLength);

@@ -11,7 +11,6 @@ use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
 use super::glide_options::GlideOptions;
 use super::misfit_warning::ReadingWords;
-use super::shape_report::unknowns;
 use super::source::ReadingSource;
 
 /// Largest accepted ratio of the stated to the measured distance between fingers, or of the measured to the stated
@@ -115,7 +114,7 @@ impl FoundNoise {
         let count = found.readings.distinct as f64;
         let has_normals = contacts.iter().any(|one| one.normal.is_some());
         let equations = if has_normals { 3.0 } else { 1.0 } * count;
-        let left = (1.0 - unknowns(fit.shape) as f64 / equations) * count;
+        let left = (1.0 - fit.shape.unknowns() as f64 / equations) * count;
         let bending = match fit.shape {
             Shape::Cylinder => curvature / 2.0_f64.sqrt(),
             Shape::Plane | Shape::Sphere => curvature,

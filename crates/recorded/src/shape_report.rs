@@ -142,12 +142,3 @@ fn of_radius(fit: &ShapeFit) -> SizeEstimate {
 pub(super) fn is_undetermined(fit: &ShapeFit) -> bool {
     fit.shape != Shape::Plane && fit.radius.value.is_none()
 }
-
-/// Number of fitted parameters of the shape.
-pub(super) const fn unknowns(shape: Shape) -> usize {
-    match shape {
-        Shape::Plane => 3,
-        Shape::Sphere => 4,
-        Shape::Cylinder => 5,
-    }
-}

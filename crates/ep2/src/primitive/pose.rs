@@ -128,11 +128,7 @@ impl Pose {
     }
 
     pub(super) const fn unknowns(&self) -> usize {
-        match self.shape {
-            Shape::Plane => 3,
-            Shape::Sphere => 4,
-            Shape::Cylinder => 5,
-        }
+        self.shape.unknowns()
     }
 
     /// Whether the shape has the fitted parameter with the index `unknown`. A plane has no curvature, for example.
