@@ -10,6 +10,7 @@ use super::cells::{Cells, Rounding};
 use super::pose::{Cloud, Pose, UNKNOWNS};
 use super::robust_fit::Solution;
 use super::wave_tests;
+use crate::Shape;
 use crate::effective_readings::correlation_time;
 
 /// Largest degree of the polynomial that describes the smooth deviation.
@@ -132,6 +133,10 @@ struct Rows<'a> {
     pose: &'a Pose,
     cloud: &'a Cloud,
     basis: Basis,
+    /// Errors of positions along a curved surface change the expected normals. To remove the correlation between both,
+    /// each contact is moved along the surface by the deviation of its normal times this length, to its most probable
+    /// place.
+    shift: f64,
     values: Vec<f64>,
     gradients: Vec<Vector3<f64>>,
 }
@@ -142,18 +147,26 @@ impl Rows<'_> {
     }
 
     fn fill(&mut self, index: usize, rows: &mut [Vec<f64>]) -> [f64; 4] {
-        let place = &self.cloud.places[index];
+        let (pose, place) = (self.pose, self.cloud.places[index]);
         let normal = self.cloud.normals.get(index);
-        let one = self.pose.deviation(place, true);
-        let foot = self.pose.axes * (place - self.pose.point) - one.normal * one.distance;
+        let mut one = pose.deviation(&place, true);
+        let mut residuals = [one.distance, 0.0, 0.0, 0.0];
+        let mut foot = pose.axes * (place - pose.point) - one.normal * one.distance;
+        if let Some(normal) = normal {
+            let left = pose.in_axes(normal) - one.normal;
+            residuals[1..].copy_from_slice(left.as_slice());
+            let mut step = left * self.shift;
+            if pose.shape == Shape::Cylinder {
+                step.x = 0.0;
+            }
+            foot += step;
+            one = pose.deviation(&(place + pose.axes.transpose() * step), true);
+        }
         self.basis.at(&foot, &mut self.values, &mut self.gradients);
         rows[0][..UNKNOWNS].copy_from_slice((-one.distance_row).as_slice());
         rows[0][UNKNOWNS..].copy_from_slice(&self.values);
-        let mut residuals = [one.distance, 0.0, 0.0, 0.0];
-        if let Some(normal) = normal {
-            let left = self.pose.in_axes(normal) - one.normal;
+        if normal.is_some() {
             for axis in 0..3 {
-                residuals[1 + axis] = left[axis];
                 let row = rows[1 + axis].iter_mut().take(UNKNOWNS).enumerate();
                 row.for_each(|(unknown, value)| *value = one.normal_row(unknown)[axis]);
                 for (column, gradient) in self.gradients.iter().enumerate() {
@@ -236,16 +249,28 @@ fn tested(
     let equations = counts[0] / correlations[0] + of_normals;
     let basis = Basis::new(pose, cloud, equations);
     let terms = basis.exponents.len();
+    // Errors of positions do not change the component of a normal along the axis of a cylinder.
+    let (share, of_axis) = match (solution.bending_share(), pose.shape) {
+        (share, Shape::Cylinder) => (2.0 * share / (1.0 + share), share),
+        (share, _) => (share, 0.0),
+    };
     let mut rows = Rows {
         pose,
         cloud,
         basis,
+        shift: if share > 0.0 {
+            share / pose.curvature
+        } else {
+            0.0
+        },
         values: vec![0.0; terms],
         gradients: vec![Vector3::zeros(); terms],
     };
     let columns = rows.columns();
-    let weights: [f64; 2] =
-        std::array::from_fn(|kind| 1.0 / (solution.variances[kind] * correlations[kind]));
+    let [of_distance, of_normal] =
+        [0, 1].map(|kind| 1.0 / (solution.variances[kind] * correlations[kind]));
+    let across = of_normal / (1.0 + of_axis);
+    let weights = [of_distance, of_normal / (1.0 - of_axis), across, across];
     let mut filled = vec![vec![0.0; columns]; 4];
     let mut gram = DMatrix::zeros(columns, columns);
     let mut right = DVector::zeros(columns);
@@ -256,7 +281,7 @@ fn tested(
         used += 1.0;
         let residuals = rows.fill(index, &mut filled);
         for (component, row) in filled.iter().enumerate().take(kinds) {
-            let weight = weights[component.min(1)];
+            let weight = weights[component];
             total += weight * residuals[component] * residuals[component];
             for (column, value) in row.iter().enumerate() {
                 let weighted = weight * value;

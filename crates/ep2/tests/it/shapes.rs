@@ -358,6 +358,30 @@ fn exact_normals_agree_with_positions_that_err_along_them() {
     }
 }
 
+/// Errors of positions along a curved surface change the expected normals by far more than the errors of the normals.
+#[test]
+fn normals_that_are_far_more_exact_than_positions_agree_with_the_shape() {
+    let shapes = [
+        (Shape::Sphere, Surface::Sphere(25.0)),
+        (Shape::Cylinder, Surface::Cylinder(25.0)),
+    ];
+    let mut right = 0;
+    for case in 0..24 {
+        let random = &mut Random::new(98_000 + case);
+        let (shape, surface) = shapes[case as usize % 2];
+        let contacts = noisy(
+            random,
+            &surface.strokes(15.0, 4, 100),
+            100,
+            0.6,
+            Some(0.003),
+        );
+        let fit = fit(None, &contacts).unwrap();
+        right += u32::from(fit.shape == shape && !fit.is_none_of_these());
+    }
+    assert!(right >= 21, "{right}");
+}
+
 #[test]
 fn objects_are_fitted_on_all_sides_and_below_a_tip() {
     let mut random = Random::new(97_000);
