@@ -7,7 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use nalgebra::{Point3, Vector3};
 
 use crate::Contact;
-use crate::gross_outliers::{MAX_BLOCK, MAX_OUTLIER_SHARE};
+use crate::gross_outliers::{MAX_BLOCK, MAX_OUTLIER_SHARE, farthest};
 use crate::patch::{FingerMap, by_finger};
 use crate::surface_outliers::median;
 
@@ -366,7 +366,7 @@ fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
     near as f64 / all.max(1) as f64
 }
 
-/// The contacts without single contacts that are very far from most contacts. `None` if there are no such contacts.
+/// The contacts without lost readings, which are very far from most contacts. `None` if there are no such contacts.
 fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
     contacts.first()?;
     let coordinates = |axis| contacts.iter().map(|one| one.position[axis]).collect();
@@ -377,9 +377,15 @@ fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
     let (_, &mut usual, _) = distances.select_nth_unstable_by(place, f64::total_cmp);
     let is_near = |one: &&Contact| distance(one) <= MIN_FAR_RATIO * usual;
     let blocks = contacts.chunk_by(|one, other| is_near(&one) == is_near(&other));
-    let far = blocks.filter(|block| !is_near(&&block[0]));
-    let longest = far.map(<[Contact]>::len).max()?;
-    (longest <= MAX_BLOCK).then(|| contacts.iter().filter(is_near).copied().collect())
+    let mut far = blocks.filter(|block| !is_near(&&block[0])).peekable();
+    far.peek()?;
+    // A lost reading may have a single wrong coordinate, and is then written with the same number in all rows.
+    let is_lost = |block: &[Contact]| {
+        let wrong = |one: &Contact| farthest(&one.position, &centre);
+        block.len() <= MAX_BLOCK || block.iter().all(|one| wrong(one) == wrong(&block[0]))
+    };
+    far.all(is_lost)
+        .then(|| contacts.iter().filter(is_near).copied().collect())
 }
 
 /// Merges the contacts of resting fingers. The short steps must be separated from the long steps by a gap. During short

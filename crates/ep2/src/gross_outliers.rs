@@ -41,7 +41,7 @@ const MEDIAN_ITERATIONS: usize = 40;
 #[derive(Clone, Copy, Debug, IntoStaticStr, PartialEq, Eq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum OutlierReason {
-    /// All three coordinates are the same large number, or several contacts have exactly the same distant position.
+    /// All three coordinates are the same large number, or several contacts have the same distant coordinate.
     Sentinel,
     /// All three coordinates are 0, far from the other contacts.
     Zeros,
@@ -60,9 +60,11 @@ pub struct Outlier {
     pub reason: OutlierReason,
 }
 
-/// Bits of the position as a key for comparisons. The keys of +0 and −0 are the same.
-fn key(position: &Point3<f64>) -> [u64; 3] {
-    [position.x, position.y, position.z].map(|x| (x + 0.0).to_bits())
+/// The axis along which a position is farthest from `centre`, and the bits of the coordinate along this axis. The bits
+/// of +0 and −0 are the same.
+pub(crate) fn farthest(position: &Point3<f64>, centre: &Point3<f64>) -> (usize, u64) {
+    let axis = (position - centre).iamax();
+    (axis, (position[axis] + 0.0).to_bits())
 }
 
 /// Whether a contact is a lost reading: its normal is 0, and its three coordinates are equal.
@@ -154,13 +156,15 @@ fn far_contacts(contacts: &[Contact], runs: &[Contact]) -> Vec<Outlier> {
         .unwrap_or(MAX_DISTANCE_RATIO);
     let is_far = |one: &Contact| ratio(&one.position) > limit || is_lost(one);
     let far = contacts.iter().enumerate().filter(|(_, one)| is_far(one));
-    let mut counts: HashMap<[u64; 3], usize> = HashMap::new();
+    let mut counts: HashMap<(usize, u64), usize> = HashMap::new();
     for (_, contact) in far.clone() {
-        *counts.entry(key(&contact.position)).or_default() += 1;
+        *counts
+            .entry(farthest(&contact.position, &centre))
+            .or_default() += 1;
     }
     let outliers = far.map(|(index, contact)| {
         let [x, y, z] = contact.position.into();
-        let is_repeated = counts[&key(&contact.position)] > 1;
+        let is_repeated = counts[&farthest(&contact.position, &centre)] > 1;
         let reason = if [x, y, z] == [0.0; 3] {
             OutlierReason::Zeros
         } else if is_repeated || (x == y && y == z) {

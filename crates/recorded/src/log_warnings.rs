@@ -65,9 +65,19 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
     let (count, contacts) = (outliers.len(), recorded.contacts.len());
     let row = |outlier: &Outlier| {
         let row = recorded.source.row(outlier.contact);
-        let x = Number(recorded.contacts[outlier.contact].position.x);
+        let place = |one: &Outlier| recorded.contacts[one.contact].position;
         match outlier.reason {
-            OutlierReason::Sentinel => format!("{row} (lost reading, {x})"),
+            OutlierReason::Sentinel => {
+                let own = place(outlier);
+                let equal = |axis: &usize| {
+                    let others = outliers.iter();
+                    others
+                        .filter(|other| place(other)[*axis] == own[*axis])
+                        .count()
+                };
+                let lost = own[(0..3).max_by_key(equal).unwrap_or(0)];
+                format!("{row} (lost reading, {})", Number(lost))
+            }
             OutlierReason::Zeros => format!("{row} (lost reading, zeros)"),
             OutlierReason::Far => format!("{row} (far from all others)"),
             OutlierReason::Misfit => format!("{row} (misfit)"),

@@ -154,6 +154,21 @@ fn lost_readings_may_have_normals_of_zeros() {
     assert_eq!(lost["left_out"], expected);
     let error = estimate(&replaced("0,5,0,24.4,0,0,0"), "penalised").unwrap_err();
     assert!(error.to_string().contains(":9:"), "{error}");
+    // Contacts in a random order, of which some successive ones have the same wrong height.
+    let mut scan = "x_mm,y_mm,z_mm\n".to_owned();
+    for row in 0..200 {
+        let (sin, cos) = libm::sincos(2.4 * f64::from(row * 7 % 200));
+        let out = f64::from(row * 7 % 200).sqrt();
+        let z = if (60..76).contains(&row) {
+            999.0
+        } else {
+            (900.0 - out * out).sqrt()
+        };
+        scan += &format!("{},{},{z}\n", out * sin, out * cos);
+    }
+    let left = estimate(&scan, "penalised").unwrap()["left_out"].take();
+    let reasons = left.as_array().unwrap().iter().map(|one| &one["reason"]);
+    assert_eq!(reasons.collect::<Vec<_>>(), ["sentinel"; 16]);
 }
 
 #[test]
