@@ -377,10 +377,17 @@ impl<'r> GlideFitResult<'r> {
             .flatten()
             .map(|found| stated_noise(stated, &found, unit));
         let stroke = self.stroke.as_ref();
-        let shape = match &self.surface {
-            Surface::Graph(_) => None,
-            Surface::Shape(fit) => Some(&**fit),
+        let (shape, noise) = match &self.surface {
+            Surface::Graph(graph) => {
+                let is_penalised = matches!(graph.0, GlideFit::Penalised(_));
+                (None, graph.1.fit.noise.filter(|_| is_penalised))
+            }
+            Surface::Shape(fit) => {
+                let is_chosen = fit.probabilities.is_some() && !fit.is_none_of_these();
+                (Some(&**fit), fit.noise.filter(|_| is_chosen))
+            }
         };
+        let noise = noise.map(|noise| noise.position_std);
         let has_side = stroke.is_some() || !self.is_open();
         let side = (has_side && !recorded.has_normals())
             .then(|| assumed_side(shape, stroke, &self.centre.curvature, self.options.outward))
@@ -396,7 +403,7 @@ impl<'r> GlideFitResult<'r> {
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings, recorded.has_normals()))
-            .chain(two_groups(contacts, used.readings.distinct, unit))
+            .chain(two_groups(contacts, &used.readings, noise, unit))
             .chain(self.stroke.map(|stroke| across(&stroke, unit)))
             .chain(of_shape)
             .chain(misfits)

@@ -1,10 +1,10 @@
 //! Warnings about logs: contacts that were left out or are not independent, and sizes that the contacts do not
 //! determine.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::PI;
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 use palpate_ep2::{
     Contact, Curvature, EffectiveReadings, Outlier, OutlierReason, Patch, Sample, Shape, ShapeFit,
     StrokeCurvature,
@@ -30,8 +30,10 @@ const MAX_RELATIVE_MISFIT: f64 = 0.2;
 /// this value.
 const MIN_MEAN_COSINE: f64 = 0.8;
 
-/// The gap between two groups of contacts has at least this share of the range of all contacts.
+/// The gap between two groups of contacts has at least this share of the range of all contacts, unless its ratio to the
+/// next largest gap is at least `MIN_CLEAR_GAPS_RATIO`.
 const MIN_GAP: f64 = 0.15;
+const MIN_CLEAR_GAPS_RATIO: f64 = 3.0;
 /// Smallest ratio of the gap between two groups of contacts to the next largest gap. In a log of strokes, the next
 /// largest gap may be the distance between two strokes.
 const MIN_GAPS_RATIO: f64 = 1.3;
@@ -43,6 +45,21 @@ const MIN_EXCESS: f64 = 0.02;
 /// Two groups of contacts count as two objects only if the p-value of a common surface is below this value. The limit is
 /// small, because surfaces that are no polynomials fit a common polynomial worse than two polynomials.
 const MAX_P_VALUE: f64 = 1e-4;
+/// Groups without a gap are tested only if the noise is at least this share of half the side of the patch. Smaller
+/// residuals may be the error of the estimated surface.
+const MIN_NOISE: f64 = 1e-3;
+/// Groups without a gap count as two surfaces only if separate quadrics fit better than the estimated surface by this
+/// ratio of standard deviations. Two quadrics may also fit a wave better, but not by this ratio.
+const MIN_QUADRICS_RATIO: f64 = 1.5;
+/// Quadrics follow correlated noise better than independent noise. Therefore the ratio must be larger by the number of
+/// consecutive contacts that count as one, but at most by this factor.
+const MAX_CORRELATION: f64 = 2.0;
+const MIN_GROUP: usize = 9;
+/// Number of directions of the lines that split the contacts, and number of parts into which the lines of a direction
+/// divide them. There are as many splits by the order of contacts and by fingers.
+const LINES: usize = 8;
+const CUTS: usize = 20;
+const SPLITS: usize = (LINES + 2) * CUTS;
 /// A group of contacts counts as flat if the p-value of a plane through it is above this value.
 const MIN_FLAT_P_VALUE: f64 = 0.01;
 /// Terms of polynomials, as ranges of the terms in [`residual`].
@@ -50,8 +67,13 @@ const IMPLICIT_QUADRIC: Range<usize> = 0..9;
 const PLANE: Range<usize> = 3..6;
 const QUADRIC: Range<usize> = 3..9;
 const CUBIC: Range<usize> = 3..13;
-/// Singular values of a fit count as 0 if they are below this share of the largest one.
+/// Index of the height after the terms of polynomials.
+const HEIGHT: usize = 13;
+type Products = SMatrix<f64, { HEIGHT + 1 }, { HEIGHT + 1 }>;
+/// A term is left out of a fit if less than this share of its square is independent of the earlier terms.
 const RANK_TOLERANCE: f64 = 1e-9;
+/// Smaller sums of squared residuals, in the unit of the patch, are rounding errors.
+const MIN_RESIDUAL: f64 = 1e-12;
 
 /// Text that lists the rows `rows`; if there are many, only the first of them.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
@@ -150,93 +172,140 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups that are apart and do not lie on one simple surface. The groups are on both
-/// sides of a wide gap along one of four directions. `distinct` is the number of contacts without copies.
+/// Warning if the contacts form two groups that do not lie on one simple surface. Two groups are on both sides of a wide
+/// gap along a line. Groups without a gap are found if two quadrics fit them much better than the estimated surface, from
+/// which the contacts have the standard deviation `noise`.
 pub(super) fn two_groups(
     contacts: &[Contact],
-    distinct: usize,
+    readings: &EffectiveReadings,
+    noise: Option<f64>,
     unit: LengthUnit,
 ) -> Option<Warning> {
+    let distinct = readings.distinct;
     let selection = evenly_spaced(contacts.len(), MAX_CONTACTS);
     let contacts: Vec<Contact> = selection.map(|contact| contacts[contact]).collect();
     let patch = Patch::new(&contacts, &Vector3::z()).ok()?;
-    let samples: Vec<&Sample> = patch.samples.iter().collect();
-    let directions = [0.0, 0.5, 1.0, 1.5].map(|turn| libm::sincos(FRAC_PI_2 * turn));
-    let gaps = directions.into_iter().filter_map(|(sin, cos)| {
-        let mut sorted = samples.clone();
-        let along = |one: &&Sample| one.u * cos + one.v * sin;
-        sorted.sort_unstable_by(|one, other| along(one).total_cmp(&along(other)));
-        let gaps = sorted
-            .windows(2)
-            .map(|pair| along(&pair[1]) - along(&pair[0]));
-        let mut gaps: Vec<(f64, usize)> = gaps.zip(1..).collect();
-        gaps.sort_unstable_by(|one, other| other.0.total_cmp(&one.0));
-        let (gap, split) = *gaps.first()?;
-        let next = gaps.get(1).map_or(0.0, |one| one.0);
-        let range: f64 = gaps.iter().map(|one| one.0).sum();
-        let is_wide = gap > MIN_GAP * range && gap > MIN_GAPS_RATIO * next;
-        (is_wide && are_two_surfaces(sorted.split_at(split), distinct)).then_some(gap)
-    });
-    let gap = patch.frame.scale() * gaps.max_by(f64::total_cmp)?;
-    let (shown, unit) = (Number::rounded(gap), unit.as_str());
-    let text = format!(
-        "the contacts form two groups that are {shown} {unit} apart, and no simple surface fits both: are they of two objects?"
-    );
-    Some(Warning::new("two-groups", text, [("distance", gap)]))
+    let (samples, count) = (&patch.samples, contacts.len());
+    let terms: Vec<Products> = samples.iter().map(products).collect();
+    let total: Products = terms.iter().sum();
+    // The contacts are split along lines, by their order, and by their fingers.
+    let lines = (0..LINES).map(|line| libm::sincos(PI * line as f64 / LINES as f64));
+    let along = |(sin, cos)| {
+        samples
+            .iter()
+            .map(|one| one.u * cos + one.v * sin)
+            .collect()
+    };
+    let mut keys: Vec<Vec<f64>> = lines.map(along).collect();
+    keys.push((0..count).map(|row| row as f64).collect());
+    keys.push(contacts.iter().map(|one| one.finger as f64).collect());
+    let (mut widest, mut least) = (0.0_f64, f64::INFINITY);
+    for (line, keys) in keys.iter().enumerate() {
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|one, other| keys[*one].total_cmp(&keys[*other]));
+        let gaps = order.windows(2).map(|pair| keys[pair[1]] - keys[pair[0]]);
+        let gaps: Vec<f64> = gaps.collect();
+        let range: f64 = gaps.iter().sum();
+        let mut sorted = gaps.clone();
+        sorted.sort_unstable_by(|one, other| other.total_cmp(one));
+        let next = sorted.get(1).copied().unwrap_or(0.0);
+        let least_gap = (MIN_GAP * range).min(MIN_CLEAR_GAPS_RATIO * next);
+        let least_gap = least_gap.max(MIN_GAPS_RATIO * next);
+        let (mut sum, mut last) = (Products::zeros(), 0);
+        for (cut, gap) in (1..).zip(gaps) {
+            sum += terms[order[cut - 1]];
+            let groups = [(sum, cut), (total - sum, count - cut)];
+            if line < LINES && gap > least_gap && are_two_surfaces(&total, groups, distinct) {
+                widest = widest.max(gap);
+            }
+            let is_tested = cut * CUTS / count > last && gap > 0.0;
+            if is_tested && cut.min(count - cut) >= MIN_GROUP {
+                last = cut * CUTS / count;
+                let residuals = groups.map(|(sums, _)| residual(&sums, QUADRIC));
+                least = least.min(residuals[0] + residuals[1]);
+            }
+        }
+    }
+    let scale = patch.frame.scale();
+    if widest > 0.0 {
+        let (gap, unit) = (Number::rounded(scale * widest), unit.as_str());
+        let text = format!(
+            "the contacts form two groups that are {gap} {unit} apart, and no simple surface fits both: are they of two objects?"
+        );
+        return Some(Warning::new(
+            "two-groups",
+            text,
+            [("distance", scale * widest)],
+        ));
+    }
+    let noise = noise? / scale;
+    let freedom = |count: usize| count.saturating_sub(2 * QUADRIC.len());
+    let ratio = noise / (least / freedom(count).max(1) as f64).sqrt();
+    let freedom = freedom(count.min(distinct));
+    let excess = (ratio * ratio - 1.0) * freedom as f64;
+    let p_value = ratio_tail(excess, QUADRIC.len(), freedom as f64, freedom) * SPLITS as f64;
+    let least = MIN_QUADRICS_RATIO * readings.position_correlation.min(MAX_CORRELATION);
+    let is_clear = noise > MIN_NOISE && ratio > least && ratio.is_finite();
+    (is_clear && p_value < MAX_P_VALUE).then(|| {
+        let text = format!(
+            "two surfaces fit the contacts {} times better than the estimated surface: are they of two objects, or does the object have an edge?",
+            Number::rounded(ratio)
+        );
+        Warning::new("two-groups", text, [("ratio", ratio)])
+    })
 }
 
 /// Whether separate quadrics through two groups of contacts fit clearly better than one surface through both groups:
 /// a cubic, or an implicit quadric such as an ellipsoid. These surfaces also follow two planes. So if both groups are
-/// flat, the common surface is a quadric.
-fn are_two_surfaces(groups: (&[&Sample], &[&Sample]), distinct: usize) -> bool {
-    let groups = [groups.0, groups.1];
-    let all = groups.concat();
+/// flat, the common surface is a quadric. For each group, `groups` contains the sums of products and the number of
+/// contacts.
+fn are_two_surfaces(all: &Products, groups: [(Products, usize); 2], distinct: usize) -> bool {
+    let count = groups[0].1 + groups[1].1;
     let [planes, quadrics] =
-        [PLANE, QUADRIC].map(|terms| groups.map(|one| residual(one, terms.clone())));
+        [PLANE, QUADRIC].map(|terms| groups.map(|(sums, _)| residual(&sums, terms.clone())));
     let are_flat = (0..2).all(|group| {
-        let freedom = groups[group].len().saturating_sub(QUADRIC.len());
+        let freedom = groups[group].1.saturating_sub(QUADRIC.len());
         let excess = planes[group] - quadrics[group];
-        excess <= RANK_TOLERANCE * RANK_TOLERANCE
-            || ratio_tail(excess, 3, quadrics[group], freedom) > MIN_FLAT_P_VALUE
+        excess <= MIN_RESIDUAL || ratio_tail(excess, 3, quadrics[group], freedom) > MIN_FLAT_P_VALUE
     });
     let (together, saved) = match are_flat {
-        true => (residual(&all, QUADRIC), QUADRIC.len()),
-        false => (
-            residual(&all, CUBIC).min(residual(&all, IMPLICIT_QUADRIC)),
-            3,
-        ),
+        true => (residual(all, QUADRIC), QUADRIC.len()),
+        false => (residual(all, CUBIC).min(residual(all, IMPLICIT_QUADRIC)), 3),
     };
     let excess = together - quadrics[0] - quadrics[1];
-    let bends = [0, 1].map(|group| planes[group] / groups[group].len() as f64);
-    let freedom = all.len().min(distinct);
-    let freedom = freedom.saturating_sub(2 * QUADRIC.len());
-    excess > MIN_EXCESS * bends[0].max(bends[1]) * all.len() as f64
-        && excess > RANK_TOLERANCE * RANK_TOLERANCE
+    let bends = [0, 1].map(|group| planes[group] / groups[group].1 as f64);
+    let freedom = count.min(distinct).saturating_sub(2 * QUADRIC.len());
+    excess > MIN_EXCESS * bends[0].max(bends[1]) * count as f64
+        && excess > MIN_RESIDUAL
         && ratio_tail(excess, saved, quadrics[0] + quadrics[1], freedom) < MAX_P_VALUE
 }
 
-/// Sum of the squared residuals of heights after a least-squares fit of the polynomial whose terms are `terms`.
-fn residual(samples: &[&Sample], terms: Range<usize>) -> f64 {
-    let heights = DVector::from_iterator(samples.len(), samples.iter().map(|one| one.w));
-    let rows = samples.iter().flat_map(|sample| {
-        let Sample { u, v, w, .. } = **sample;
-        let [uu, vv] = [u * u, v * v];
-        let products = [w * w, u * w, v * w, 1.0, u, v, uu, u * v, vv];
-        let cubic = [uu * u, uu * v, u * vv, vv * v];
-        let all: Vec<f64> = products.into_iter().chain(cubic).collect();
-        all[terms.clone()].to_vec()
-    });
-    let rows: Vec<f64> = rows.collect();
-    let svd = DMatrix::from_row_slice(samples.len(), terms.len(), &rows).svd(true, false);
-    let least = RANK_TOLERANCE * svd.singular_values.max();
-    let mut left = heights.clone();
-    let vectors = svd.u.iter().flat_map(|vectors| vectors.column_iter());
-    for (vector, value) in vectors.zip(&svd.singular_values) {
-        if *value > least {
-            left.axpy(-vector.dot(&heights), &vector, 1.0);
+/// Products of the terms of polynomials at a contact, and of its height, which is the last term.
+fn products(sample: &Sample) -> Products {
+    let Sample { u, v, w, .. } = *sample;
+    let [uu, vv] = [u * u, v * v];
+    let implicit = [w * w, u * w, v * w, 1.0, u, v, uu, u * v, vv];
+    let cubic = [uu * u, uu * v, u * vv, vv * v, w];
+    let terms = implicit.into_iter().chain(cubic);
+    let terms = SVector::<f64, { HEIGHT + 1 }>::from_iterator(terms);
+    terms * terms.transpose()
+}
+
+/// Sum of the squared residuals of heights after a least-squares fit of the polynomial whose terms are `terms`. `sums`
+/// contains the sums of the contacts' products.
+fn residual(sums: &Products, terms: Range<usize>) -> f64 {
+    let mut left = *sums;
+    for term in terms.clone() {
+        let pivot = left[(term, term)];
+        let later = || (term + 1..terms.end).chain([HEIGHT]);
+        for row in later().filter(|_| pivot > RANK_TOLERANCE * sums[(term, term)]) {
+            let share = left[(row, term)] / pivot;
+            for column in later().take_while(|&column| column <= row) {
+                left[(row, column)] -= share * left[(column, term)];
+            }
         }
     }
-    left.norm_squared()
+    left[(HEIGHT, HEIGHT)].max(0.0)
 }
 
 /// Warnings about a fitted shape. A single stroke (`is_stroke`) does not bound the radius of the shape.

@@ -212,7 +212,7 @@ subjects! {
         "few-crossings": "The contact of a roll crosses few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of the wide range between them.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
-        "two-groups": "The contacts form two groups with a gap between them. No simple surface fits both groups, so the contacts may be of two objects.";
+        "two-groups": "The contacts lie on two surfaces. Either they form two groups with a gap between them, and no simple surface fits both groups, or two surfaces fit them much better than the estimated surface. The contacts may be of two objects, or the object may have an edge.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
         "too-many-outliers": "More than a fifth of the contacts are lost readings, outliers, or contacts with another object.";
         "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best, and has no interval. The methods `penalised` and `quadric` estimate the curvatures.";

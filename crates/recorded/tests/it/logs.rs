@@ -245,6 +245,30 @@ fn only_groups_without_a_common_surface_cause_a_warning() {
     }
 }
 
+/// Ten fingers at the same place: five on one object, and five on another.
+#[test]
+fn two_objects_at_the_same_place_cause_a_warning() {
+    let height = |radius: f64, x: f64, y: f64| (radius * radius - x * x - y * y).sqrt() - radius;
+    for (radius, step) in [(15.0, 0.0), (40.0, 2.0), (40.0, 0.0)] {
+        let mut noise = Stream::new(52, 0, Channel::Position);
+        let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+        for row in 0..200 {
+            let (finger, x) = (row / 20, 0.8 * f64::from(row % 20) - 7.6);
+            let y = 3.5 * f64::from(finger % 5) - 7.0;
+            let (radius, step) = if finger < 5 {
+                (40.0, 0.0)
+            } else {
+                (radius, step)
+            };
+            let z = height(radius, x, y) + step + 0.05 * noise.standard_normal();
+            text += &format!("{finger},{x},{y},{z}\n");
+        }
+        let found = estimate(&text, "penalised").unwrap();
+        let are_two = radius < 40.0 || step > 0.0;
+        assert_eq!(codes(&found).contains(&"two-groups"), are_two, "{found}");
+    }
+}
+
 /// A finger whose contacts are farther apart than those of the other fingers must not lose contacts as outliers.
 #[test]
 fn a_finger_with_long_steps_is_not_beside_its_path() {
