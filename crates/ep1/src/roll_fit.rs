@@ -114,10 +114,11 @@ pub(crate) struct RollFit<const N: usize> {
 }
 
 impl FitNoise {
-    /// The noise with a prior for the coefficients of a shape with three terms, except those of the first `terms`. The
-    /// prior of the tensor T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the largest principal
-    /// curvature `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3 k³. The weights of
-    /// the prior are multiplied by `variance`. If `estimated` noise is given, the result contains this noise.
+    /// Adds a prior for the coefficients of a shape with three terms. The coefficients of the first `terms` terms have
+    /// no prior. The prior of the tensor T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the
+    /// largest principal curvature `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3
+    /// k³. The weights of the prior are multiplied by `variance`. If `estimated` is given, its noise replaces the noise
+    /// of `self`, and the fit does not estimate the noise again.
     pub(crate) fn with_prior(
         mut self,
         terms: usize,

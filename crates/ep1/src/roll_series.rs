@@ -224,8 +224,9 @@ pub(crate) fn check(
             if !is_on_probe(radius, &reading.place) {
                 return Err(SeriesError::OffProbe { roll, sample });
             }
-            // Most samples are later, finite, and on the pad of the sample before. They need no further check. Equal bits
-            // and an absolute value are the fastest tests of that.
+            // Most samples are later than the sample before, are finite, and lie on the same pad. They need no further
+            // check. The comparison of bits tests for the same pad; the absolute value of one sum tests that all
+            // numbers are finite. Both tests are fast.
             let is_plain = |pair: &[RollSample]| {
                 let [before, one] = [&pair[0], &pair[1]];
                 let moved = |axis: usize| before.place[axis].to_bits() ^ one.place[axis].to_bits();

@@ -311,8 +311,9 @@ impl Problem<'_> {
             let guess = series.start.unwrap_or(samples[0].place) * scale;
             let has_spin = has_spin && series.has_spin;
             let spin = series.spin();
-            // If noisy rotations are relative to the orientation of the first sample, they share the error of this
-            // orientation. This error moves the contact like an error of the start does.
+            // If the first rotation of a roll is exactly 0, the rotations are relative to the measured orientation of
+            // the first sample. All rotations then share the error of this orientation. This error has the same effect
+            // as an error of the stated start, so the start is not exact.
             let is_start_exact = samples[0].rotation != Vector3::zeros() || std == 0.0;
             let (mut all, start_std) = match self.places {
                 Places::Pads(cell) => {

@@ -366,7 +366,8 @@ fn chance_share(contacts: &[Contact], runs: &Runs, limit: f64) -> f64 {
     near as f64 / all.max(1) as f64
 }
 
-/// The contacts without lost readings, which are very far from most contacts. `None` if there are no such contacts.
+/// The contacts without the lost readings. A lost reading is very far from most contacts. `None` if no contact is so
+/// far, or if far contacts do not look like lost readings.
 fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
     contacts.first()?;
     let coordinates = |axis| contacts.iter().map(|one| one.position[axis]).collect();
@@ -379,7 +380,8 @@ fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
     let blocks = contacts.chunk_by(|one, other| is_near(&one) == is_near(&other));
     let mut far = blocks.filter(|block| !is_near(&&block[0])).peekable();
     far.peek()?;
-    // A lost reading may have a single wrong coordinate, and is then written with the same number in all rows.
+    // Many successive far contacts count as lost readings only if their farthest coordinate is the same number in all
+    // of them. The other coordinates may be correct.
     let is_lost = |block: &[Contact]| {
         let wrong = |one: &Contact| farthest(&one.position, &centre);
         block.len() <= MAX_BLOCK || block.iter().all(|one| wrong(one) == wrong(&block[0]))

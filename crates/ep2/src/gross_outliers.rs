@@ -41,7 +41,8 @@ const MEDIAN_ITERATIONS: usize = 40;
 #[derive(Clone, Copy, Debug, IntoStaticStr, PartialEq, Eq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum OutlierReason {
-    /// All three coordinates are the same large number, or several contacts have the same distant coordinate.
+    /// All three coordinates are the same large number, or several contacts share the same wrong number as their
+    /// farthest coordinate.
     Sentinel,
     /// All three coordinates are 0, far from the other contacts.
     Zeros,

@@ -81,8 +81,8 @@ impl Formula {
         self.program.is_revolved()
     }
 
-    /// Whether the formula is even in x and in y by its form, so that its graph is symmetric about the planes x = 0 and
-    /// y = 0.
+    /// Whether the form of the formula shows that it is an even function of x and of y. Its graph is then symmetric
+    /// about the planes x = 0 and y = 0.
     pub(crate) fn is_even(&self) -> bool {
         self.program.is_even()
     }

@@ -70,24 +70,18 @@ pub struct ChartJet {
     pub dvv: Vector3<f64>,
 }
 
-/// The orthonormal, right-handed Gauss frame of a chart: two tangents and the outward normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GaussFrame {
-    /// Unit tangent along `∂f/∂u`.
-    pub x: Vector3<f64>,
-    /// Unit tangent `n × x`.
-    pub y: Vector3<f64>,
-    /// Unit normal, out of the solid.
-    pub normal: Vector3<f64>,
-}
-
-/// Gauss frame, metric, curvature form and torsion form at one point of a chart.
+/// Gauss frame, metric, curvature form and torsion form at one point of a chart. The Gauss frame is orthonormal and
+/// right-handed; it consists of two tangents and the outward normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartGeometry {
     /// The point of the surface.
     pub point: Point3<f64>,
-    /// Gauss frame at the point.
-    pub frame: GaussFrame,
+    /// Unit tangent along `∂f/∂u`, the x axis of the Gauss frame.
+    pub x_axis: Vector3<f64>,
+    /// Unit tangent `normal × x_axis`, the y axis of the Gauss frame.
+    pub y_axis: Vector3<f64>,
+    /// Unit normal, out of the solid.
+    pub normal: Vector3<f64>,
     /// The metric `M`: maps changes of the parameters to tangent components in the Gauss frame. It is upper triangular.
     pub metric: Matrix2<f64>,
     /// The curvature form `K` (1/length) in the Gauss frame. It is positive where the solid is convex.
@@ -142,7 +136,9 @@ impl ChartJet {
 
         let geometry = ChartGeometry {
             point: self.point,
-            frame: GaussFrame { x, y, normal },
+            x_axis: x,
+            y_axis: y,
+            normal,
             metric: Matrix2::new(m11, m12, 0.0, m22),
             curvature: CurvatureForm { k_uu, k_uv, k_vv },
             torsion,

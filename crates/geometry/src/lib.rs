@@ -25,7 +25,7 @@ pub use curvature::{
 };
 pub use error::SurfaceError;
 pub use formula::{Formula, FormulaError, Jet};
-pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
+pub use fundamental::{ChartGeometry, ChartJet, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use surface::Surface;

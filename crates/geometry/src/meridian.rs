@@ -7,7 +7,8 @@ use crate::HeightField;
 /// The meridian of a surface of revolution from its apex, or the section of another surface in a plane of symmetry.
 ///
 /// The parameter `t` is 0 at the apex and increases along the meridian. Points, normals, slope angles and arc-length
-/// elements have relative errors of at most 1e-15, except those of a formula, which have its rounding errors.
+/// elements have relative errors of at most 1e-15. For a height field, the rounding errors of its formula determine the
+/// errors instead.
 ///
 /// ```
 /// use palpate_geometry::Meridian;
@@ -36,7 +37,7 @@ pub enum Meridian {
     /// The section of a height field along one of its coordinate axes, from the origin. The parameter is the coordinate
     /// along the axis. Outside of the height field's domain, all numbers are NaN.
     HeightField {
-        /// Height above the section's axis.
+        /// The height field that contains the section.
         height: HeightField,
         /// Axis of the section: 0 for x, 1 for y.
         axis: usize,

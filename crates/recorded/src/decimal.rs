@@ -43,7 +43,8 @@ pub(super) fn is_missing(text: &str) -> bool {
 /// Finds the decimal sign of a table from its numbers.
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
-    /// Whether a point may also separate thousands, as in tables with semicolons that Excel writes in other locales.
+    /// Whether semicolons separate the fields of the table. Then a point may separate thousands, because Excel writes
+    /// such tables in locales with a decimal comma.
     pub(super) has_semicolons: bool,
     /// First number in the table whose comma can only be a decimal comma; `None` if there is none.
     pub(super) comma: Option<String>,
@@ -53,7 +54,7 @@ pub(super) struct DecimalSign {
 
 impl DecimalSign {
     /// Stores `text`, a number of the table, if its point or comma shows which decimal sign the table uses. Returns
-    /// whether the number does not have the usual form, that is, whether it has a comma or may have a separator.
+    /// whether the number contains a comma, or a point that may separate thousands.
     pub(super) fn add(&mut self, text: &str) -> bool {
         let is_odd = |decimal| ungrouped(text, decimal).is_none();
         let is_point = self.point.is_some() || !self.has_semicolons;
@@ -82,7 +83,7 @@ impl DecimalSign {
                     false => [odd.to_owned(), whole],
                 };
                 Err(format!(
-                    "`{odd}` may be {point} or {comma}; give setting `decimal` point if it is {point}, setting `decimal` comma if it is {comma}"
+                    "`{odd}` may be {point} or {comma}; write setting `decimal` point if it is {point}, or setting `decimal` comma if it is {comma}"
                 ))
             }
         }

@@ -306,7 +306,7 @@ impl<'r> GlideFitResult<'r> {
         let method = method.clone().with_noise_factors(fitted.noise_ratios);
         match method.misfit(&fitted.patch, Some(&fitted.fit)) {
             Ok(mut tested) => {
-                // The mean of several contacts is not a contact that could be named as an outlier.
+                // If contacts were averaged, an outlier among the means is not a row of the file. So do not report it.
                 if fitted.contacts.len() < self.used.readings.distinct {
                     let is_outlier = |one: &Misfit| matches!(one, Misfit::Outlier { .. });
                     tested.misfits.retain(|one| !is_outlier(one));

@@ -1,6 +1,8 @@
 //! Finds the columns that palpate reads, by their names in the header of a table.
 
-use palpate_study::readings::{COLUMNS, Column, ColumnNames, ColumnUnit, Measure, spelt};
+use std::collections::BTreeMap;
+
+use palpate_study::readings::{COLUMNS, Column, ColumnUnit, Measure, spelt};
 
 use super::heading::{
     Heading, has_no_need, has_unit, is_quaternion, is_similar, no_unit, suffix, two_units,
@@ -17,7 +19,7 @@ pub(super) struct Place {
 
 pub(super) struct Header<'a> {
     headings: Vec<Heading<'a>>,
-    names: &'a ColumnNames,
+    names: &'a BTreeMap<String, String>,
     /// Whether rotations without a unit are in degrees, because in rad they would exceed half a turn.
     pub(super) is_in_degrees: bool,
     /// Whether lengths without a unit are in metres, because the file is a log of ROS.
@@ -25,7 +27,7 @@ pub(super) struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    pub(super) fn new(header: &'a [String], names: &'a ColumnNames) -> Self {
+    pub(super) fn new(header: &'a [String], names: &'a BTreeMap<String, String>) -> Self {
         let mut headings: Vec<Heading<'_>> = header.iter().map(|name| Heading::of(name)).collect();
         for index in 0..headings.len() {
             let Some((group, column)) = headings[index].in_group() else {

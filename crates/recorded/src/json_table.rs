@@ -95,7 +95,8 @@ impl<'a> JsonTable<'a> {
                     None => sequence(file, text, None)?,
                 }
             };
-        // A lost reading may have a single value in place of a vector.
+        // A lost reading may have a single value in place of a vector. Therefore take the names of the columns from the
+        // first row without a lost value.
         let is_whole = |row: &str| !["null", "NaN"].iter().any(|lost| row.contains(lost));
         let first = match &table.rows {
             Rows::Sequence { rows, names, .. } => {

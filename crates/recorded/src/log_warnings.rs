@@ -30,9 +30,10 @@ const MAX_RELATIVE_MISFIT: f64 = 0.2;
 /// this value.
 const MIN_MEAN_COSINE: f64 = 0.8;
 
-/// The gap between two groups of contacts has at least this share of the range of all contacts, unless its ratio to the
-/// next largest gap is at least `MIN_CLEAR_GAPS_RATIO`.
+/// Smallest gap between two groups of contacts, as a share of the range of all contacts. A gap that is much larger than
+/// the next largest gap may be smaller than this.
 const MIN_GAP: f64 = 0.15;
+/// Ratio to the next largest gap from which a gap counts regardless of `MIN_GAP`.
 const MIN_CLEAR_GAPS_RATIO: f64 = 3.0;
 /// Smallest ratio of the gap between two groups of contacts to the next largest gap. In a log of strokes, the next
 /// largest gap may be the distance between two strokes.
@@ -51,14 +52,17 @@ const MIN_NOISE: f64 = 1e-3;
 /// Groups without a gap count as two surfaces only if separate quadrics fit better than the estimated surface by this
 /// ratio of standard deviations. Two quadrics may also fit a wave better, but not by this ratio.
 const MIN_QUADRICS_RATIO: f64 = 1.5;
-/// Quadrics follow correlated noise better than independent noise. Therefore the ratio must be larger by the number of
-/// consecutive contacts that count as one, but at most by this factor.
+/// Quadrics follow correlated noise better than independent noise. Therefore `MIN_QUADRICS_RATIO` is multiplied by the
+/// number of consecutive contacts that count as one independent contact, but at most by this factor.
 const MAX_CORRELATION: f64 = 2.0;
+/// Smallest number of contacts in a group that is fitted by a quadric.
 const MIN_GROUP: usize = 9;
-/// Number of directions of the lines that split the contacts, and number of parts into which the lines of a direction
-/// divide them. There are as many splits by the order of contacts and by fingers.
+/// Number of directions along which the contacts are sorted and then split into two groups.
 const LINES: usize = 8;
+/// Largest number of splits that are tested for each way of sorting.
 const CUTS: usize = 20;
+/// Largest number of tested splits. The contacts are sorted along `LINES` directions, by their order, and by their
+/// fingers. The p-value is multiplied by this number.
 const SPLITS: usize = (LINES + 2) * CUTS;
 /// A group of contacts counts as flat if the p-value of a plane through it is above this value.
 const MIN_FLAT_P_VALUE: f64 = 0.01;
@@ -70,7 +74,8 @@ const CUBIC: Range<usize> = 3..13;
 /// Index of the height after the terms of polynomials.
 const HEIGHT: usize = 13;
 type Products = SMatrix<f64, { HEIGHT + 1 }, { HEIGHT + 1 }>;
-/// A term is left out of a fit if less than this share of its square is independent of the earlier terms.
+/// A term is left out of a fit if the earlier terms almost reproduce it: if the sum of squares of the rest is at most
+/// this share of the term's sum of squares.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// Smaller sums of squared residuals, in the unit of the patch, are rounding errors.
 const MIN_RESIDUAL: f64 = 1e-12;
@@ -172,9 +177,9 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups that do not lie on one simple surface. Two groups are on both sides of a wide
-/// gap along a line. Groups without a gap are found if two quadrics fit them much better than the estimated surface, from
-/// which the contacts have the standard deviation `noise`.
+/// Warning if the contacts form two groups that do not lie on one simple surface. The groups may be separated by a wide
+/// gap along a line. Without a gap, two groups count as two surfaces if two quadrics fit them much better than the
+/// estimated surface. `noise` is the standard deviation of the contacts about the estimated surface.
 pub(super) fn two_groups(
     contacts: &[Contact],
     readings: &EffectiveReadings,
@@ -230,7 +235,7 @@ pub(super) fn two_groups(
     if widest > 0.0 {
         let (gap, unit) = (Number::rounded(scale * widest), unit.as_str());
         let text = format!(
-            "the contacts form two groups that are {gap} {unit} apart, and no simple surface fits both: are they of two objects?"
+            "the contacts form two groups that are {gap} {unit} apart, and no simple surface fits both: do they belong to two objects?"
         );
         return Some(Warning::new(
             "two-groups",
@@ -248,7 +253,7 @@ pub(super) fn two_groups(
     let is_clear = noise > MIN_NOISE && ratio > least && ratio.is_finite();
     (is_clear && p_value < MAX_P_VALUE).then(|| {
         let text = format!(
-            "two surfaces fit the contacts {} times better than the estimated surface: are they of two objects, or does the object have an edge?",
+            "the contacts scatter {} times as much about the estimated surface as about two separate surfaces: do they belong to two objects, or does the object have an edge?",
             Number::rounded(ratio)
         );
         Warning::new("two-groups", text, [("ratio", ratio)])

@@ -10,8 +10,9 @@ use palpate_ep2::{Contact, DistinctContacts};
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{COLUMNS, Column, columns_of};
 
-/// Consecutive rows belong to the same marker if their places are near each other. This constant is the largest distance
-/// between them, divided by the mean distance between neighbouring markers that are in one line.
+/// Consecutive rows belong to the same marker if their distance from the first of these rows is at most this share of a
+/// reference length. The reference length is the largest distance from the first row of the table, divided by the
+/// number of rows.
 const MAX_PLACE_ERROR: f64 = 0.2;
 
 /// Recorded readings of a press.
@@ -69,8 +70,9 @@ impl PressRecording {
     }
 
     /// The press with one reading per marker, and a warning about repeated markers; `None` if no marker is repeated.
-    /// Rows with the same place, or consecutive rows with almost the same place, are replaced by their mean. If the noise
-    /// is estimated, the mean is right whether the noise of these rows is independent or not.
+    /// Rows with the same position, or consecutive rows with almost the same position, are replaced by their mean. If
+    /// the noise is estimated, it is the noise of these means. So it does not matter whether the noise of the rows of
+    /// one marker is independent.
     pub(super) fn without_copies(&self) -> Option<(Self, String)> {
         let along = self.tangential.as_deref();
         let marker = |marker: usize| {
@@ -108,7 +110,7 @@ impl PressRecording {
         let exact = self.source.repeated("marker", (0..count).map(marker), 0.0);
         let text = exact.unwrap_or_else(|| {
             format!(
-                "{copies} rows have the place of an earlier row: the mean of such rows counts once"
+                "{copies} rows have the same or almost the same position as an earlier row: such rows are replaced by their mean"
             )
         });
         let mean = |rows: &Vec<usize>| {

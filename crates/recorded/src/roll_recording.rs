@@ -183,7 +183,7 @@ impl RollRecording {
             mean.shift = group.iter().map(|one| one.shift * share).sum();
         }
         let text = format!(
-            "{count} rows repeat the roll of the row before them to within a fifth of the noise: copies count once"
+            "{count} rows differ from the row before them by at most a fifth of the noise: they are copies of one roll, so their mean counts once"
         );
         Some((merged, text))
     }

@@ -195,7 +195,8 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         let names = numbered.map_or_else(own, |names| names.each_ref().map(String::as_str));
         let setting = |order| scalar_names(order, names);
         match (numbered.is_some(), last, first) {
-            // A single roll is rejected later. It may contain rolls that the file does not separate.
+            // Do not propose another order of the quaternion for a single roll. It may contain several rolls that the
+            // file does not separate, so the order cannot be tested. A single roll is rejected later.
             (false, ..) if rolls.len() < 2 => {}
             (false, true, _) | (false, _, false) => {}
             (false, false, true) => {

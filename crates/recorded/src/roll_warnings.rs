@@ -23,8 +23,8 @@ const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 /// Largest rotation of a probe on an edge so sharp that its ratio exceeds `MAX_TURN_RATIO`. Larger rotations with such
 /// a ratio are rejected.
 const MAX_SHARP_TURN_RAD: f64 = PI;
-/// Readings with a ratio below this value are rejected, because no dish has a radius so close to that of the probe, and
-/// so are readings with a ratio above its reciprocal.
+/// Readings are rejected if the median of their ratios is below this value or above its reciprocal. A smaller ratio
+/// would need a dish whose radius is almost that of the probe.
 const LEAST_TURN_RATIO: f64 = 1.0 / 200.0;
 
 /// Largest accepted quotient of the ratios in two directions; a larger quotient may be due to mixed units.
@@ -137,7 +137,7 @@ impl RollEstimate {
         let ratio = Number::rounded(high / low);
         (self.single_direction.is_none() && high > MAX_DIRECTION_RATIO * low.max(1.0)).then(|| {
             format!(
-                "for the same shift, the probe turned {ratio} times as far in one direction as in another: unless the object is a sharp edge, are both shifts in the same unit, and both rotations?"
+                "for the same shift, the probe turned {ratio} times as far in one direction as in another: is the object a sharp edge, or do the two shifts, or the two rotations, have different units?"
             )
         })
     }

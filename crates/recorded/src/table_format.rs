@@ -1,9 +1,9 @@
 //! Settings that describe the form of a table, for everything that the table itself does not state.
 
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::ColumnNames;
 
 use super::delimited_text::fields;
 use super::roll_rotation::RotationFrame;
@@ -13,7 +13,7 @@ use super::roll_rotation::RotationFrame;
 pub struct Form {
     /// Names that the user assigned to columns of a file that does not use palpate's names. The keys are palpate's
     /// names of the columns, with or without a unit. The values are the names in the file.
-    pub columns: ColumnNames,
+    pub columns: BTreeMap<String, String>,
     /// Character that separates the fields of a row. By default, it is detected.
     pub delimiter: Option<Delimiter>,
     /// Decimal sign of the numbers in the table. By default, it is detected.
@@ -120,8 +120,8 @@ impl FromStr for Decimal {
 ///
 /// # Errors
 /// A message, if a pair has no `=` or nothing on one side of it, or if a name occurs twice.
-pub fn column_names(text: &str) -> Result<ColumnNames, String> {
-    let mut names = ColumnNames::new();
+pub fn column_names(text: &str) -> Result<BTreeMap<String, String>, String> {
+    let mut names = BTreeMap::new();
     for pair in fields(text).map_err(|error| error.to_string())? {
         let sides = pair.split_once('=');
         let sides = sides.map(|(name, in_file)| (name.trim(), in_file.trim()));

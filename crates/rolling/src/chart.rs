@@ -61,7 +61,7 @@ impl<'a, S: Surface> ChartForm<'a, S> {
         let object_at = bodies.object.parameters(&from.on_object);
         let object = bodies.object.chart_geometry(object_at)?;
         let x1 = from.x_axis * path.y - from.y_axis() * path.x;
-        let psi = libm::atan2(-x1.dot(&object.frame.y), x1.dot(&object.frame.x));
+        let psi = libm::atan2(-x1.dot(&object.y_axis), x1.dot(&object.x_axis));
         let phi = libm::atan2(path.x, path.y);
 
         let state = [
@@ -99,21 +99,21 @@ impl<'a, S: Surface> ChartForm<'a, S> {
 impl<S: Surface> ContactEquations<STATE> for ChartForm<'_, S> {
     fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
         let [u1, v1, u2, v2, psi, phi, arc_length] = *state;
-        let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?.frame;
+        let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?;
         let object = self.object.chart_geometry(Parameters::new(u2, v2))?;
-        let (x2, y2) = (object.frame.x, object.frame.y);
+        let (x2, y2) = (object.x_axis, object.y_axis);
         let (sin, cos) = libm::sincos(psi);
         let (x1, y1) = (x2 * cos - y2 * sin, -x2 * sin - y2 * cos);
         let (sin, cos) = libm::sincos(phi);
         let in_chart = Matrix3::from_columns(&[
-            probe.x * cos + probe.y * sin,
-            probe.y * cos - probe.x * sin,
+            probe.x_axis * cos + probe.y_axis * sin,
+            probe.y_axis * cos - probe.x_axis * sin,
             probe.normal,
         ]);
         let body_from_contact = self.body_from_chart * Rotation3::from_matrix_unchecked(in_chart);
         Ok(Contact {
             on_object: object.point,
-            normal: object.frame.normal,
+            normal: object.normal,
             x_axis: x1 * cos + y1 * sin,
             body_from_contact: UnitQuaternion::from_rotation_matrix(&body_from_contact),
             arc_length,

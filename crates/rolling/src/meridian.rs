@@ -95,8 +95,8 @@ impl MeridianRung {
         .filter(|(t, arc)| t.is_finite() && arc.is_finite())
     }
 
-    /// Displacement of the contact on the probe by `motion`, which starts at the apex and follows `section`. `None` as
-    /// from [`MeridianRung::advance`].
+    /// Displacement of the contact on the probe by `motion`, which starts at the apex and follows `section`. `None` for
+    /// the same reason as in [`MeridianRung::advance`].
     pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Option<Shift> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
@@ -107,9 +107,9 @@ impl MeridianRung {
         Some(Shift::along_great_circle(turn * (arc / theta), self.radius))
     }
 
-    /// The contact at the end of `motion`. It starts at the object's apex (`apex`) and moves along the meridian `section`
-    /// of the object. `None` if the meridian model does not find the contact; an integrator then finds it or the reason
-    /// why the roll ends.
+    /// The contact at the end of `motion`. It starts at the object's apex (`apex`) and moves along the meridian
+    /// `section` of the object. `None` if the meridian model does not find the contact. The caller then uses an
+    /// integrator, which finds the contact or returns the reason why the roll ends.
     pub(crate) fn advance(
         &self,
         section: &Meridian,

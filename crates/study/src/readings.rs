@@ -350,16 +350,13 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
     columns
 }
 
-/// Names of columns in a file. The keys are palpate's names of these columns, which may end with a unit, such as
-/// `x_mm`.
-pub type ColumnNames = BTreeMap<String, String>;
-
-/// Checks the names that a study or an option states for the columns of a file.
+/// Checks the names that a study or an option states for the columns of a file. The keys are palpate's names of these
+/// columns, which may end with a unit, such as `x_mm`.
 ///
 /// # Errors
 /// [`FieldError`] for a key that is not in `columns`, for an empty name, for two keys that refer to the same
 /// column, and for two keys that state the same name.
-pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), FieldError> {
+pub fn check_names(names: &BTreeMap<String, String>, columns: &[Column]) -> Result<(), FieldError> {
     let fault = |key: &str, message: String| Err(FieldError::at(key, message));
     let mut known: Vec<(&str, &str, &str)> = Vec::new();
     for (key, name) in names {

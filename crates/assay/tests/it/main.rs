@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod auto_check;
-mod contact_reference;
 mod families;
 mod paraboloid_reference;
 mod required_work;

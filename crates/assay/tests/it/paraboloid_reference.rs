@@ -1,4 +1,4 @@
-//! Compares the reference for presses on a paraboloid with independent programs and with limiting cases.
+//! Compares the reference for presses on a paraboloid with independent programs.
 
 use palpate_assay::paraboloid_reference::{Body, ParaboloidPress};
 
@@ -43,36 +43,5 @@ fn a_layer_agrees_with_independent_programs() {
                 "{normal} {truth}"
             );
         }
-    }
-}
-
-#[test]
-fn the_surface_follows_the_object() {
-    for (thickness, indentation) in [(100.0, 0.2), (10.0, 1.0), (4.0, 1.0), (0.5, 0.1)] {
-        let press = ParaboloidPress::new(Body::Layer { thickness }, 0.05, indentation).unwrap();
-        let distances = [0.0, 0.3, 0.7, 0.99].map(|share| share * press.radius());
-        let found = press.displacements(0.0, &distances).unwrap();
-        for ([normal, _], r) in found.iter().zip(distances) {
-            let truth = indentation - 0.025 * r * r;
-            assert!(
-                (normal - truth).abs() < 1e-10 * indentation,
-                "{thickness} {r}: {normal} {truth}"
-            );
-        }
-    }
-}
-
-#[test]
-fn a_thick_layer_is_a_half_space() {
-    for depth in [0.0, 0.01, 0.3, 5.0] {
-        let [layer, solid] = [
-            Body::Layer { thickness: 1e7 },
-            Body::HalfSpace { poisson: 0.5 },
-        ]
-        .map(|body| {
-            let press = ParaboloidPress::new(body, 0.05, 0.3).unwrap();
-            press.displacements(depth, &[0.0, 1.0, 2.4, 4.0]).unwrap()
-        });
-        assert!(off(&layer, &solid) < 1e-6, "{layer:?} {solid:?}");
     }
 }

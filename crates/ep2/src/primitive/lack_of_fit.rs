@@ -133,9 +133,10 @@ struct Rows<'a> {
     pose: &'a Pose,
     cloud: &'a Cloud,
     basis: Basis,
-    /// Errors of positions along a curved surface change the expected normals. To remove the correlation between both,
-    /// each contact is moved along the surface by the deviation of its normal times this length, to its most probable
-    /// place.
+    /// An error of a position along a curved surface also changes the expected normal there, so the errors of positions
+    /// and normals are correlated. To remove this correlation, each contact is moved along the surface to its most
+    /// probable place. The displacement is this length times the deviation of the measured normal from the expected
+    /// one. The length is 0 if there is nothing to correct.
     shift: f64,
     values: Vec<f64>,
     gradients: Vec<Vector3<f64>>,

@@ -68,7 +68,7 @@ fn polynomial(leaf: Instruction) -> Quadratic {
 /// A part of a formula that may be a function of x² + y² alone.
 enum Radial {
     Polynomial(Quadratic),
-    /// A function of x² + y² that is no polynomial of at most degree two.
+    /// A function of x² + y² alone of which no polynomial of at most degree two is known.
     Other,
 }
 
@@ -99,7 +99,8 @@ impl Radial {
     }
 }
 
-/// What a change of the sign of a variable does to a part of a formula: nothing, or it changes the part's sign.
+/// Parity of a part of a formula with respect to one variable. If the sign of the variable changes, an even part keeps
+/// its value, and an odd part changes its sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Parity {
     Even,
@@ -198,8 +199,8 @@ impl Program {
         self.walk(polynomial, changed, combined)
     }
 
-    /// Whether the program computes a function of x² + y² alone: one of its parts is a polynomial in x² + y², and the
-    /// other parts depend only on such parts.
+    /// Whether the form of the program shows that it computes a function of x² + y² alone: x and y occur only in parts
+    /// that are functions of x² + y².
     pub(super) fn is_revolved(&self) -> bool {
         let known = self.walk(
             |leaf| Radial::Polynomial(polynomial(leaf)),
@@ -226,7 +227,9 @@ impl Program {
         known == Some([Parity::Even; 2])
     }
 
-    /// Evaluates a property of the program from the properties of its leaves. `None` if a part does not have it.
+    /// Computes a property of the whole program, instruction by instruction. `leaf` returns the property of a variable
+    /// or constant; `changed` and `combined` compute that of an operation from those of its operands. `None` if one of
+    /// them returns `None`.
     fn walk<T>(
         &self,
         leaf: impl Fn(Instruction) -> T,

@@ -98,8 +98,9 @@ impl From<Formula> for Graph<HeightField> {
 }
 
 impl HeightField {
-    /// The height and its first and second derivatives at the distance `t` from the origin along the x axis (`axis` = 0)
-    /// or the y axis (1). NaN where the height does not belong to the graph.
+    /// The height and its first and second derivatives at the distance `t` from the origin along the x axis (`axis` =
+    /// 0) or the y axis (1). NaN outside the domain of the graph: where the height or a derivative is not finite, where
+    /// the slope is too large, or where `t` is too large.
     pub(crate) fn along(&self, axis: usize, t: f64) -> [f64; 3] {
         checked_jet(self, [t, 0.0][axis], [0.0, t][axis]).map_or([f64::NAN; 3], |jet| {
             [jet.value, jet.gradient[axis], jet.hessian[2 * axis]]
@@ -173,9 +174,9 @@ impl Height for HeightField {
         }
     }
 
-    /// Returns a section at the vertex of a polynomial of degree two, along its principal directions x and y. Of other
-    /// formulas, returns a section only at the origin: in any direction if the graph is a surface of revolution, and
-    /// along x and y if it is symmetric about both axes.
+    /// Returns a section at the vertex of a polynomial of degree two, along its principal directions x and y. For any
+    /// other formula, returns a section only at the origin. The section has any direction if the graph is a surface of
+    /// revolution. It must lie along x or y if the graph is only symmetric about both axes.
     fn meridian_at(&self, x: f64, y: f64, direction: &Vector3<f64>) -> Option<Meridian> {
         let is_along = [direction.y == 0.0, direction.x == 0.0];
         if let Some([_, fx, fy, xx, xy, yy]) = self.formula.quadratic() {

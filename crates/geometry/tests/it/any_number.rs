@@ -75,7 +75,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
         prop_assert!(is_finite(&[form.k_uu, form.k_uv, form.k_vv]), "{found:?}");
         let matrices = found.metric.iter().chain(found.torsion.iter());
         prop_assert!(is_finite(matrices), "{found:?}");
-        let frame = [found.frame.x, found.frame.y, found.frame.normal];
+        let frame = [found.x_axis, found.y_axis, found.normal];
         prop_assert!(frame.iter().all(is_unit), "{found:?}");
     }
     let level_set = surface.level_set(&place);

@@ -40,8 +40,8 @@ fn a_chart_ends_at_its_poles() {
                     let near = Parameters::new(u - side * short, v);
                     let here = surface.chart_geometry(near).unwrap();
                     let level_set = surface.level_set(&here.point).unwrap();
-                    assert_relative_eq!(here.frame.normal, level_set.normal, epsilon = 1e-14);
-                    let form = level_set.curvature(&here.frame.x, &here.frame.y).matrix();
+                    assert_relative_eq!(here.normal, level_set.normal, epsilon = 1e-14);
+                    let form = level_set.curvature(&here.x_axis, &here.y_axis).matrix();
                     let epsilon = 1e-13 * form.norm();
                     assert_relative_eq!(here.curvature.matrix(), form, epsilon = epsilon);
                 }
@@ -188,13 +188,13 @@ proptest! {
         ];
         for (shape, unit_u, [k_uu, k_vv]) in signed {
             let here = shape.chart_geometry(Parameters::new(u * unit_u, v)).unwrap();
-            let (_, form) = shape.curvature_along(&here.point, &here.frame.x).unwrap();
+            let (_, form) = shape.curvature_along(&here.point, &here.x_axis).unwrap();
             for form in [here.curvature, form] {
                 assert_relative_eq!(form.k_uu * radius, k_uu, epsilon = 1e-14);
                 assert_relative_eq!(form.k_vv * radius, k_vv, epsilon = 1e-14);
                 assert_relative_eq!(form.k_uv * radius, 0.0, epsilon = 1e-14);
             }
-            let foot = shape.closest_point(&(here.point + here.frame.normal * radius * 0.5));
+            let foot = shape.closest_point(&(here.point + here.normal * radius * 0.5));
             assert_relative_eq!(foot.unwrap(), here.point, epsilon = 1e-14 * (radius + 2.0));
         }
     }
@@ -217,11 +217,11 @@ proptest! {
         // torus is narrow, the error is amplified near its centre.
         let blur = 1e-14 * ratio / (ratio - 1.0) + 1e-15 * ratio;
         let local = torus.level_set(&here.point).unwrap();
-        let form = local.curvature(&here.frame.x, &here.frame.y);
-        assert_relative_eq!(local.normal, here.frame.normal, epsilon = blur);
+        let form = local.curvature(&here.x_axis, &here.y_axis);
+        assert_relative_eq!(local.normal, here.normal, epsilon = blur);
         assert_relative_eq!(form.k_uu * minor, 1.0, epsilon = blur);
         assert_relative_eq!(form.k_vv * minor, across * minor, epsilon = blur);
-        let offset = here.frame.normal * (0.5 * minor.min(major - minor));
+        let offset = here.normal * (0.5 * minor.min(major - minor));
         let foot = torus.closest_point(&(here.point + offset)).unwrap();
         prop_assert!((foot - here.point).norm() < blur * minor);
     }
@@ -235,8 +235,8 @@ proptest! {
         let semi_axes = exponents.map(|exponent| libm::pow(10.0_f64, exponent));
         let ellipsoid = Ellipsoid::new(semi_axes).unwrap();
         let here = ellipsoid.chart_geometry(Parameters::new(u, v)).unwrap();
-        let frame = here.frame;
-        assert_relative_eq!(frame.x.cross(&frame.y), frame.normal, epsilon = 1e-14);
+        let frame = here;
+        assert_relative_eq!(frame.x_axis.cross(&frame.y_axis), frame.normal, epsilon = 1e-14);
         let local = ellipsoid.level_set(&here.point).unwrap();
         assert_relative_eq!(local.normal, frame.normal, epsilon = 1e-13, max_relative = 1e-13);
 
@@ -253,14 +253,14 @@ proptest! {
         let product = axes.product();
         let mean = 0.5 * (p / product).powi(2) * p * rest.sum();
         let gaussian = (p * p / product).powi(2);
-        for form in [here.curvature, local.curvature(&frame.x, &frame.y)] {
+        for form in [here.curvature, local.curvature(&frame.x_axis, &frame.y_axis)] {
             assert_relative_eq!(form.mean_curvature(), mean, max_relative = 1e-12);
             // The tolerance of the Gaussian curvature K is relative to the squared mean curvature H². The reason is
             // that K is computed as a difference of two products that are as large as H².
             let epsilon = 1e-12 * mean * mean;
             assert_relative_eq!(form.gaussian_curvature(), gaussian, epsilon = epsilon);
         }
-        let difference = local.curvature(&frame.x, &frame.y).matrix() - here.curvature.matrix();
+        let difference = local.curvature(&frame.x_axis, &frame.y_axis).matrix() - here.curvature.matrix();
         prop_assert!(difference.norm() <= 1e-12 * mean, "{difference}");
     }
 

@@ -55,8 +55,8 @@ impl<'a, S: Surface> Place<'a, S> {
     }
 
     fn the_frame_is_orthonormal_and_right_handed(&self) {
-        let frame = &self.geometry.frame;
-        let (x, y, n) = (frame.x, frame.y, frame.normal);
+        let frame = &self.geometry;
+        let (x, y, n) = (frame.x_axis, frame.y_axis, frame.normal);
         for unit in [x, y, n] {
             assert_relative_eq!(unit.norm(), 1.0, epsilon = 1e-14);
         }
@@ -65,7 +65,7 @@ impl<'a, S: Surface> Place<'a, S> {
     }
 
     fn the_normal_points_out_of_the_solid(&self) {
-        let step = self.geometry.frame.normal * (1e-3 * self.specimen.reach);
+        let step = self.geometry.normal * (1e-3 * self.specimen.reach);
         let is_in_solid = |p| (self.specimen.solid)(&p);
         assert!(!is_in_solid(self.geometry.point + step));
         assert!(is_in_solid(self.geometry.point - step));
@@ -87,17 +87,18 @@ impl<'a, S: Surface> Place<'a, S> {
             ])
         };
         let jacobian = derivatives(&|g| g.point.coords);
-        let normals = derivatives(&|g| g.frame.normal);
-        let tangents = derivatives(&|g| g.frame.x);
+        let normals = derivatives(&|g| g.normal);
+        let tangents = derivatives(&|g| g.x_axis);
 
         let ChartGeometry {
-            frame,
+            x_axis,
+            y_axis,
             metric,
             curvature,
             torsion,
             ..
         } = self.geometry;
-        let in_frame = Matrix2x3::from_rows(&[frame.x.transpose(), frame.y.transpose()]);
+        let in_frame = Matrix2x3::from_rows(&[x_axis.transpose(), y_axis.transpose()]);
         let units = Matrix2::from_diagonal(&Vector2::new(unit_u, unit_v));
         let inverse = metric.try_inverse().unwrap();
         let size = self.specimen.size;
@@ -113,7 +114,7 @@ impl<'a, S: Surface> Place<'a, S> {
         // from finite differences is symmetric.
         let (form, turn) = (
             in_frame * normals * inverse,
-            frame.y.transpose() * tangents * inverse,
+            y_axis.transpose() * tangents * inverse,
         );
         let largest = form.norm().max(1.0 / size);
         assert_relative_eq!(curvature.matrix(), form, epsilon = 1e-9 * largest);
@@ -122,22 +123,18 @@ impl<'a, S: Surface> Place<'a, S> {
 
     fn the_level_set_agrees_with_the_chart(&self) {
         let level_set = self.surface.level_set(&self.geometry.point).unwrap();
-        assert_relative_eq!(
-            level_set.normal,
-            self.geometry.frame.normal,
-            epsilon = 1e-12
-        );
-        let form = level_set.curvature(&self.geometry.frame.x, &self.geometry.frame.y);
+        assert_relative_eq!(level_set.normal, self.geometry.normal, epsilon = 1e-12);
+        let form = level_set.curvature(&self.geometry.x_axis, &self.geometry.y_axis);
         let chart = self.geometry.curvature.matrix();
         let epsilon = 1e-12 * (chart.norm() + 1.0 / self.specimen.size);
         assert_relative_eq!(form.matrix(), chart, epsilon = epsilon);
     }
 
     fn the_form_along_any_tangent_is_that_of_the_level_set(&self) {
-        let (p, frame) = (&self.geometry.point, &self.geometry.frame);
+        let (p, frame) = (&self.geometry.point, &self.geometry);
         let level_set = self.surface.level_set(p).unwrap();
         for angle in [0.0_f64, 0.3, 1.7, 2.9, -1.1] {
-            let x = frame.x * libm::cos(angle) + frame.y * libm::sin(angle);
+            let x = frame.x_axis * libm::cos(angle) + frame.y_axis * libm::sin(angle);
             let (normal, form) = self.surface.curvature_along(p, &x).unwrap();
             assert_relative_eq!(normal, level_set.normal, epsilon = 1e-14);
             let expected = level_set.curvature(&x, &x.cross(&normal)).matrix();
@@ -162,7 +159,7 @@ impl<'a, S: Surface> Place<'a, S> {
     }
 
     fn the_contact_at_a_place_seen_from_above_is_the_place(&self) {
-        let (place, up) = (self.geometry.point, self.geometry.frame.normal.z);
+        let (place, up) = (self.geometry.point, self.geometry.normal.z);
         let touched = self.surface.contact_at(place.x, place.y).unwrap();
         // If the normal points down at this point, `contact_at` returns the point vertically above it at which the
         // normal points up.
@@ -172,10 +169,12 @@ impl<'a, S: Surface> Place<'a, S> {
 
     fn a_point_within_reach_falls_back_on_its_foot(&self) {
         let ChartGeometry {
-            point: foot, frame, ..
+            point: foot,
+            normal,
+            ..
         } = self.geometry;
         for share in [-0.9, -0.5, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 0.5, 0.9] {
-            let offset = frame.normal * (share * self.specimen.reach);
+            let offset = normal * (share * self.specimen.reach);
             let closest = self.surface.closest_point(&(foot + offset)).unwrap();
             assert_abs_diff_eq!(closest, foot, epsilon = 10.0 * self.tiny);
         }
@@ -189,7 +188,9 @@ impl<'a, S: Surface> Place<'a, S> {
             Shape::Paraboloid(_) | Shape::Saddle(_) | Shape::HeightField(_)
         );
         let ChartGeometry {
-            point: foot, frame, ..
+            point: foot,
+            normal,
+            ..
         } = self.geometry;
         let far = if is_graph {
             0.99 * self.specimen.reach
@@ -197,7 +198,7 @@ impl<'a, S: Surface> Place<'a, S> {
             5.0 * self.specimen.size
         };
         for distance in [-far, -0.2 * far, 0.2 * far, far] {
-            let from = foot + frame.normal * distance;
+            let from = foot + normal * distance;
             let closest = match self.surface.closest_point(&from) {
                 Ok(closest) => closest,
                 Err(SurfaceError::NoClosestPoint { .. }) if !is_graph => continue,

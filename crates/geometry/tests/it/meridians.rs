@@ -26,11 +26,7 @@ fn follows_the_chart(surface: &impl Surface, t: f64) {
         .unwrap();
     assert_relative_eq!(there.point, expected, epsilon = 1e-14, max_relative = 1e-14);
     let [sin, cos] = found.normal;
-    assert_relative_eq!(
-        there.frame.normal,
-        Vector3::new(sin, 0.0, cos),
-        epsilon = 1e-13
-    );
+    assert_relative_eq!(there.normal, Vector3::new(sin, 0.0, cos), epsilon = 1e-13);
     let (sine, cosine) = libm::sincos(slope.slope_rad);
     assert_abs_diff_eq!(sin, sine, epsilon = 1e-15);
     assert_abs_diff_eq!(cos, cosine, epsilon = 1e-15);

@@ -23,7 +23,6 @@ mod hostile;
 mod journal;
 mod like;
 mod mistakes_in_readings;
-mod objects;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod press;

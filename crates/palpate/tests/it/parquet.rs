@@ -49,7 +49,6 @@ count = 2
 struct Read {
     columns: Vec<(String, &'static str, Option<String>)>,
     rows: Vec<Vec<Field>>,
-    about: BTreeMap<String, String>,
     groups: usize,
 }
 
@@ -86,7 +85,6 @@ fn read(desk: &Desk, name: &str) -> Read {
     Read {
         columns,
         rows: rows.collect(),
-        about,
         groups: metadata.num_row_groups(),
     }
 }
@@ -221,57 +219,26 @@ fn columns_have_types_and_units() {
 }
 
 #[test]
-fn metadata_states_the_origin_of_a_file() {
-    let desk = Desk::with(STUDY);
-    desk.palpate("run c.toml --out o --format parquet")
-        .printed();
-    let manifest: toml::Table = desk.read("o/.palpate.toml").parse().unwrap();
-    let entry = &manifest["files"]["cells.parquet"];
-    for table in ["cells", "failures"] {
-        let about = read(&desk, &format!("o/{table}.parquet")).about;
-        let about: Vec<(&str, &str)> = about
-            .iter()
-            .map(|(k, v)| (k.as_str(), v.as_str()))
-            .collect();
-        let expected = [
-            ("config_sha256", entry["config"].as_str().unwrap()),
-            ("palpate_version", env!("CARGO_PKG_VERSION")),
-            ("study", "a-study"),
-        ];
-        assert_eq!(about, expected);
-    }
-}
-
-#[test]
-fn threads_shards_and_pipes_write_the_same_bytes() {
+fn merges_and_pipes_write_the_same_bytes() {
     let desk = Desk::with(&many());
-    let line = "run c.toml --format parquet --trials-out";
-    desk.palpate(&format!("{line} t.parquet --out whole --threads 1"));
-    desk.palpate(&format!("{line} u.parquet --out again --threads 3"));
+    desk.palpate("run c.toml --format parquet --trials-out t.parquet --out whole");
     for number in [1, 2] {
         desk.palpate(&format!(
             "run c.toml --shard {number}/2 --out s/{number} --trials-out no.csv"
         ));
     }
-    let ended = desk.palpate("merge s --out m --format parquet --trials-out v.parquet");
+    // Standard output must contain only the Parquet file.
+    let ended =
+        desk.shell("\"$palpate\" merge s --out m --format parquet --trials-out - > m.parquet");
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let bytes = |name: &str| fs::read(desk.path(name)).unwrap();
-    for table in ["cells", "failures"] {
-        let of = |dir: &str| bytes(&format!("{dir}/{table}.parquet"));
-        assert!(
-            of("whole") == of("again") && of("whole") == of("m"),
-            "{table}"
-        );
+    for [whole, merged] in [
+        ["whole/cells.parquet", "m/cells.parquet"],
+        ["whole/failures.parquet", "m/failures.parquet"],
+        ["t.parquet", "m.parquet"],
+    ] {
+        assert!(bytes(whole) == bytes(merged), "{whole}");
     }
-    assert!(bytes("t.parquet") == bytes("u.parquet") && bytes("t.parquet") == bytes("v.parquet"));
-    // Standard output must contain only the Parquet file.
-    let ended = desk.shell(
-        "\"$palpate\" merge s --out n --format parquet --trials-out - > w.parquet && \
-         \"$palpate\" run c.toml --out q --format parquet --trials-out - > x.parquet",
-    );
-    assert_eq!(ended.status, Some(0), "{ended:?}");
-    assert!(ended.stderr.contains("a-study: 7 cells"), "{ended:?}");
-    assert!(bytes("t.parquet") == bytes("w.parquet") && bytes("t.parquet") == bytes("x.parquet"));
 }
 
 #[test]
@@ -323,13 +290,6 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
     desk.write("o/cells.parquet", "mine");
     desk.palpate("run c.toml --out o --format parquet")
         .fails(2, "o/cells.parquet was changed since");
-    // If the manifest is missing, the config in the directory still shows that palpate wrote the tables, so they may be
-    // overwritten.
-    desk.palpate("run c.toml --out n --format parquet")
-        .printed();
-    fs::remove_file(desk.path("n/.palpate.toml")).unwrap();
-    desk.palpate("run c.toml --out n --format parquet --seed 3")
-        .printed();
 }
 
 #[test]

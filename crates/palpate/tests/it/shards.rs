@@ -276,28 +276,6 @@ fn status_counts_cells_and_trials() {
     );
 }
 
-#[cfg(not(feature = "parquet"))]
-#[test]
-fn a_build_without_parquet_names_the_feature() {
-    let desk = Desk::with(STUDY);
-    for line in [
-        "run c.toml --format parquet",
-        "run c.toml --trials-out t.parquet",
-        "merge s --format parquet",
-        "submit slurm c.toml --shards 2 --format parquet --dry-run",
-    ] {
-        desk.palpate(line)
-            .fails(2, "cargo install --path crates/palpate --features parquet");
-    }
-    assert_eq!(desk.names(""), ["c.toml"]);
-    desk.palpate("run c.toml --out o").printed();
-    fs::rename(desk.path("o/cells.csv"), desk.path("o/cells.parquet")).unwrap();
-    desk.palpate("status o")
-        .prints("tables   Parquet; this palpate was built without Parquet");
-    desk.palpate("plot o")
-        .fails(1, "o has its tables as Parquet");
-}
-
 #[test]
 fn a_dry_run_prints_slurm_scripts_and_writes_nothing() {
     let desk = Desk::with(STUDY);

@@ -154,7 +154,7 @@ fn lost_readings_may_have_normals_of_zeros() {
     assert_eq!(lost["left_out"], expected);
     let error = estimate(&replaced("0,5,0,24.4,0,0,0"), "penalised").unwrap_err();
     assert!(error.to_string().contains(":9:"), "{error}");
-    // Contacts in a random order, of which some successive ones have the same wrong height.
+    // The contacts are in a random order. In 16 successive rows, the height is the same wrong number.
     let mut scan = "x_mm,y_mm,z_mm\n".to_owned();
     for row in 0..200 {
         let (sin, cos) = libm::sincos(2.4 * f64::from(row * 7 % 200));

@@ -258,23 +258,3 @@ fn duration_for_arc_inverts_the_arc_length() {
     let found = roller.duration_for_arc(&motion, 1e-300).unwrap();
     assert_relative_eq!(found, 1e-300 * 4.0 / 3.0 / 0.7, max_relative = 1e-15);
 }
-
-#[test]
-fn auto_meets_its_tolerance_and_takes_the_cheapest() {
-    let motion = Motion::rolling(0.5, 0.1, 1.0);
-    let rung = |object: &Shape, start, tolerance| {
-        let model = auto(tolerance);
-        let roller = roller(1.0, object, start, model, motion);
-        let end = roller.roll(&[motion]).unwrap();
-        let truth = roll(1.0, object, start, DOP853, motion);
-        let off = difference(&end, &truth, 1.0);
-        // The reference has rounding errors of about 1e-13, so this number is added to the error bound.
-        let bound = tolerance.min(roller.choice().error_bound.unwrap()) + 1e-13;
-        assert!(off <= bound, "{off:e} > {bound:e}");
-        roller.choice().rung.clone()
-    };
-    assert!(rung(&sphere(5.0), (0.0, 0.0), 1e-9).starts_with("closed form"));
-    assert!(rung(&paraboloid(1.0), (0.0, 0.0), 1e-9).starts_with("meridian"));
-    assert!(rung(&paraboloid(1.0), (0.1, 0.0), 1e-12).starts_with("DOP853"));
-    assert!(rung(&saddle(0.1), (0.1, 0.0), 1e-4).starts_with("RK4"));
-}

@@ -209,7 +209,8 @@ pub enum RollModelConfig {
     ClosedForm {},
     /// Computes the length of the contact's path from the roll angle. This is possible for rolls along a meridian
     /// through the apex of a surface of revolution. If the motion has no noise, it is also possible for rolls along the
-    /// axes of ellipsoids, saddles, and formulas that are of degree two or even in x and in y.
+    /// axes of ellipsoids, saddles and some formulas. The formula must have degree two, or its graph must be symmetric
+    /// about the planes x = 0 and y = 0.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {

@@ -8,7 +8,6 @@ use super::roll::{RollConfig, RollModelConfig};
 use super::schema::count;
 use super::sweep::SweepConfig;
 use super::validate::NAME;
-use crate::readings::ColumnNames;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -50,7 +49,7 @@ pub struct StudyConfig {
     /// Names of the columns in files of recorded readings. `palpate estimate --like` with this study uses them. The key
     /// is palpate's name of a column, and the value is its name in the file: `x = "Finger X [m]"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub columns: ColumnNames,
+    pub columns: BTreeMap<String, String>,
     /// The scene: the bodies in contact, the motion, the model, the sensor, the noise and the estimator.
     pub scene: SceneConfig,
     /// Sweep axes, which vary fields of the config. Each combination of their values is a cell of the study. The first

@@ -1,8 +1,10 @@
 //! Tests the columns of recorded readings: their names and units.
 
+use std::collections::BTreeMap;
+
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{
-    COLUMNS, ColumnNames, ColumnUnit, Measure, check_names, columns_of, quaternion_part, spelt,
+    COLUMNS, ColumnUnit, Measure, check_names, columns_of, quaternion_part, spelt,
 };
 
 #[test]
@@ -48,7 +50,7 @@ fn names_have_units() {
 
 #[test]
 fn names_that_contradict_are_refused() {
-    let names = |pairs: &[(&str, &str)]| -> ColumnNames {
+    let names = |pairs: &[(&str, &str)]| -> BTreeMap<String, String> {
         let owned = |(key, name): &(&str, &str)| ((*key).to_owned(), (*name).to_owned());
         pairs.iter().map(owned).collect()
     };

@@ -1,5 +1,6 @@
 //! Defines the arguments of `palpate estimate`.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -9,7 +10,6 @@ use palpate_recorded::{
 use palpate_study::config::{
     GlideEstimatorConfig, LengthUnit, PressEstimatorConfig, RollEstimatorConfig,
 };
-use palpate_study::readings::ColumnNames;
 
 use super::settings::{Settings, length_unit, not_negative, positive, radius};
 
@@ -342,7 +342,7 @@ pub(crate) struct FormArgs {
     /// that contains a comma in quotation marks. If the header of the file states no unit, the unit in palpate's name
     /// (x_mm) applies.
     #[arg(long, value_name = "NAME=COLUMN,...", value_parser = column_names)]
-    pub(crate) columns: Option<ColumnNames>,
+    pub(crate) columns: Option<BTreeMap<String, String>>,
     /// Character between fields: comma, semicolon, tab, pipe or space [default: detected from header and rows].
     #[arg(long, value_name = "NAME")]
     pub(crate) delimiter: Option<Delimiter>,
