@@ -37,7 +37,10 @@ fn is_clock_time(text: &str) -> bool {
 pub(super) fn is_missing(text: &str) -> bool {
     let word = text.trim_start_matches(['+', '-']);
     let mut words = "nan,inf,infinity,na,n/a,n.a.,<na>,nat,null,none".split(',');
-    word.is_empty() || word.contains('#') || words.any(|one| one.eq_ignore_ascii_case(word))
+    word.is_empty()
+        || word.starts_with(['#'])
+        || word.contains(".#")
+        || words.any(|one| one.eq_ignore_ascii_case(word))
 }
 
 /// Finds the decimal sign of a table from its numbers.
@@ -50,6 +53,8 @@ pub(super) struct DecimalSign {
     pub(super) comma: Option<String>,
     /// First number in the table whose point can only be a decimal point; `None` if there is none.
     pub(super) point: Option<String>,
+    /// Whether a number surely has a separator of thousands: it has both signs, or several separators.
+    pub(super) has_thousands: bool,
 }
 
 impl DecimalSign {
@@ -57,25 +62,30 @@ impl DecimalSign {
     /// whether the number contains a comma, or a point that may separate thousands.
     pub(super) fn add(&mut self, text: &str) -> bool {
         let is_odd = |decimal| ungrouped(text, decimal).is_none();
+        let [commas, points] = [',', '.'].map(|sign| text.matches(sign).count());
         let is_point = self.point.is_some() || !self.has_semicolons;
+        let is_thousands = commas > 1 || points > 1 || (commas > 0 && points > 0);
         let first = match () {
-            () if text.contains(',') && is_odd(Decimal::Point) => &mut self.comma,
-            () if text.contains('.') && (is_point || is_odd(Decimal::Comma)) => &mut self.point,
-            () => return text.contains([',', '.']),
+            () if commas > 0 && is_odd(Decimal::Point) => &mut self.comma,
+            () if points > 0 && (is_point || is_odd(Decimal::Comma)) => &mut self.point,
+            () if commas > 1 => &mut self.point,
+            () if points > 1 => &mut self.comma,
+            () => return commas + points > 0,
         };
+        self.has_thousands |= is_thousands;
         first.get_or_insert_with(|| text.to_owned());
-        text.contains(',')
+        commas > 0 || points > 1
     }
 
     /// The decimal sign of the table, or an error if this sign is ambiguous. The error message quotes `odd`, a number
     /// of the table whose comma or point may separate thousands.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
-            (Some(_), None) => Ok(Decimal::Comma),
-            (Some(comma), Some(point)) => Err(format!(
-                "`{comma}` has a comma and `{point}` has a point: write all numbers with one decimal sign"
+            (Some(_), None) if self.has_thousands || !odd.contains('.') => Ok(Decimal::Comma),
+            (None, Some(_)) if self.has_thousands || !odd.contains(',') => Ok(Decimal::Point),
+            (Some(other), _) | (None, Some(other)) => Err(format!(
+                "`{odd}` and `{other}` have different signs: write all numbers with one decimal sign, or write setting `decimal` point or comma if the other sign separates thousands"
             )),
-            (None, Some(_)) => Ok(Decimal::Point),
             (None, None) => {
                 let whole = odd.replace([',', '.'], "");
                 let [point, comma] = match odd.contains(',') {
@@ -83,7 +93,7 @@ impl DecimalSign {
                     false => [odd.to_owned(), whole],
                 };
                 Err(format!(
-                    "`{odd}` may be {point} or {comma}; write setting `decimal` point if it is {point}, or setting `decimal` comma if it is {comma}"
+                    "`{odd}` may be {point} or {comma}; write setting `decimal` point if it is {point}, and setting `decimal` comma if it is {comma}"
                 ))
             }
         }

@@ -236,7 +236,10 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
 /// the names of groups of columns, as in files of pandas and of motion capture systems.
 fn has_axes(row: &StringRecord, first: &StringRecord) -> bool {
     let is_axis = |field: &str| matches!(&*spelt(bracketed(tidy(field)).0), "x" | "y" | "z");
-    row.len() == first.len() && row != first && row.iter().any(is_axis) && !has_number(row)
+    // A single name is the title of the file.
+    let has_groups = first.iter().filter(|name| !name.is_empty()).count() > 1;
+    let is_other = has_groups && row.len() == first.len() && row != first;
+    is_other && row.iter().any(is_axis) && !has_number(row)
 }
 
 /// Names of columns from a line with the names of groups and a line with the names within the groups. The name of a

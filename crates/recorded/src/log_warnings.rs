@@ -92,18 +92,17 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
     let (count, contacts) = (outliers.len(), recorded.contacts.len());
     let row = |outlier: &Outlier| {
         let row = recorded.source.row(outlier.contact);
-        let place = |one: &Outlier| recorded.contacts[one.contact].position;
         match outlier.reason {
             OutlierReason::Sentinel => {
-                let own = place(outlier);
-                let equal = |axis: &usize| {
-                    let others = outliers.iter();
-                    others
-                        .filter(|other| place(other)[*axis] == own[*axis])
-                        .count()
-                };
-                let lost = own[(0..3).max_by_key(equal).unwrap_or(0)];
-                format!("{row} (lost reading, {})", Number(lost))
+                // The lost coordinate is the farthest from those of a contact that is not left out.
+                let sound =
+                    (0..contacts).find(|one| outliers.iter().all(|out| out.contact != *one));
+                let sound = recorded.contacts[sound.unwrap_or(0)].position;
+                let own = recorded.contacts[outlier.contact].position;
+                format!(
+                    "{row} (lost reading, {})",
+                    Number(own[(own - sound).iamax()])
+                )
             }
             OutlierReason::Zeros => format!("{row} (lost reading, zeros)"),
             OutlierReason::Far => format!("{row} (far from all others)"),

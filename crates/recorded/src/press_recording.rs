@@ -3,16 +3,16 @@
 use super::RecordedFile;
 use super::error::RecordedError;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
-use super::source::{ReadingSource, finite, same_length};
+use super::source::{ReadingSource, copies, finite, same_length};
 use super::text_table::TextTable;
 use nalgebra::Point3;
 use palpate_ep2::{Contact, DistinctContacts};
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{COLUMNS, Column, columns_of};
 
-/// Consecutive rows belong to the same marker if their distance from the first of these rows is at most this share of a
-/// reference length. The reference length is the largest distance from the first row of the table, divided by the
-/// number of rows.
+/// Consecutive rows belong to the same marker if their positions and displacements differ from those of the first of
+/// these rows by at most this share of a reference length. The reference length is the extent of the middle half of all
+/// positions, divided by the number of rows.
 const MAX_PLACE_ERROR: f64 = 0.2;
 
 /// Recorded readings of a press.
@@ -70,9 +70,9 @@ impl PressRecording {
     }
 
     /// The press with one reading per marker, and a warning about repeated markers; `None` if no marker is repeated.
-    /// Rows with the same position, or consecutive rows with almost the same position, are replaced by their mean. If
-    /// the noise is estimated, it is the noise of these means. So it does not matter whether the noise of the rows of
-    /// one marker is independent.
+    /// Equal rows, and consecutive rows with almost the same position and displacement, are replaced by their mean. If
+    /// the noise is estimated, it is the noise of these means. So it does not matter whether the noise of the rows of one
+    /// marker is independent.
     pub(super) fn without_copies(&self) -> Option<(Self, String)> {
         let along = self.tangential.as_deref();
         let marker = |marker: usize| {
@@ -81,17 +81,23 @@ impl PressRecording {
             [x, y, normal, along_x, along_y]
         };
         let count = self.places.len();
-        let contact = |&[x, y]: &[f64; 2]| Contact {
+        if count < 2 {
+            return None;
+        }
+        let contact = |(&[x, y], &normal): (&[f64; 2], &f64)| Contact {
             finger: 0,
-            position: Point3::new(x, y, 0.0),
+            position: Point3::new(x, y, normal),
             normal: None,
             weight: 1.0,
         };
-        let contacts: Vec<Contact> = self.places.iter().map(contact).collect();
-        let distances = contacts
-            .iter()
-            .map(|one| (one.position - contacts[0].position).norm());
-        let limit = MAX_PLACE_ERROR * distances.fold(0.0, f64::max) / count as f64;
+        let contacts: Vec<Contact> = self.places.iter().zip(&self.normal).map(contact).collect();
+        // The median extent does not depend on lost readings.
+        let extents = [0, 1].map(|axis| {
+            let mut sorted: Vec<f64> = self.places.iter().map(|place| place[axis]).collect();
+            sorted.sort_unstable_by(f64::total_cmp);
+            sorted[3 * count / 4] - sorted[count / 4]
+        });
+        let limit = MAX_PLACE_ERROR * extents[0].max(extents[1]) / count as f64;
         let mut markers: Vec<Vec<usize>> = Vec::new();
         for (row, run) in DistinctContacts::within(&contacts, limit)
             .run_of_row
@@ -103,14 +109,15 @@ impl PressRecording {
                 None => markers.push(vec![row]),
             }
         }
-        let copies = count - markers.len();
-        if copies == 0 {
+        let repeated = count - markers.len();
+        if repeated == 0 {
             return None;
         }
         let exact = self.source.repeated("marker", (0..count).map(marker), 0.0);
-        let text = exact.unwrap_or_else(|| {
+        let are_exact = copies((0..count).map(marker)).len() == repeated;
+        let text = exact.filter(|_| are_exact).unwrap_or_else(|| {
             format!(
-                "{copies} rows have the same or almost the same position as an earlier row: such rows are replaced by their mean"
+                "{repeated} rows have almost the same numbers as an earlier row: such rows are replaced by their mean"
             )
         });
         let mean = |rows: &Vec<usize>| {

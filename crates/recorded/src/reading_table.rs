@@ -188,7 +188,11 @@ impl ReadingTable {
     /// Leaves out each row that equals the row before it, and adds a warning.
     pub(super) fn leave_out_copies(&mut self) {
         let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();
-        let is_new = |&row: &usize| row == 0 || rows[row] != rows[row - 1];
+        // The first row of a roll stays, although it may equal the last row of the roll before.
+        let starts = &self.after_gaps;
+        let is_new = |&row: &usize| {
+            row == 0 || rows[row] != rows[row - 1] || starts.binary_search(&row).is_ok()
+        };
         let kept: Vec<usize> = (0..rows.len()).filter(is_new).collect();
         let count = rows.len() - kept.len();
         if count == 0 {
@@ -363,6 +367,14 @@ fn decimal_of(
             let field = tidy(&record.fields[place.index]);
             if sign.add(field) && odd.is_none() {
                 odd = Some((record.line, place.index, field.to_owned()));
+            }
+        }
+        // Other columns may show the sign of a table with semicolons, too.
+        let is_unknown = is_whole && sign.has_semicolons && sign.point.is_none();
+        for field in record.fields.iter().map(tidy).filter(|_| is_unknown) {
+            let is_number = |decimal| number(field, decimal).is_ok();
+            if is_number(Decimal::Point) || is_number(Decimal::Comma) {
+                sign.add(field);
             }
         }
         Ok(())

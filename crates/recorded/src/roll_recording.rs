@@ -15,8 +15,8 @@ use super::source::{ReadingSource, copies, finite, same_length};
 /// Largest number of rolls for which repeated rolls are found by comparing all pairs. For more rolls, a hash table is
 /// faster.
 const MAX_COMPARED: usize = 32;
-/// Consecutive rolls count as copies of one roll if they differ by at most this multiple of the root-mean-square
-/// residual of all rolls.
+/// Consecutive rolls count as copies of one roll if they differ from the first of them by at most this multiple of the
+/// root-mean-square residual of all rolls, and by at most this multiple of the difference between successive groups.
 const MAX_COPY_DISTANCE: f64 = 0.2;
 
 /// Recorded readings of rolls.
@@ -156,29 +156,44 @@ impl RollRecording {
 
     /// Merges consecutive rolls that differ much less than their noise, because a recorder wrote the same roll several
     /// times with small changes. `residual` is the root-mean-square residual of all rolls. Returns the merged rolls and
-    /// a warning; `None` if fewer than half of the rolls are copies. Equal rolls may come from a coarse sensor, so they
-    /// are not merged.
+    /// a warning. `None` if fewer than half of the rolls are copies, or if the rolls change so evenly that copies cannot
+    /// be told from slow changes. Equal rolls may come from a coarse sensor, so they are not merged.
     pub(super) fn without_near_copies(
         &self,
         residual: f64,
         probe_radius: f64,
     ) -> Option<(Self, String)> {
-        let limit = MAX_COPY_DISTANCE * residual;
-        let is_copy = |one: &ProbeReading, other: &ProbeReading| {
-            let turned = (one.rotation - other.rotation).norm() * probe_radius;
-            turned.max((one.shift - other.shift).norm()) <= limit && one != other
-        };
         let rolls = &self.readings;
-        let is_first = |&roll: &usize| roll == 0 || !is_copy(&rolls[roll - 1], &rolls[roll]);
-        let firsts: Vec<usize> = (0..rolls.len()).filter(is_first).collect();
+        let difference = |one: usize, other: usize| {
+            let (one, other) = (&rolls[one], &rolls[other]);
+            let turned = (one.rotation - other.rotation).norm() * probe_radius;
+            turned.max((one.shift - other.shift).norm())
+        };
+        let limit = MAX_COPY_DISTANCE * residual;
+        let (mut firsts, mut within, mut between) = (Vec::new(), 0.0_f64, f64::INFINITY);
+        for roll in 0..rolls.len() {
+            match firsts.last() {
+                Some(&first)
+                    if difference(first, roll) <= limit && rolls[roll - 1] != rolls[roll] =>
+                {
+                    within = within.max(difference(first, roll));
+                }
+                Some(_) => {
+                    between = between.min(difference(roll - 1, roll));
+                    firsts.push(roll);
+                }
+                None => firsts.push(roll),
+            }
+        }
         let count = rolls.len() - firsts.len();
-        if firsts.len() < 2 || count < firsts.len() {
+        if firsts.len() < 2 || count < firsts.len() || within > MAX_COPY_DISTANCE * between {
             return None;
         }
         let mut merged = self.clone();
         merged.keep(&firsts);
-        for (mean, group) in merged.readings.iter_mut().zip(rolls.chunk_by(is_copy)) {
-            let share = 1.0 / group.len() as f64;
+        let ends = firsts[1..].iter().copied().chain([rolls.len()]);
+        for ((mean, &first), end) in merged.readings.iter_mut().zip(&firsts).zip(ends) {
+            let (group, share) = (&rolls[first..end], 1.0 / (end - first) as f64);
             mean.rotation = group.iter().map(|one| one.rotation * share).sum();
             mean.shift = group.iter().map(|one| one.shift * share).sum();
         }

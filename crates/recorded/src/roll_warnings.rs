@@ -23,9 +23,12 @@ const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 /// Largest rotation of a probe on an edge so sharp that its ratio exceeds `MAX_TURN_RATIO`. Larger rotations with such
 /// a ratio are rejected.
 const MAX_SHARP_TURN_RAD: f64 = PI;
-/// Readings are rejected if the median of their ratios is below this value or above its reciprocal. A smaller ratio
-/// would need a dish whose radius is almost that of the probe.
+/// Readings are rejected if the median of their ratios is below this value. A smaller ratio would need a dish whose
+/// radius is almost that of the probe.
 const LEAST_TURN_RATIO: f64 = 1.0 / 200.0;
+/// Readings are rejected if the median of their ratios is above this value. If the shifts are in m and the radius is in
+/// mm, the ratio is at least 1000 on a convex object.
+const MOST_TURN_RATIO: f64 = 500.0;
 
 /// Largest accepted quotient of the ratios in two directions; a larger quotient may be due to mixed units.
 const MAX_DIRECTION_RATIO: f64 = 8.0;
@@ -215,7 +218,7 @@ impl RollRecording {
                     shown(median),
                     unit.as_str()
                 ),
-                wrong.is_some() || median > LEAST_TURN_RATIO.recip(),
+                wrong.is_some() || median > MOST_TURN_RATIO,
             ),
             _ if median < MIN_TURN_RATIO => (
                 format!(

@@ -50,10 +50,10 @@ fn interrupt_run(
     panic!("every run ended before it was stopped");
 }
 
-/// Pauses a run. Returns false if the run has already ended.
+/// Pauses a run. Returns false if the run has already ended or removed its journal.
 fn pause(desk: &Desk, child: &mut Child) -> bool {
     desk.shell(&format!("kill -STOP {}", child.id()));
-    child.try_wait().unwrap().is_none()
+    child.try_wait().unwrap().is_none() && desk.path("o/journal.palpate").exists()
 }
 
 fn kill_run(bytes: u64, arguments: impl Fn(u32) -> String) -> (Desk, String) {

@@ -77,33 +77,6 @@ fn glide(object: &str, probe: &str, model: &str) -> String {
 const TIP: &str = r#"{ kind = "sphere", radius = 0.5 }"#;
 const SADDLE: &str = r#"{ kind = "saddle", a = 0.2 }"#;
 
-#[test]
-fn models_that_cannot_compute_a_glide_are_refused() {
-    let text = |model: &str| {
-        glide(
-            r#"{ kind = "ellipsoid", semi_axes = [4.0, 3.0, 2.0] }"#,
-            TIP,
-            model,
-        )
-    };
-    let study = config::parse("study.toml", &text(r#"model = { kind = "closed-form" }"#)).unwrap();
-    let error = study.scene(0).unwrap_err();
-    assert_eq!(error.path, "scene.model.kind");
-    let points = glide(
-        SADDLE,
-        r#"{ kind = "point" }"#,
-        r#"model = { kind = "newton" }"#,
-    );
-    let study = config::parse("study.toml", &points).unwrap();
-    assert_eq!(study.scene(0).unwrap_err().path, "scene.model.kind");
-    let loose = config::parse(
-        "study.toml",
-        &text(r#"model = { kind = "newton", tolerance = 2.0 }"#),
-    );
-    let error = loose.unwrap().scene(0).unwrap_err();
-    assert_eq!(error.path, "scene.model.tolerance");
-}
-
 fn press(depth: f64, model: &str, indentation: f64, estimator: &str) -> String {
     format!(
         "name = \"press\"\n[scene]\nkind = \"press\"\n\
