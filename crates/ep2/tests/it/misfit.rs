@@ -1,7 +1,7 @@
 //! Goodness of fit and misfits of contacts on surfaces that are given by formulas.
 
 use nalgebra::Vector3;
-use palpate_ep2::{Contact, Method, Misfit, MisfitTest, Noise, Patch, Penalised, Quadric, TwoPass};
+use palpate_ep2::{Contact, Method, Misfit, MisfitTest, Noise, Patch, Penalised, Quadric};
 
 use crate::samples::{QUADRIC_LIKE, Surface, Sweep};
 
@@ -153,21 +153,6 @@ fn noise_three_times_the_stated_one_is_a_poor_fit() {
             assert!(codes.contains(&"poor-fit"), "{codes:?}");
         }
     }
-}
-
-#[test]
-fn what_states_no_noise_has_no_goodness() {
-    let contacts = SWEEP.contacts(SADDLE, 0);
-    assert_eq!(misfit(&Penalised::default(), &contacts).goodness, None);
-    assert_eq!(misfit(&TwoPass::default(), &contacts).goodness, None);
-    // Exact contacts have no residuals that could be tested.
-    let exact = Sweep {
-        position_std: 0.0,
-        normal_std_rad: 0.0,
-        ..SWEEP
-    };
-    let found = misfit(&Penalised::default(), &exact.contacts(SADDLE, 0));
-    assert_eq!(found, MisfitTest::default());
 }
 
 #[test]

@@ -301,15 +301,16 @@ fn noise(
             .map_err(|error| FieldError::at(format!("scene.noise.position.{key}"), error))
     });
     let normal = config.normal.as_ref().map(|normal| {
-        let NormalNoise::Gaussian { std_deg } = *normal;
-        NormalError::new(std_deg.to_radians())
+        let NormalNoise::Gaussian { std_deg, bias_deg } = *normal;
+        let bias = bias_deg.unwrap_or(0.0).to_radians();
+        NormalError::new(std_deg.to_radians(), bias).map_err(|error| {
+            let key = error.setting.replace("_rad", "_deg");
+            FieldError::at(format!("scene.noise.normal.{key}"), error)
+        })
     });
     Ok(ContactNoise {
         position: position.transpose()?.filter(PositionError::is_random),
-        normal: normal
-            .transpose()
-            .map_err(|error| FieldError::at("scene.noise.normal.std_deg", error))?
-            .filter(NormalError::is_random),
+        normal: normal.transpose()?,
     })
 }
 
@@ -326,9 +327,8 @@ impl ContactNoise {
             };
             format!("{distribution} errors of {axes}")
         });
-        let normal = self
-            .normal
-            .map(|_| "Gaussian tilts of the normals".to_owned());
+        let normal = self.normal.filter(NormalError::is_random);
+        let normal = normal.map(|_| "Gaussian tilts of the normals".to_owned());
         let errors = joined([position, normal], " and ");
         errors.map(|errors| format!("noise: {errors}, drawn per contact"))
     }

@@ -229,7 +229,7 @@ impl Trials for GlideScene {
     }
 
     fn is_random(&self) -> bool {
-        self.noise.position.is_some() || self.noise.normal.is_some()
+        self.noise.position.is_some() || self.noise.normal.is_some_and(|error| error.is_random())
     }
 
     fn estimable(&self) -> Result<(), FieldError> {

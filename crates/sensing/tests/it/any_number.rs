@@ -115,7 +115,7 @@ proptest! {
             prop_assert!(error.draw(&mut stream).is_finite());
             prop_assert!(error.averaged(3).std().is_finite());
         }
-        if let Some(error) = made_if((0.0..=std::f64::consts::PI).contains(&size), NormalError::new(size)) {
+        if let Some(error) = made_if((0.0..=std::f64::consts::PI).contains(&size), NormalError::new(size, 0.0)) {
             let read = error.read(&mut stream, &Vector3::x());
             prop_assert!((read.norm() - 1.0).abs() < 1e-14);
         }

@@ -16,7 +16,7 @@ fn normals() -> [Vector3<f64>; 5] {
 
 #[test]
 fn tilts_have_the_stated_size_and_no_direction() {
-    let sensor = NormalError::new(0.05).unwrap();
+    let sensor = NormalError::new(0.05, 0.0).unwrap();
     for normal in normals() {
         let mut stream = Stream::new(12, 0, Channel::Normal);
         let count = 40_000;
@@ -44,8 +44,17 @@ fn tilts_have_the_stated_size_and_no_direction() {
 }
 
 #[test]
+fn a_bias_turns_all_normals_alike() {
+    let sensor = NormalError::new(0.0, 0.1).unwrap();
+    let mut stream = Stream::new(12, 0, Channel::Normal);
+    let read = sensor.read(&mut stream, &Vector3::z());
+    assert_relative_eq!(read, Vector3::new(0.1_f64.sin(), 0.0, 0.1_f64.cos()));
+    assert!(NormalError::new(0.0, 4.0).is_err());
+}
+
+#[test]
 fn tilts_beyond_a_half_turn_stay_unit_vectors() {
-    let sensor = NormalError::new(3.0).unwrap();
+    let sensor = NormalError::new(3.0, 0.0).unwrap();
     let mut stream = Stream::new(12, 1, Channel::Normal);
     let mut mean = Vector3::zeros();
     for _ in 0..10_000 {

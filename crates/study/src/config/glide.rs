@@ -258,6 +258,10 @@ pub enum NormalNoise {
         /// Standard deviation of each of the two angles.
         #[schemars(extend("minimum" = 0, "maximum" = 180))]
         std_deg: f64,
+        /// Constant error: all normals are turned about the y axis by this angle, towards +x. Default: 0. A constant
+        /// error of positions is not offered, because it moves the patch and changes no curvature.
+        #[schemars(extend("minimum" = -180, "maximum" = 180))]
+        bias_deg: Option<f64>,
     },
 }
 
