@@ -170,6 +170,10 @@ impl RollRecording {
             turned.max((one.shift - other.shift).norm())
         };
         let limit = MAX_COPY_DISTANCE * residual;
+        let is_near = |roll: &usize| difference(roll - 1, *roll) <= 2.0 * limit;
+        if 2 * (1..rolls.len()).filter(is_near).count() < rolls.len() {
+            return None;
+        }
         let (mut firsts, mut within, mut between) = (Vec::new(), 0.0_f64, f64::INFINITY);
         for roll in 0..rolls.len() {
             match firsts.last() {

@@ -137,8 +137,8 @@ impl RollEstimate {
         let principal = self.estimate.curvature.principal();
         let ratio = |curvature: f64| 1.0 + self.options.probe_radius * curvature;
         let (low, high) = (ratio(principal.k_min), ratio(principal.k_max));
-        let ratio = Number::rounded(high / low);
         (self.single_direction.is_none() && high > MAX_DIRECTION_RATIO * low.max(1.0)).then(|| {
+            let ratio = Number::rounded(high / low);
             format!(
                 "for the same shift, the probe turned {ratio} times as far in one direction as in another: is the object a sharp edge, or do the two shifts, or the two rotations, have different units?"
             )

@@ -191,18 +191,6 @@ fn svg_draws_the_sheet_in_millimetres() {
 }
 
 #[test]
-fn the_frame_holds_the_drawing() {
-    for gores in [3, 4, 8, 12] {
-        let pattern = Pattern::new(gores, 40, 2.0).unwrap();
-        let sheet = pattern.sheet(&rows(gores, &[0, 1], 15.0), DISCS).unwrap();
-        let (drawing, [left, top, width, height], _) = read_svg(&sheet.svg(10.0).unwrap());
-        for [x, y] in drawing.outlines.iter().flatten() {
-            assert!(left < *x && *x < left + width && top < -y && -y < top + height);
-        }
-    }
-}
-
-#[test]
 fn dxf_draws_the_same_as_svg() {
     let text = published().dxf(10.0).unwrap();
     assert_eq!(text, published().dxf(10.0).unwrap());
