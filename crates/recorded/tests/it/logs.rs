@@ -456,6 +456,14 @@ fn copies_count_once() {
         &of_rolls(&rows(&named, 4)),
         &["mean_curvature", "residual_rms"],
     );
+    // A slow sweep has no copies, although an outlier makes its residuals large.
+    let mut sweep = "rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n".to_owned();
+    for (roll, turn) in (0..400).map(|roll| (roll, 5e-4 * (roll % 200 + 1) as f64)) {
+        let shift = 20.0 / 3.0 * turn + if roll == 50 { 3.0 } else { 0.0 };
+        let [x, y, u, v] = [[0.0, -turn, shift, 0.0], [turn, 0.0, 0.0, shift]][roll / 200];
+        sweep += &format!("{x},{y},{u},{v}\n");
+    }
+    assert!(!codes(&of_rolls(&sweep)).contains(&"repeated-rows"));
     let mut press = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
     for marker in 0..49 {
         let [x, y] = [marker % 7, marker / 7].map(|step| f64::from(step) - 3.0);
