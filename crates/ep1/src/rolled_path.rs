@@ -204,8 +204,8 @@ impl RollRotations {
 }
 
 impl PathPoint {
-    /// Converts `step`, the rotation vector of the probe between two samples, to the contact frame. The contact frame
-    /// itself turns between the two samples, so the result is the mean of the converted vector over the step.
+    /// Returns the rotation vector of the probe between two samples (`step`) in the coordinates of the contact frame.
+    /// The contact frame turns during the step, so the result is the mean over the step.
     fn turn_of(&self, step: &Vector3<f64>) -> Vector3<f64> {
         let turn_of_frame = |turn: &Vector3<f64>| {
             let along = self.mobility * drive_of(turn);

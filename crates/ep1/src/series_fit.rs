@@ -484,9 +484,9 @@ impl Problem<'_> {
             let criterion = (last.criterion - best).min(6.0);
             all.push(Candidate { criterion, ..last });
         }
-        // If the readings are noisy, a fit with one or two terms may agree with them although the curvature changes
-        // more. Its curvature is then biased. Therefore replace this curvature by that of a fit with three terms and a
-        // prior for the higher terms.
+        // If the readings are noisy, a fit with one or two terms may agree with them although the curvature changes in
+        // a way that these terms cannot describe. The estimated curvature is then biased. Therefore replace it and its
+        // covariance by those of a fit with three terms and a prior for the terms that the first fit lacks.
         for one in all.iter_mut().filter(|one| one.estimate.terms < 3) {
             let Some(third) = &third else { break };
             let Candidate {

@@ -61,8 +61,8 @@ pub struct Outlier {
     pub reason: OutlierReason,
 }
 
-/// The axis along which a position is farthest from `centre`, and the bits of the coordinate along this axis. The bits
-/// of +0 and −0 are the same.
+/// Returns the axis along which a position is farthest from `centre`, and the bits of the coordinate along this axis.
+/// To compare equal coordinates by their bits, −0 is replaced by +0.
 pub(crate) fn farthest(position: &Point3<f64>, centre: &Point3<f64>) -> (usize, u64) {
     let axis = (position - centre).iamax();
     (axis, (position[axis] + 0.0).to_bits())

@@ -35,7 +35,8 @@ const FORMATS: [(&[u8], &str); 12] = [
 pub struct RecordedFile {
     /// Name of the file in messages.
     pub name: String,
-    /// Content of the file. In JSON, quotation marks enclose the tokens for numbers that are not finite.
+    /// Content of the file. In JSON, the tokens `NaN`, `Infinity` and `-Infinity` have been put in quotation marks,
+    /// because JSON has no such numbers.
     pub bytes: Vec<u8>,
     /// Settings that describe the form of the file's table.
     pub form: Form,

@@ -95,8 +95,9 @@ impl<'a> JsonTable<'a> {
                     None => sequence(file, text, None)?,
                 }
             };
-        // A lost reading may have a single value in place of a vector. Therefore take the names of the columns from the
-        // first row without a lost value.
+        // A lost reading may be null instead of a vector such as [x, y, z], and then has fewer columns. Therefore take
+        // the column names from the first row that contains neither null nor NaN, or from the first row if there is no
+        // such row.
         let is_whole = |row: &str| !["null", "NaN"].iter().any(|lost| row.contains(lost));
         let first = match &table.rows {
             Rows::Sequence { rows, names, .. } => {

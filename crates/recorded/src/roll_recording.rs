@@ -15,8 +15,9 @@ use super::source::{ReadingSource, copies, finite, same_length};
 /// Largest number of rolls for which repeated rolls are found by comparing all pairs. For more rolls, a hash table is
 /// faster.
 const MAX_COMPARED: usize = 32;
-/// Consecutive rolls count as copies of one roll if they differ from the first of them by at most this multiple of the
-/// root-mean-square residual of all rolls, and by at most this multiple of the difference between successive groups.
+/// Consecutive rolls are merged as copies if each differs from the first roll of its group by at most this multiple of
+/// the root-mean-square residual of all rolls. In addition, the largest such difference must be at most this multiple
+/// of the smallest difference between two successive groups.
 const MAX_COPY_DISTANCE: f64 = 0.2;
 
 /// Recorded readings of rolls.

@@ -25,10 +25,11 @@ const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 const MAX_SHARP_TURN_RAD: f64 = PI;
 /// Readings are rejected if the median of their ratios is below this value. A smaller ratio would need a dish whose
 /// radius is almost that of the probe.
-const LEAST_TURN_RATIO: f64 = 1.0 / 200.0;
-/// Readings are rejected if the median of their ratios is above this value. If the shifts are in m and the radius is in
-/// mm, the ratio is at least 1000 on a convex object.
-const MOST_TURN_RATIO: f64 = 500.0;
+const MIN_ACCEPTED_TURN_RATIO: f64 = 1.0 / 200.0;
+/// Readings are rejected if the median ratio of the rotations is above this value. The ratio is a probe's rotation
+/// divided by the rotation that causes the same shift on a plane. On a convex object it is at least 1; if the shifts
+/// are in m and the radius is in mm, it is at least 1000.
+const MAX_ACCEPTED_TURN_RATIO: f64 = 500.0;
 
 /// Largest accepted quotient of the ratios in two directions; a larger quotient may be due to mixed units.
 const MAX_DIRECTION_RATIO: f64 = 8.0;
@@ -218,14 +219,14 @@ impl RollRecording {
                     shown(median),
                     unit.as_str()
                 ),
-                wrong.is_some() || median > MOST_TURN_RATIO,
+                wrong.is_some() || median > MAX_ACCEPTED_TURN_RATIO,
             ),
             _ if median < MIN_TURN_RATIO => (
                 format!(
                     "the contact moved {} times as far as on a plane: are the rotations in rad although the header states degrees, or the shifts in a smaller unit than the radius?",
                     shown(median.recip())
                 ),
-                median < LEAST_TURN_RATIO,
+                median < MIN_ACCEPTED_TURN_RATIO,
             ),
             Some(&(ratio, turn, place)) => (
                 format!(

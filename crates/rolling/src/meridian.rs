@@ -30,8 +30,8 @@ const MAX_DUPLICATIONS: usize = 300;
 const MAX_SECTION_ITERATIONS: usize = 20;
 /// Maximum number of successive halvings of an interval of integration along the section of a height field.
 const MAX_HALVINGS: usize = 6;
-/// A Newton step along the section of a height field is integrated without halving if it is at most this fraction of
-/// the parameter.
+/// A Newton step along the section of a height field is integrated by one Gauss–Legendre rule, without halving, if its
+/// length is at most this fraction of the section's parameter at the start of the step.
 const SMALL_STEP: f64 = 0.1;
 
 /// Nodes and weights of a Gauss–Legendre rule on [−1, 1].
@@ -84,8 +84,9 @@ impl MeridianRung {
         self.along[aside].as_ref()
     }
 
-    /// The point of a section of the object at which the probe has turned by `theta > 0`, as parameter and as arc
-    /// length from the apex. `None` if the numbers are too large, or if the roll leaves the domain of a height field.
+    /// Computes the contact after the probe has turned by `theta > 0` (rad) from the apex. Returns the section's
+    /// parameter and the arc length from the apex. `None` if a result is not finite, or if the numerical method fails,
+    /// for example at a kink or at the end of a height field's section.
     fn solve(&self, section: &Meridian, theta: f64) -> Option<(f64, f64)> {
         match *section {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),

@@ -194,7 +194,7 @@ subjects! {
         "unknown-noise": "The noise is estimated from few readings, so the estimated noise is uncertain.";
         "unknown-fit": "The goodness of fit of the surface could not be computed.";
         "unexplained-readings": "The fit explains little of the variance of the readings.";
-        "repeated-rows": "Some rows repeat earlier rows, either exactly or with differences that are much smaller than the noise. Copied rows are not new readings, and make the stated uncertainty too small.";
+        "repeated-rows": "Some rows repeat earlier rows, either exactly or with differences that are much smaller than the noise. Copied rows contain no new information. If they are counted as new readings, the standard errors and intervals are too small.";
         "units": "The readings or a stated noise seem to be in another unit, or the displacements of a press seem to have the opposite sign.";
         "signs": "The readings seem to have the opposite sign, or their columns seem to be swapped. For example, displacements point outward, or normals contradict the positions.";
         "unnamed-probes": "No column states to which roll each row belongs. Palpate separates the rolls by rows, blank lines or times.";
@@ -212,7 +212,7 @@ subjects! {
         "few-crossings": "The contact of a roll crosses few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of the wide range between them.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
-        "two-groups": "The contacts seem to lie on two surfaces. There are two cases. Either a gap separates two groups of contacts, and no simple surface fits both groups. Or two separate surfaces fit the contacts much better than the estimated surface. The contacts may belong to two objects, or the object may have an edge.";
+        "two-groups": "The contacts seem to lie on two surfaces. In the first case, a gap separates two groups of contacts, and no simple surface fits both groups. In the second case, two separate surfaces fit the contacts much better than the estimated surface does. The contacts may belong to two objects, or the object may have an edge.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
         "too-many-outliers": "More than a fifth of the contacts are lost readings, outliers, or contacts with another object.";
         "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best, and has no interval. The methods `penalised` and `quadric` estimate the curvatures.";

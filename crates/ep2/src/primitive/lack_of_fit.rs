@@ -250,7 +250,9 @@ fn tested(
     let equations = counts[0] / correlations[0] + of_normals;
     let basis = Basis::new(pose, cloud, equations);
     let terms = basis.exponents.len();
-    // Errors of positions do not change the component of a normal along the axis of a cylinder.
+    // On a cylinder, errors of positions change only the component of the expected normal across the axis. Relative to
+    // the mean variance V of the two components, the variance along the axis is V (1 − `of_axis`), and across the axis
+    // V (1 + `of_axis`).
     let (share, of_axis) = match (solution.bending_share(), pose.shape) {
         (share, Shape::Cylinder) => (2.0 * share / (1.0 + share), share),
         (share, _) => (share, 0.0),

@@ -258,8 +258,9 @@ pub enum NormalNoise {
         /// Standard deviation of each of the two angles.
         #[schemars(extend("minimum" = 0, "maximum" = 180))]
         std_deg: f64,
-        /// Constant error: all normals are turned about the y axis by this angle, towards +x. Default: 0. A constant
-        /// error of positions is not offered, because it moves the patch and changes no curvature.
+        /// Constant error: all normals are turned about the y axis by this angle, from +z towards +x. Default: 0.
+        /// Positions have no such key, because a constant error of positions moves the patch and does not change its
+        /// curvature.
         #[schemars(extend("minimum" = -180, "maximum" = 180))]
         bias_deg: Option<f64>,
     },
