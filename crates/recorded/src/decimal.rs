@@ -35,12 +35,14 @@ fn is_clock_time(text: &str) -> bool {
 /// Whether a field states that its number is missing. Lost readings have such fields. Excel writes errors such as
 /// `#NUM!`, and C programs on Windows write `1.#INF`.
 pub(super) fn is_missing(text: &str) -> bool {
+    const WORDS: [&str; 10] = [
+        "nan", "inf", "infinity", "na", "n/a", "n.a.", "<na>", "nat", "null", "none",
+    ];
     let word = text.trim_start_matches(['+', '-']);
-    let mut words = "nan,inf,infinity,na,n/a,n.a.,<na>,nat,null,none".split(',');
     word.is_empty()
-        || word.starts_with(['#'])
-        || word.contains(".#")
-        || words.any(|one| one.eq_ignore_ascii_case(word))
+        || word.as_bytes().starts_with(b"#")
+        || word.as_bytes().windows(2).any(|pair| pair == b".#")
+        || WORDS.iter().any(|one| one.eq_ignore_ascii_case(word))
 }
 
 /// Finds the decimal sign of a table from its numbers.

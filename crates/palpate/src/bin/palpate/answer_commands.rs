@@ -1,6 +1,6 @@
 //! Implements the commands `palpate design`, `palpate distinguish` and `palpate sensitivity`.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use palpate::config::{Study, Vary};
 use palpate::{Answer, AnswerError, ConfigError, Extreme, Question, Sought, load};
@@ -17,9 +17,6 @@ use crate::progress;
 use crate::results::drawings;
 use crate::run::overridden;
 
-/// A progress bar appears only if the work takes longer than this time.
-const QUIET_TIME: Duration = Duration::from_secs(1);
-
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let mut study = load(&args.answer.config).map_err(Failure::usage)?;
@@ -34,7 +31,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let folder = open_dir(&args.answer)?;
     let bar = progress::counter_of("trials");
     let show_progress = |values: usize, trials: u64| {
-        if start.elapsed() >= QUIET_TIME {
+        if start.elapsed() >= progress::QUIET_TIME {
             bar.set_message(format!("; {values} values"));
             bar.set_position(trials);
         }
@@ -88,20 +85,11 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
         false => study.varied(&fields).map_err(Failure::usage)?,
     };
     let folder = open_dir(&args.answer)?;
-    let bar = progress::bar_of("cells");
-    let show_progress = |done: usize, all: usize| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    };
-    let found = palpate::distinguish(
-        &study,
-        args.quantity.as_deref(),
-        args.confidence,
-        &runner(args.answer.threads)?,
-        &show_progress,
-    );
-    bar.finish_and_clear();
-    let found = found.map_err(failure)?;
+    let (quantity, runner) = (args.quantity.as_deref(), runner(args.answer.threads)?);
+    let found = progress::counting("cells", |progress| {
+        palpate::distinguish(&study, quantity, args.confidence, &runner, progress)
+    })
+    .map_err(failure)?;
     let names = [DISTINGUISH, DISTINGUISH_WORDS, DISTINGUISH_FIGURE];
     output_answer(&args.answer, folder, &study, &found, names, Vec::new())
 }
@@ -118,21 +106,12 @@ pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
         .collect();
     let study = study.varied(&set).map_err(Failure::usage)?;
     let folder = open_dir(&args.answer)?;
-    let bar = progress::bar_of("fields");
-    let show_progress = |done: usize, all: usize| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    };
-    let found = palpate::sensitivity(
-        &study,
-        args.quantity.as_deref(),
-        args.trials.get(),
-        args.step,
-        &runner(args.answer.threads)?,
-        &show_progress,
-    );
-    bar.finish_and_clear();
-    let found = found.map_err(failure)?;
+    let (quantity, runner) = (args.quantity.as_deref(), runner(args.answer.threads)?);
+    let (trials, step) = (args.trials.get(), args.step);
+    let found = progress::counting("fields", |progress| {
+        palpate::sensitivity(&study, quantity, trials, step, &runner, progress)
+    })
+    .map_err(failure)?;
     let names = [SENSITIVITY, SENSITIVITY_WORDS, SENSITIVITY_FIGURE];
     output_answer(&args.answer, folder, &study, &found, names, Vec::new())
 }
@@ -158,7 +137,7 @@ pub(crate) fn note_ignored_fields<'a>(study: &Study, paths: impl Iterator<Item =
     let set: Vec<&str> = paths.collect();
     for (path, note) in study.swept_over() {
         if !set.contains(&path.as_str()) {
-            eprintln!("note: {note}");
+            output::print_note(format_args!("note: {note}"));
         }
     }
 }
@@ -189,7 +168,8 @@ fn output_answer(
         let contents = contents.map(|(name, bytes)| (name.as_str(), Contents::Bytes(bytes)));
         let of_study = StudyId::new(&study.config.name, &palpate::resolved(study));
         let left = folder.replace(contents.collect(), &of_study)?;
-        left.iter().for_each(|line| eprintln!("warning: {line}"));
+        left.iter()
+            .for_each(|line| output::print_note(format_args!("warning: {line}")));
     }
     if args.json {
         return output::print(&output::json(&answer.to_json(study))?);

@@ -1,7 +1,7 @@
 //! Implements the command `palpate check`.
 
 use std::fmt::Write;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use palpate::config::ModelConfig;
 use palpate::{Accuracy, Check, Coverage, Ladder, Rungs, load};
@@ -13,8 +13,6 @@ use crate::duration::{roughly, short, two_digits};
 use crate::failure::Failure;
 use crate::{output, progress};
 
-/// A progress bar appears only if the check takes longer than this time.
-const QUIET_TIME: Duration = Duration::from_secs(2);
 /// Largest number of groups that are printed one by one; the other groups are only counted. The cells of a group need
 /// the same models.
 const MAX_GROUPS: usize = 50;
@@ -23,16 +21,11 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let study = load(&args.config).map_err(Failure::usage)?;
     note_ignored_fields(&study, std::iter::empty());
-    let bar = progress::bar_of("cells");
-    let show_progress = |done: usize, all: usize| {
-        if start.elapsed() >= QUIET_TIME {
-            bar.set_length(all as u64);
-            bar.set_position(done as u64);
-        }
-    };
-    let check = palpate::check(&study, &runner(None)?, &|| start.elapsed(), &show_progress);
-    bar.finish_and_clear();
-    let check = check.map_err(Failure::of_sweep)?;
+    let runner = runner(None)?;
+    let check = progress::counting("cells", |progress| {
+        palpate::check(&study, &runner, &|| start.elapsed(), progress)
+    })
+    .map_err(Failure::of_sweep)?;
     output::print(&text(&study.config.name, &check))
 }
 

@@ -63,7 +63,7 @@ pub(crate) fn warn(estimate: &impl Serialize) -> Result<(), Failure> {
     let json = serde_json::to_value(estimate).map_err(Failure::work)?;
     let warnings = json["warnings"].as_array().into_iter().flatten();
     for warning in warnings.filter_map(|warning| warning["text"].as_str()) {
-        eprintln!("warning: {}", with_flags(warning));
+        output::print_note(format_args!("warning: {}", with_flags(warning)));
     }
     Ok(())
 }

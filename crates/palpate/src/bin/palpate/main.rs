@@ -60,7 +60,7 @@ fn main() -> ExitCode {
         Err(error) if error.use_stderr() && asks_for_json() => {
             let text = error.to_string();
             let message = text.trim().trim_start_matches("error: ");
-            eprintln!("{}", failure::error_json("usage", 2, message, None));
+            output::print_note(failure::error_json("usage", 2, message, None));
             return ExitCode::from(2);
         }
         Err(error) => error.exit(),
@@ -69,8 +69,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             match format {
-                ErrorFormat::Text => eprintln!("error: {failure}"),
-                ErrorFormat::Json => eprintln!("{}", failure.json()),
+                ErrorFormat::Text => output::print_note(format_args!("error: {failure}")),
+                ErrorFormat::Json => output::print_note(failure.json()),
             }
             failure.exit_code()
         }

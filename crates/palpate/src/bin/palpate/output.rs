@@ -10,6 +10,7 @@ mod parquet;
 mod stage;
 pub(crate) mod table_writer;
 
+use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 
 use anyhow::{Context, Error};
@@ -27,6 +28,11 @@ pub(crate) use stage::{Contents, Draft, folder_of};
 /// Prints a text and a newline to standard output. A closed pipe is not an error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write_stdout(format!("{text}\n").as_bytes())
+}
+
+/// Prints a line to standard error. The work goes on if standard error is closed, for example by `head`.
+pub(crate) fn print_note(text: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {

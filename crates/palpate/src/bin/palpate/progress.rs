@@ -9,7 +9,10 @@ use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::duration::roughly;
 use crate::journal::Totals;
+use crate::output;
 
+/// A progress bar appears only if the work takes longer than this time.
+pub(crate) const QUIET_TIME: Duration = Duration::from_secs(1);
 /// Time between two progress lines, if standard error is not a terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(60);
 
@@ -52,7 +55,7 @@ impl Progress {
         let elapsed = self.start.elapsed();
         let due = elapsed.as_secs() / LINE_INTERVAL.as_secs();
         if self.lines.fetch_max(due, Ordering::Relaxed) < due {
-            eprintln!("{}", self.line(done, elapsed.as_secs_f64()));
+            output::print_note(self.line(done, elapsed.as_secs_f64()));
         }
     }
 
@@ -87,9 +90,23 @@ impl Progress {
     }
 }
 
+/// Shows a progress bar while `work` runs. `things` names what the bar counts. `work` reports how many of them are done,
+/// and how many there are.
+pub(crate) fn counting<T>(things: &str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
+    let (bar, start) = (bar_of(things), Instant::now());
+    let result = work(&|done, all| {
+        if start.elapsed() >= QUIET_TIME {
+            bar.set_length(all as u64);
+            bar.set_position(done as u64);
+        }
+    });
+    bar.finish_and_clear();
+    result
+}
+
 /// Progress bar with rate and remaining time; it is invisible if standard error is not a terminal. `things` names the
 /// counted unit, for example "trials". The caller sets the total number later.
-pub(crate) fn bar_of(things: &str) -> ProgressBar {
+fn bar_of(things: &str) -> ProgressBar {
     let counts = format!("{{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left");
     bar_with(&format!("{{wide_bar}} {counts}{{msg}}"))
 }

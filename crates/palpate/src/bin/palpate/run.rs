@@ -18,7 +18,7 @@ use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::journal::{self, Header, Reader, RunRequest, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
-use crate::output::{Contents, Format, Guard, LockedDir, OutputDir, StudyId};
+use crate::output::{self, Contents, Format, Guard, LockedDir, OutputDir, StudyId};
 
 use journal_run::{JournalRun, journal_to_resume};
 
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let study = study_of(args)?;
     let warn = |warning: &Warning| {
         if !args.quiet {
-            eprintln!("{warning}");
+            output::print_note(warning);
         }
     };
     note_ignored_fields(&study, std::iter::empty());

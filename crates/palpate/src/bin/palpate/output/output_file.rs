@@ -43,7 +43,7 @@ impl OutputFile {
         if self.path.is_some() {
             return super::print(text);
         }
-        eprintln!("{text}");
+        super::print_note(text);
         Ok(())
     }
 

@@ -15,8 +15,8 @@ use crate::failure::Failure;
 use crate::journal::{
     self, CellRecord, Header, Journal, JournalState, RunRequest, Totals, TrialRows,
 };
-use crate::output::Lock;
 use crate::output::names::JOURNAL;
+use crate::output::{self, Lock};
 use crate::progress::Progress;
 
 pub(super) struct JournalRun<'s, 'a> {
@@ -76,10 +76,15 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         };
         if found.is_torn {
             let path = path.display();
-            eprintln!("note: the end of {path} is damaged; its cells run again");
+            output::print_note(format_args!(
+                "note: the end of {path} is damaged; its cells run again"
+            ));
         }
         let all = simulation.tasks();
-        eprintln!("note: resumes after {} of {all} cells", found.tasks);
+        output::print_note(format_args!(
+            "note: resumes after {} of {all} cells",
+            found.tasks
+        ));
         let journal = Journal::resumed(out, &found).with_context(cannot);
         Ok(Self {
             simulation,

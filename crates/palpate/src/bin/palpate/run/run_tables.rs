@@ -253,7 +253,7 @@ pub(crate) fn write_results(
     let written = folder.replace(files, study);
     let ended = folder.end();
     for line in written? {
-        eprintln!("note: {line}");
+        output::print_note(format_args!("note: {line}"));
     }
     ended
 }

@@ -13,7 +13,7 @@ use palpate_study::config;
 use crate::cli::CalibrateArgs;
 use crate::estimate::table;
 use crate::failure::Failure;
-use crate::output::{Guard, OutputFile};
+use crate::output::{self, Guard, OutputFile};
 
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     if let (Some(rest), Some(layout)) = (&args.rest, &args.layout) {
@@ -44,7 +44,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     let report = calibrate_to(&points, &options).map_err(Failure::work)?;
     out.write(calibration_toml(&report.calibration, report.length_unit).as_bytes())?;
     for warning in report.warnings() {
-        eprintln!("{warning}");
+        output::print_note(warning);
     }
     let mut lines = report.summary();
     lines.push(format!("-> {}", args.out.display()));
@@ -68,7 +68,7 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     })?;
     out.write(camera.to_toml().as_bytes())?;
     for warning in &camera.warnings {
-        eprintln!("{warning}");
+        output::print_note(warning);
     }
     let lines = [camera.summary(), format!("-> {}", args.out.display())];
     out.print(&lines.join("\n"))

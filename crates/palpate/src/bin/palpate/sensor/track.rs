@@ -64,7 +64,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         _ => frames
             .warnings()
             .iter()
-            .for_each(|warning| eprintln!("{warning}")),
+            .for_each(|warning| output::print_note(warning)),
     }
     frames.of_one_sensor().map_err(Failure::work)?;
     match estimate {
