@@ -103,10 +103,8 @@ impl Setting<'_> {
         model: Model,
         rolls: Rolls<'_>,
     ) -> Result<(Rung, Choice), InvalidRoll> {
-        if let Model::Auto { tolerance, .. } | Model::Dop853 { tolerance, .. } = model
-            && !(Model::SMALLEST_TOLERANCE..=Model::LARGEST_TOLERANCE).contains(&tolerance)
-        {
-            return Err(InvalidRoll::Tolerance { tolerance });
+        if let Model::Auto { tolerance, .. } | Model::Dop853 { tolerance, .. } = model {
+            Model::checked(tolerance).map_err(InvalidRoll::Tolerance)?;
         }
         let unsupported = |rung, reason| InvalidRoll::Unsupported { rung, reason };
         match model {

@@ -1,7 +1,7 @@
 //! Models that compute rolls, and errors that occur when a [`crate::Roller`] is created.
 
 use palpate_geometry::SurfaceError;
-use palpate_statistics::Number;
+use palpate_statistics::BadSetting;
 use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
@@ -49,7 +49,12 @@ impl Model {
     /// Smallest allowed tolerance for the error of a contact. Rounding errors are about as large as this tolerance.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
     /// Largest allowed tolerance for the error of a contact. A larger error would not be useful.
-    pub(crate) const LARGEST_TOLERANCE: f64 = 0.1;
+    const LARGEST_TOLERANCE: f64 = 0.1;
+
+    pub(crate) fn checked(tolerance: f64) -> Result<f64, BadSetting> {
+        let is_valid = (Self::SMALLEST_TOLERANCE..=Self::LARGEST_TOLERANCE).contains(&tolerance);
+        BadSetting::unless(is_valid, "tolerance", tolerance, "from 1e-14 to 0.1")
+    }
 
     pub(crate) fn name(&self) -> String {
         match self {
@@ -110,16 +115,8 @@ pub enum InvalidRoll {
         reason: String,
     },
     /// The stated tolerance is out of its range.
-    #[error(
-        "tolerance is {tolerance}; it must be from {} to {}",
-        Number(Model::SMALLEST_TOLERANCE),
-        Number(Model::LARGEST_TOLERANCE),
-        tolerance = Number(*tolerance)
-    )]
-    Tolerance {
-        /// The stated tolerance, which is out of its range.
-        tolerance: f64,
-    },
+    #[error("{0}")]
+    Tolerance(BadSetting),
 }
 
 impl<'a> Rolls<'a> {

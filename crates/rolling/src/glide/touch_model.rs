@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use palpate_geometry::{Shape, Surface};
-use palpate_statistics::{BadSetting, Number};
+use palpate_statistics::BadSetting;
 use thiserror::Error;
 
 use super::search::ACCEPTED_MISS;
@@ -57,16 +57,8 @@ pub enum InvalidTouch {
         reason: String,
     },
     /// The stated tolerance is out of its range.
-    #[error(
-        "tolerance is {tolerance}; it must be from {} to {}",
-        Number(Model::SMALLEST_TOLERANCE),
-        Number(Model::LARGEST_TOLERANCE),
-        tolerance = Number(*tolerance)
-    )]
-    Tolerance {
-        /// The stated tolerance, which is out of its range.
-        tolerance: f64,
-    },
+    #[error("{0}")]
+    Tolerance(BadSetting),
 }
 
 /// A model that finds contacts, prepared for one fingertip and one object.
@@ -102,9 +94,7 @@ impl TouchRung {
             TouchModel::Auto { tolerance } | TouchModel::Newton { tolerance } => tolerance,
             TouchModel::ClosedForm => TouchModel::DEFAULT_TOLERANCE,
         };
-        if !(Model::SMALLEST_TOLERANCE..=Model::LARGEST_TOLERANCE).contains(&tolerance) {
-            return Err(InvalidTouch::Tolerance { tolerance });
-        }
+        Model::checked(tolerance).map_err(InvalidTouch::Tolerance)?;
         match (
             model,
             fingertip,

@@ -175,8 +175,8 @@ proptest! {
                     let is_promised = (1e-14..=0.1).contains(&tolerance);
                     match (&roller, model) {
                         (Ok(_), Model::Auto { chart: Chart::Montana(_), .. }) => prop_assert!(is_promised),
-                        (Err(InvalidRoll::Tolerance { .. }), Model::Auto { .. }) => prop_assert!(!is_promised),
-                        (Err(InvalidRoll::Tolerance { .. }), _) => prop_assert!(false, "{model:?} has none"),
+                        (Err(InvalidRoll::Tolerance(_)), Model::Auto { .. }) => prop_assert!(!is_promised),
+                        (Err(InvalidRoll::Tolerance(_)), _) => prop_assert!(false, "{model:?} has none"),
                         _ => {}
                     }
                     let Ok(roller) = roller else { continue };

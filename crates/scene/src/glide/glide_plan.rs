@@ -77,7 +77,7 @@ impl GlideScene {
         glider.on(model).map_err(|error| match error {
             InvalidTouch::Tip(error) => tip_error(error),
             InvalidTouch::Unsupported { .. } => FieldError::at("scene.model.kind", error),
-            InvalidTouch::Tolerance { .. } => FieldError::at("scene.model.tolerance", error),
+            InvalidTouch::Tolerance(_) => FieldError::at("scene.model.tolerance", error),
         })
     }
 

@@ -27,7 +27,7 @@ fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
         (InvalidRoll::FirstContact(_), _) => "scene.object_contact",
         (InvalidRoll::Fault(_), _) => "scene.object",
         (InvalidRoll::Unsupported { .. }, _) => "scene.model.kind",
-        (InvalidRoll::Tolerance { .. }, _) => "scene.model.tolerance",
+        (InvalidRoll::Tolerance(_), _) => "scene.model.tolerance",
     };
     FieldError::at(path, error)
 }
