@@ -101,7 +101,7 @@ fn draw(
     Ok(())
 }
 
-/// Runs the studies in a temporary folder and compares their tables with the committed ones.
+/// Runs the studies in a temporary folder and compares their tables with the committed tables.
 fn check(shell: &Shell, palpate: &Path, studies: &[String], quick: bool) -> Result<()> {
     let directory = tempfile::tempdir()?;
     let mut differences = Vec::new();

@@ -85,7 +85,7 @@ impl TestBench<'_> {
     }
 
     /// Writes a config of rolls on balls, with one radius per cell. `trials[0]` is the number of trials of the first
-    /// cell, `trials[1]` is that of each of the other cells.
+    /// cell, `trials[1]` is the number of trials of each other cell.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))

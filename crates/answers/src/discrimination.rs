@@ -60,7 +60,7 @@ pub struct Object {
     /// every trial failed.
     pub truth: Option<f64>,
     /// Only for the quantity `class`: the true shape class of more than half of the points on the observed patch of the
-    /// object. `None` if no class has so many points.
+    /// object. `None` if there is no such class.
     pub class: Option<&'static str>,
     /// Number of trials of this object, and number of failed trials.
     pub counts: TrialCounts,

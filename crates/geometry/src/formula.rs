@@ -4,9 +4,9 @@
 //! # Grammar
 //!
 //! - numbers `1`, `.5`, `1e-3`; the variables `x` and `y`; the constant `pi`; parameters by name;
-//! - the operators `+ - * /` and `^`, of which `^` has the highest precedence. `^` groups to the right (`2^3^2` is
-//!   `2^(3^2)`), the others to the left. A sign has a lower precedence than `^` (`-x^2` is `-(x^2)`), and may follow
-//!   any operator (`2^-1`);
+//! - the operators `+ - * /` and `^`. The operator `^` has the highest precedence and groups to the right (`2^3^2` is
+//!   `2^(3^2)`); the others group to the left. A sign has a lower precedence than `^` (`-x^2` is `-(x^2)`), and may
+//!   follow any operator (`2^-1`);
 //! - parentheses; the functions `sin cos tan asin acos atan sinh cosh tanh exp ln log10 sqrt cbrt abs` of one argument,
 //!   and `atan2(y, x)` and `hypot(a, b)` of two arguments.
 //!

@@ -209,7 +209,8 @@ impl<'a> Simulation<'a> {
     /// thread.
     ///
     /// # Errors
-    /// [`SweepError::Cancelled`], also if `take` returns `Break`; [`SweepError::SetUp`] if a cell cannot be set up.
+    /// [`SweepError::Cancelled`] if `cancelled` is set or `take` returns `Break`; [`SweepError::SetUp`] if a cell
+    /// cannot be set up.
     ///
     /// # Panics
     /// Panics if `progress`, `make` or `take` panics.

@@ -26,14 +26,14 @@ pub struct Markers {
 pub struct MarkerDisplacement {
     /// Inward displacement (length) along the normal.
     pub normal: f64,
-    /// Displacement (length) along the skin. Its components are along the x and y axes of the apex after these axes
+    /// Displacement (length) along the skin. Its components are along the x and y axes at the apex after these axes
     /// were transported along the meridian to the marker.
     pub tangential: [f64; 2],
 }
 
-/// Relative widening of the skin around each marker, from the displacements just above and just below the marker. The
-/// depths of both displacements differ by `apart` (length). If an incompressible skin is compressed along its normal, it
-/// widens in both tangential directions, each by half of the normal strain.
+/// Relative widening of the skin around each marker. It is computed from the displacements just above and just below
+/// the marker, at two depths that differ by `apart` (length). If an incompressible skin is compressed along its normal,
+/// it widens in both tangential directions, each by half of the normal strain.
 pub fn skin_widening(
     above: &[MarkerDisplacement],
     below: &[MarkerDisplacement],

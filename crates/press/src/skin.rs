@@ -14,7 +14,7 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 ///
 /// The coordinates (x, y) of a place are its logarithm map from the apex. The vector (x, y) points from the apex
 /// towards the place, and √(x² + y²) is the distance along the skin. The components of tangential displacements are
-/// along the axes of the apex, transported along the meridian to the place.
+/// along the axes at the apex, transported along the meridian to the place.
 ///
 /// ```
 /// use palpate_press::{Body, Skin};

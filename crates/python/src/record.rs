@@ -58,7 +58,7 @@ pub(crate) enum Alone {
 /// Result with named fields.
 ///
 /// A field that is a table is a `Record` too. A list of numbers becomes an array of float64, with NaN for a missing
-/// number. `float(record)` is the field `value`. `record["name"]` returns any field, also if its name is not a valid
+/// number. `float(record)` is the field `value`. `record["name"]` returns any field, even if its name is not a valid
 /// attribute name.
 #[pyclass(subclass, frozen, module = "palpate")]
 pub(crate) struct Record {
@@ -269,7 +269,7 @@ pub(crate) fn records(py: Python<'_>, warnings: &[Warning]) -> PyResult<Py<PyAny
     Ok(field(to_python(py, &warnings)?)?.unbind())
 }
 
-/// Converts a Python number to a float, and None to NaN. Any other object gives `None`.
+/// Converts a Python number to a float, and None to NaN. The result is `None` for any other object.
 pub(crate) fn number(item: &Bound<'_, PyAny>) -> Option<f64> {
     let is_number = item.is_instance_of::<PyFloat>() || item.is_instance_of::<PyInt>();
     match is_number && !item.is_instance_of::<PyBool>() {

@@ -212,13 +212,13 @@ subjects! {
         "few-crossings": "The contact of a roll crosses few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of the wide range between them.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
-        "two-groups": "The contacts seem to lie on two surfaces. In the first case, a gap separates two groups of contacts, and no simple surface fits both groups. In the second case, two separate surfaces fit the contacts much better than the estimated surface does. The contacts may belong to two objects, or the object may have an edge.";
+        "two-groups": "The contacts seem to lie on two surfaces. There are two possible reasons. Either a gap separates two groups of contacts, and no simple surface fits both groups, or two separate surfaces fit the contacts much better than the estimated surface does. The contacts may belong to two objects, or the object may have an edge.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
         "too-many-outliers": "More than a fifth of the contacts are lost readings, outliers, or contacts with another object.";
         "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best, and has no interval. The methods `penalised` and `quadric` estimate the curvatures.";
         "correlated-noise": "The noise of consecutive contacts is correlated. Palpate therefore counts fewer independent contacts, and the intervals become wider.";
-        "distant-contact": "One contact is much farther from its neighbours than all other contacts.";
-        "assumed-side": "The contacts have no normals, and the sign of the curvature follows from an assumption about the outer side of the object; so does the size of the curvature along a single stroke. State the outer side with `--outward`, or record normals.";
+        "distant-contact": "One contact is much farther from its neighbours than all other contacts are from theirs.";
+        "assumed-side": "The contacts have no normals, so the outer side of the object is assumed. The sign of the curvature depends on this assumption. For a single stroke, the magnitude of the curvature also depends on it. State the outer side with `--outward`, or record normals.";
         "assumed-indentation-std": "The indentation is stated without a standard deviation, so a standard deviation of 2 % is assumed.";
         "unstated-depth": "The depth of the markers is not stated; they are assumed to lie at the surface.";
         "swapped-columns": "The displacements along the skin fit better with their columns swapped or their sign changed.";

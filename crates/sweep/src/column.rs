@@ -130,8 +130,8 @@ impl Column {
         sums
     }
 
-    /// Sums of the observations with indices in `places`, each of which must be from a different trial. Afterwards,
-    /// `self.errors` contains the errors of these observations.
+    /// Sums of the observations with indices in `places`. Each of these observations must be from a different trial.
+    /// Afterwards, `self.errors` contains the errors of these observations.
     fn sums(&mut self, places: Range<usize>) -> Sums {
         let observed = Observed {
             estimates: &self.estimates[places.clone()],

@@ -28,7 +28,7 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Sums over observations, each of which is from a different trial. The errors of the observations are written to
+    /// Sums over observations that are all from different trials. The errors of the observations are written to
     /// `errors`.
     pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Self {
         let Some(totals) = Totals::of(observed, errors) else {

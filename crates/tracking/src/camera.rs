@@ -12,7 +12,7 @@ use crate::{CalibrationError, Change, Marker, Track};
 ///
 /// A place is a direction from the sensor's centre. Its two coordinates (x, y) are the logarithm map from the apex, in
 /// radians: √(x² + y²) is the angle from the apex, and (x, y) points from the apex to the place. Image columns increase
-/// along x, and image rows increase along −y. The components of a displacement are along the axes of the apex,
+/// along x, and image rows increase along −y. The components of a displacement are along the axes at the apex,
 /// parallel-transported along the meridian to the place.
 ///
 /// ```

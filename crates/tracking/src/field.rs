@@ -12,7 +12,7 @@ pub struct Displaced {
     /// Coordinates (rad) of the place at rest: the direction from the apex, with the angle from the apex as length
     /// (logarithm map).
     pub place: [f64; 2],
-    /// Displacement along the skin (length). Its components are along the axes of the apex, parallel-transported along
+    /// Displacement along the skin (length). Its components are along the axes at the apex, parallel-transported along
     /// the meridian to the place.
     pub tangential: [f64; 2],
     /// Inward displacement of the skin at the place (length).

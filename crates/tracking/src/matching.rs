@@ -29,11 +29,11 @@ const REACH: f64 = 1.5;
 /// Matches the markers of a frame at rest with the markers of a pressed frame. Returns one track for each marker at
 /// rest, in the order of these markers, followed by one track for each new marker, in the order of the pressed markers.
 ///
-/// A marker is matched if it moves by less than about a third of the distance between neighbouring markers. It may move
-/// farther if all markers around it move in the same way. If two markers merged, the tracks of both contain the merged
-/// marker. If a marker was split, its track contains one marker with the common centroid and the total size of the
-/// pieces. Markers with numbers that are not finite are not matched. The computing time is proportional to the number
-/// of markers at rest multiplied by the number of pressed markers.
+/// A marker is matched if it moves by less than about a third of the distance between neighbouring markers. A marker
+/// may move farther if all markers around it move in the same way. If two markers merged, the tracks of both contain
+/// the merged marker. If a marker was split, its track contains one marker with the common centroid and the total size
+/// of the pieces. Markers with numbers that are not finite are not matched. The computing time is proportional to the
+/// number of markers at rest multiplied by the number of pressed markers.
 ///
 /// ```
 /// use palpate_tracking::{Marker, Status, match_markers};

@@ -33,7 +33,7 @@ pub struct DiscMotion {
     /// Displacement of the disc toward the sensor's centre (length).
     pub normal: f64,
     /// Displacement along the skin (length): the length of the disc's arc around the sensor's centre. The components
-    /// are along the x and y axes of the marker. These are the axes of the apex after parallel transport along the
+    /// are along the x and y axes of the marker. These are the axes at the apex after parallel transport along the
     /// meridian to the marker.
     pub tangential: [f64; 2],
     /// Relative increase of the disc's diameter due to the strain of the skin. The model assumes that the disc stays a
@@ -196,7 +196,7 @@ impl MarkerArray {
     }
 
     /// Misalignment of each marker: the displacement of its yellow disc relative to its magenta disc along the skin. It
-    /// is an angle at the sensor's centre, rad. The components are along the axes of the apex, parallel-transported
+    /// is an angle at the sensor's centre, rad. The components are along the axes at the apex, parallel-transported
     /// along the meridian to the marker.
     pub fn misalignments(&self) -> Vec<[f64; 2]> {
         self.stands.iter().map(|stand| stand.misalignment).collect()

@@ -13,7 +13,7 @@ pub struct Departure {
     pub centre_px: [f64; 2],
     /// Relative difference of the focal length in pixels per radian.
     pub px_per_rad: f64,
-    /// Shift of the camera (length): along the x and y axes of the apex, and toward the apex.
+    /// Shift of the camera (length): along the x and y axes at the apex, and toward the apex.
     pub place: [f64; 3],
     /// Rotation vector (rad) of the camera. Its components belong to the same three axes as the components of `place`.
     pub turn_rad: [f64; 3],

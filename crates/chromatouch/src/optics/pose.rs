@@ -11,8 +11,8 @@ const TURN: f64 = 1e-5;
 /// passes through the apex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Position of the camera relative to the sensor's centre (length): along the apex's x and y axes, and toward the
-    /// apex.
+    /// Position of the camera relative to the sensor's centre (length): along the x and y axes at the apex, and toward
+    /// the apex.
     pub place: Vector3<f64>,
     turn: Vector3<f64>,
     to_camera: Rotation3<f64>,
@@ -26,7 +26,7 @@ impl Default for Pose {
 
 impl Pose {
     /// Pose of a camera at the position `place` relative to the sensor's centre (length), with the rotation vector
-    /// `turn_rad` (rad). The components of both vectors are along the apex's x and y axes and toward the apex.
+    /// `turn_rad` (rad). The components of both vectors are along the x and y axes at the apex, and toward the apex.
     pub fn new(place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let turn = Vector3::from(turn_rad);
         let angle = turn.norm();

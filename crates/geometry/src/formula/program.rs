@@ -68,7 +68,7 @@ fn polynomial(leaf: Instruction) -> Quadratic {
 /// A part of a formula that may be a function of x² + y² alone.
 enum Radial {
     Polynomial(Quadratic),
-    /// A function of x² + y² alone of which no polynomial of at most degree two is known.
+    /// A function of x² + y² alone that is not known to be a polynomial of at most degree two.
     Other,
 }
 
@@ -228,8 +228,8 @@ impl Program {
     }
 
     /// Computes a property of the whole program, instruction by instruction. `leaf` returns the property of a variable
-    /// or constant; `changed` and `combined` compute that of an operation from those of its operands. `None` if one of
-    /// them returns `None`.
+    /// or constant; `changed` and `combined` compute the property of an operation from the properties of its operands.
+    /// `None` if one of them returns `None`.
     fn walk<T>(
         &self,
         leaf: impl Fn(Instruction) -> T,

@@ -102,9 +102,9 @@ impl Problem<'_> {
     }
 }
 
-/// Finds the hypothesis with the smallest p-value, for example the roll that is most likely an outlier. Each item of
-/// `chances` is the index of a hypothesis and its p-value. Returns the index of the found hypothesis, and its p-value
-/// multiplied by the number of hypotheses (Bonferroni; at most 1). Without hypotheses, the result is (0, 1).
+/// Finds the marker with the smallest p-value, that is, the marker that is most likely an outlier. Each item of
+/// `chances` is the index of a marker and its p-value. Returns the index of the found marker, and its p-value
+/// multiplied by the number of markers (Bonferroni; at most 1). Without markers, the result is (0, 1).
 fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64) {
     let (mut most, mut least, mut count) = (0, 1.0, 0.0_f64);
     for (one, chance) in chances {

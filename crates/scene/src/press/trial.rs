@@ -407,8 +407,8 @@ impl Trials for PressScene {
 
     /// Cramér–Rao bound of a quantity, for the true body and the noise of the scene; `None` for a quantity without such
     /// a bound. Parameters that the estimator fits are treated as unknown. A parameter that the estimator receives,
-    /// such as the indentation, has a standard deviation: that of its noise in the trials or, without noise, the one
-    /// that the config states.
+    /// such as the indentation, has a standard deviation: the standard deviation of its noise in the trials or, without
+    /// noise, the standard deviation that the config states.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;

@@ -67,8 +67,8 @@ impl Blemishes {
 /// blurred along the row.
 pub(super) struct Blur {
     /// Weights of the blur: for a pixel, and for its neighbours on one side up to a distance of 3.5 standard
-    /// deviations. The neighbours on the other side have the same weights. All weights together, with those of the
-    /// other side, add up to 1.
+    /// deviations. The neighbours on the other side have the same weights. The weights of the pixel and of both sides
+    /// add up to 1.
     weights: Vec<f32>,
     rows: Vec<Row>,
     rows_read: usize,

@@ -122,8 +122,8 @@ fn readings(estimate: &Value) -> Option<String> {
     Some(all.collect::<Vec<_>>().join(separator))
 }
 
-/// Text that states how many readings are left out, and lists the rows or probes of the first ones. `left` contains
-/// these readings.
+/// Text that states how many readings are left out, and lists the rows or probes of the first [`LISTED_ROWS`] of them.
+/// `left` contains these readings.
 fn left_out(count: usize, left: &[&Value], total: &str) -> String {
     let rows = left.iter().take(LISTED_ROWS);
     let rows = rows.map(|one| one.get("row").unwrap_or(&one["probe"]).to_string());

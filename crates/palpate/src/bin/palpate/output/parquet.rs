@@ -205,8 +205,8 @@ fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
     schema.build().map(Arc::new)
 }
 
-/// Converts a Parquet error to an I/O error. If another error caused the Parquet error, the message is that of the
-/// cause alone.
+/// Converts a Parquet error to an I/O error. If another error caused the Parquet error, the message states only the
+/// cause.
 fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(cause) => match cause.downcast::<io::Error>() {
