@@ -90,7 +90,7 @@ subjects! {
         "pad": "Element of a tactile array. Wherever the contact is on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
         "pitch": "A length: the distance between neighbouring pads or markers.";
-        "IFD": "Inter-finger distance: the distance between neighbouring fingers. The paper of Charlebois, Gupta and Payandeh (1996) states the noise of positions as a fraction of this distance (`fraction_of_ifd`, `axis_fractions`).";
+        "IFD": "Inter-finger distance: the distance between neighbouring fingers. The paper of Charlebois, Gupta and Payandeh (1996) states the noise of positions as a fraction of this distance (`fraction_of_ifd`).";
         "marker": "Coloured disc, or a pair of discs at two depths, under the skin of a camera sensor. A press displaces the marker. In tables of markers, `dx`, `dy`, `dhue` and `dmean_hue` are changes since the frame at rest, and `radial_position` is the distance from the apex.";
         "layout": "Arrangement of the markers of a sensor.";
         "hue": "Colour of a marker that is a pair of discs; `mean_hue` is the mean over its pixels. The hue changes with the overlap of the discs, and so with the difference between their inward displacements.";

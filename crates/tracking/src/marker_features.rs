@@ -56,8 +56,8 @@ pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     }
 }
 
-/// The HSV hue (turns) and the chroma of the summed light `light`, which is absorbed from a bright or added to a dark
-/// background.
+/// The HSV hue (turns) and the chroma of a marker. `light` is the summed light that the marker absorbs from a bright
+/// background or adds to a dark background.
 pub(crate) fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
     let sign = match ground {
         Ground::Bright => -1.0,

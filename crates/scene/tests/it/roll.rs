@@ -409,8 +409,8 @@ fn rotations_err_as_they_state() {
         ),
     ] {
         let [rms, mean, stated] = errors_of_stars(4, &format!("noise = {{ {noise} }}"));
-        // Expected standard error of the curvature along u, which eight rolls determine. Errors of the rotation are
-        // amplified by 1 + R₂/R₁, with the radii R₁ of the probe and R₂ of the object.
+        // `due` is the expected standard error of the curvature along u, estimated from eight rolls. Errors of the
+        // rotation are amplified by 1 + R₂/R₁, with the radii R₁ of the probe and R₂ of the object.
         let due = std_deg / 20.0 / 8.0_f64.sqrt() * (1.0 / 9.0 + 1.0 / 20.0);
         assert!((stated / due - 1.0).abs() < 0.1, "{noise}: {stated} {due}");
         assert!(
