@@ -3,64 +3,90 @@
 use palpate_statistics::Number;
 use serde_json::Value;
 
-/// Keys of the quantities that a summary may show, most important first.
-const QUANTITIES: [&str; 12] = [
-    "radius",
-    "object_curvature",
-    "mean_curvature",
-    "gaussian_curvature",
-    "k_min",
-    "k_max",
-    "normal_curvature_u",
-    "normal_curvature_v",
-    "effective_radius",
-    "indentation",
-    "contact_radius",
-    "rms_misfit",
+/// Names of the quantities that a summary may show, and where the estimate has them, most important first.
+const QUANTITIES: [(&str, &str); 17] = [
+    ("curvature along the stroke", "/stroke/curvature_along"),
+    (
+        "curvature along the rolls",
+        "/single_direction/curvature_along",
+    ),
+    ("radius", "/radius"),
+    (OBJECT_RADIUS, "/object_radius"),
+    (MEAN_RADIUS, "/radius"),
+    ("object curvature", "/object_curvature"),
+    ("mean curvature", "/mean_curvature"),
+    ("gaussian curvature", "/gaussian_curvature"),
+    ("k_min", "/k_min"),
+    ("k_max", "/k_max"),
+    ("k_min", "/principal_curvature_min"),
+    ("k_max", "/principal_curvature_max"),
+    ("k_min", "/principal/curvature_min"),
+    ("k_max", "/principal/curvature_max"),
+    ("indentation", "/indentation"),
+    ("contact radius", "/contact_radius"),
+    ("rms misfit", "/rms_misfit"),
 ];
+const OBJECT_RADIUS: &str = "object radius";
+/// The inverse of the mean curvature. It is shown only for an object that is curved in all directions.
+const MEAN_RADIUS: &str = "mean radius";
 /// Largest number of quantities in a summary.
 const MAX_SHOWN: usize = 5;
+const MAX_DECIMALS: f64 = 6.0;
 /// Largest number of rejected rows that a summary lists by number.
 const LISTED_ROWS: usize = 8;
 
 /// Lines of text about an estimate: the first quantity and the shape of the object in one line, then the other
 /// quantities, then the number of readings.
 pub(super) fn summary(estimate: &Value) -> String {
-    let along = quantity(
-        "curvature along the stroke",
-        &estimate["stroke"]["curvature_along"],
-    );
-    let quantities = QUANTITIES
+    let is_round = match estimate["class"].as_str() {
+        Some(class) => ["peak", "pit"].contains(&class),
+        None => estimate["principal"].is_null(),
+    };
+    let shown = QUANTITIES
         .iter()
-        .filter_map(|key| quantity(key, &estimate[*key]));
-    let path = &estimate["single_direction"]["curvature_along"];
-    let along = along.or_else(|| quantity("curvature along the rolls", path));
-    let quantities = along.into_iter().chain(quantities);
+        .filter(|(name, _)| is_round || ![OBJECT_RADIUS, MEAN_RADIUS].contains(name));
+    let quantities = shown.filter_map(|(name, place)| quantity(name, estimate.pointer(place)?));
     let mut lines: Vec<String> = quantities.take(MAX_SHOWN).collect();
-    if let (Some(first), Some(verdict)) = (lines.first_mut(), verdict(estimate)) {
-        *first = format!("{first}, {verdict}");
+    if let Some(first) = lines.first_mut() {
+        let axis = estimate["principal"]["axis_deg"].as_f64();
+        let axis = axis.map(|deg| format!("axis at {} deg", Number::rounded(deg)));
+        for text in verdict(estimate).into_iter().chain(axis) {
+            *first = format!("{first}, {text}");
+        }
     }
     lines.extend(readings(estimate));
     lines.join("\n")
 }
 
-/// Text of a quantity with its 95 % interval; `None` if `value` has no interval.
-fn quantity(key: &str, value: &Value) -> Option<String> {
-    value.get("interval95")?;
+/// Text of a quantity with its 95 % interval; `None` if `value` has no interval, or if the model has set the value to 0.
+/// A radius has an interval if the object is surely convex, or surely concave.
+fn quantity(name: &str, value: &Value) -> Option<String> {
+    let ends = match (name, [&value["convex95"], &value["concave95"]]) {
+        (OBJECT_RADIUS | MEAN_RADIUS, [convex, Value::Null]) => convex,
+        (OBJECT_RADIUS | MEAN_RADIUS, [Value::Null, concave]) => concave,
+        (OBJECT_RADIUS | MEAN_RADIUS, _) => return None,
+        _ => value.get("interval95")?,
+    };
     let unit = value.get("unit")?.as_str()?;
     let unit = if unit.is_empty() {
         String::new()
     } else {
         format!(" {unit}")
     };
-    let number = |value: &Value| {
-        value
-            .as_f64()
-            .map(|number| Number::rounded(number).to_string())
+    let [low, high] = [0, 1].map(|end| ends[end].as_f64());
+    if low == Some(0.0) && high == low {
+        return None;
+    }
+    // The width of the interval has two significant digits.
+    let decimals = low
+        .zip(high)
+        .map_or(f64::NAN, |(low, high)| 1.0 - (high - low).log10().floor());
+    let number = |number: f64| match (0.0..=MAX_DECIMALS).contains(&decimals) {
+        true => format!("{number:.*}", decimals as usize),
+        false => Number::rounded(number).to_string(),
     };
-    let name = key.replace('_', " ");
-    let [low, high] = [0, 1].map(|end| number(&value["interval95"][end]));
-    let estimate = number(&value["value"]);
+    let estimate = value["value"].as_f64().map(number);
+    let [low, high] = [low, high].map(|end| end.map(number));
     let interval = match (&low, &high) {
         (Some(low), Some(high)) => format!(" (95 %: {low} to {high})"),
         (Some(low), None) if estimate.is_some() => format!(" (95 %: at least {low})"),
@@ -89,14 +115,15 @@ fn verdict(estimate: &Value) -> Option<String> {
     let name = name.as_str()?;
     let share = probabilities[name].as_f64();
     let percent = share.map_or(String::new(), |share| format!(" {:.0} %", 100.0 * share));
-    Some(format!(
-        "{}{percent}",
-        if name == "none" {
-            "no simple shape"
-        } else {
-            name
-        }
-    ))
+    let nearest = match (estimate["axis"].is_null(), estimate["radius"].is_null()) {
+        (false, _) => "cylinder",
+        (true, false) => "sphere",
+        (true, true) => "plane",
+    };
+    Some(match name {
+        "none" => format!("no simple shape{percent}, the nearest is a {nearest}"),
+        _ => format!("{name}{percent}"),
+    })
 }
 
 /// Text with the number of readings, and with the rows that were left out or rejected.
