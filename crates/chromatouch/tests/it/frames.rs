@@ -3,11 +3,11 @@
 
 use image::RgbImage;
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
-    MarkerMotion, OddTerms, Optics, Seams, SeenMarker,
+    Blemishes, Camera, Colours, DiscMotion, Layout, Lens, MarkerArray, MarkerMotion, OddTerms,
+    Optics, Seams, SeenMarker,
 };
 
-use crate::optics::{DISCS, depths};
+use crate::optics::{DISCS, depths, discs};
 
 /// Colours for which all regions of a marker have integer pixel levels, so that rounding causes no error.
 const WHOLE_LEVELS: Colours = Colours {
@@ -172,14 +172,8 @@ fn discs_much_smaller_than_a_pixel_take_their_share() {
         cap_deg: 35.0,
     };
     let places = layout.places(20.0).unwrap();
-    let discs = Discs {
-        magenta: 0.2,
-        yellow: 0.2,
-    };
-    let depths = DiscDepths {
-        magenta: 1.0,
-        yellow: 1.0,
-    };
+    let discs = discs(0.2, 0.2);
+    let depths = depths(1.0, 1.0);
     let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
     // In these frames, the discs have radii of 0.2 to 1.6 px.
     for size_px in [100, 200, 400, 800] {

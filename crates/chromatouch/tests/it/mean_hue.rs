@@ -1,11 +1,10 @@
 //! Compares the mean hue of projected markers with golden values.
 
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Lens, MarkerArray, MarkerMotion,
-    Optics,
+    Blemishes, Camera, Colours, DiscMotion, Discs, Lens, MarkerArray, MarkerMotion, Optics,
 };
 
-use crate::optics::{PURE, along, depths, inward, moved, optics};
+use crate::optics::{PURE, along, depths, discs, inward, moved, optics};
 
 /// Columns: diameters of the yellow and the magenta disc, distance between their centres, mean hue of the marker,
 /// circular mean of the marker's hue, and hue of its summed light. The values were computed from the areas of
@@ -65,14 +64,8 @@ fn pale_regions_do_not_count() {
 #[test]
 fn a_misalignment_strains_with_the_skin() {
     let place = [[0.0, 0.0]];
-    let discs = Discs {
-        magenta: 2.0,
-        yellow: 2.0,
-    };
-    let yellow_inside = DiscDepths {
-        magenta: 1.0,
-        yellow: 3.0,
-    };
+    let discs = discs(2.0, 2.0);
+    let yellow_inside = depths(1.0, 3.0);
     let array = MarkerArray::new(20.0, &place, discs, yellow_inside).unwrap();
     let camera = Camera::new(Lens::Fisheye, 640, 70.0).unwrap();
     let optics = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();

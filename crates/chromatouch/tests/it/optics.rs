@@ -18,10 +18,11 @@ pub(crate) const PURE: Colours = Colours {
     outside: [1.0; 3],
 };
 
-pub(crate) const DISCS: Discs = Discs {
-    magenta: 2.0,
-    yellow: 2.0,
-};
+pub(crate) const DISCS: Discs = discs(2.0, 2.0);
+
+pub(crate) const fn discs(magenta: f64, yellow: f64) -> Discs {
+    Discs { magenta, yellow }
+}
 
 pub(crate) fn depths(magenta: f64, yellow: f64) -> DiscDepths {
     DiscDepths { magenta, yellow }
@@ -235,10 +236,7 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
         cap_deg: 50.0,
     };
     let places = layout.places(20.0).unwrap();
-    let small = Discs {
-        magenta: 0.1,
-        yellow: 0.2,
-    };
+    let small = discs(0.1, 0.2);
     let array = MarkerArray::new(20.0, &places, small, depths(1.0, 1.0)).unwrap();
     let misaligned = |seed, trial| array.clone().misaligned(0.5, seed, trial).unwrap();
     let shifts: Vec<[f64; 2]> = (misaligned(1, 0).misalignments().iter())

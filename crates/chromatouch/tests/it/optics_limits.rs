@@ -5,7 +5,7 @@ use palpate_chromatouch::{
     OpticsError,
 };
 
-use crate::optics::{DISCS, PURE, along, at, depths, inward, moved, optics};
+use crate::optics::{DISCS, PURE, along, at, depths, discs, inward, moved, optics};
 
 #[test]
 fn impossible_arrays_are_named() {
@@ -58,10 +58,7 @@ fn discs_that_cover_each_other_are_found_among_many() {
     let mut places = layout.places(20.0).unwrap();
     assert!(places.len() > 90_000);
     let array = |places: &[[f64; 2]], diameter| {
-        let discs = Discs {
-            magenta: 0.5 * diameter,
-            yellow: diameter,
-        };
+        let discs = discs(0.5 * diameter, diameter);
         MarkerArray::new(20.0, places, discs, depths(1.0, 1.0))
     };
     assert_eq!(array(&places, 0.1).unwrap().places().len(), places.len());

@@ -8,11 +8,10 @@ use palpate_chromatouch::{CuttingSheet, Discs, Layout, Pattern};
 use svg::node::element::tag::Type;
 use svg::parser::Event;
 
+use crate::optics::discs;
+
 /// Diameters of the discs, cm.
-const DISCS: Discs = Discs {
-    magenta: 0.2,
-    yellow: 0.15,
-};
+const DISCS: Discs = discs(0.2, 0.15);
 
 fn published() -> CuttingSheet {
     let pattern = Pattern::new(4, 40, 2.0).unwrap();
@@ -247,10 +246,7 @@ fn off_segment([x, y]: [f64; 2], [u, v]: [f64; 2], [s, t]: [f64; 2]) -> f64 {
 fn discs_overlap_from_the_least_distance_on() {
     let pattern = Pattern::new(4, 40, 2.0).unwrap();
     let sheet = |layout: &Layout, diameter| {
-        let discs = Discs {
-            magenta: 0.5 * diameter,
-            yellow: diameter,
-        };
+        let discs = discs(0.5 * diameter, diameter);
         pattern.sheet(layout, discs)
     };
     for markers in [&[1][..], &[1, 5, 5], &[0, 3, 9]] {
@@ -272,10 +268,7 @@ fn discs_overlap_from_the_least_distance_on() {
 #[test]
 fn sheets_that_do_not_fit_are_named() {
     let pattern = Pattern::new(4, 40, 20.0).unwrap();
-    let alike = |diameter| Discs {
-        magenta: diameter,
-        yellow: diameter,
-    };
+    let alike = |diameter| discs(diameter, diameter);
     for (layout, discs, name) in [
         (Layout::published(), alike(0.0), "bad-setting"),
         (Layout::published(), alike(f64::NAN), "bad-setting"),

@@ -3,11 +3,11 @@
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, Departure, Discs, Lens, MarkerArray, MarkerMotion, Optics,
-    OpticsError, Pose, SeenMarker,
+    Blemishes, Camera, Colours, Departure, Lens, MarkerArray, MarkerMotion, Optics, OpticsError,
+    Pose, SeenMarker,
 };
 
-use crate::optics::depths;
+use crate::optics::{depths, discs};
 
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 2.0;
@@ -15,10 +15,7 @@ const DEPTH: f64 = 2.0;
 /// Optics of markers at `places`. All discs have the diameter `diameter` and the same depth, and the two discs of each
 /// marker are aligned.
 fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
-    let discs = Discs {
-        magenta: diameter,
-        yellow: diameter,
-    };
+    let discs = discs(diameter, diameter);
     let array = MarkerArray::new(RADIUS, places, discs, depths(DEPTH, DEPTH)).unwrap();
     let camera = Camera::new(Lens::Fisheye, 700, 80.0).unwrap();
     Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
@@ -122,10 +119,7 @@ fn discs_that_depart_are_discs_made_so() {
         diameters: [0.02; 2],
         ..Departure::default()
     });
-    let discs = Discs {
-        magenta: 2.04,
-        yellow: 2.04,
-    };
+    let discs = discs(2.04, 2.04);
     let array = MarkerArray::new(RADIUS, &PLACES, discs, depths(2.1, 2.1)).unwrap();
     let made = Optics::new(
         array,

@@ -2,12 +2,12 @@
 
 use nalgebra::Vector4;
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, Departure, DiscDepths, DiscMotion, Discs, Layout, Lens,
-    MarkerArray, MarkerMotion, OddTerms, Optics, Pose, SeenMarker,
+    Blemishes, Camera, Colours, Departure, DiscMotion, Layout, Lens, MarkerArray, MarkerMotion,
+    OddTerms, Optics, Pose, SeenMarker,
 };
 use palpate_sensing::{Channel, Stream};
 
-use crate::optics::depths;
+use crate::optics::{depths, discs};
 
 const RADIUS: f64 = 20.0;
 const MARKERS: usize = 77;
@@ -24,10 +24,7 @@ struct Scene {
 impl Scene {
     fn new(lens: Lens, pose: Option<Pose>, aside: f64) -> Self {
         let places = Layout::published().places(RADIUS).unwrap();
-        let discs = Discs {
-            magenta: 2.0,
-            yellow: 2.2,
-        };
+        let discs = discs(2.0, 2.2);
         let array = MarkerArray::new(RADIUS, &places, discs, depths(3.0, 1.0)).unwrap();
         let camera = Camera::new(lens, 640, 75.0).unwrap();
         let known = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
@@ -188,14 +185,8 @@ fn slopes_are_those_of_the_pictures() {
 
 /// Optics of markers at `places` on a skin with the radius `radius`. The discs are small and do not touch each other.
 fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
-    let discs = Discs {
-        magenta: 1.8e-3 * radius,
-        yellow: 1.98e-3 * radius,
-    };
-    let depths = DiscDepths {
-        magenta: 0.1 * radius,
-        yellow: 0.1 * radius,
-    };
+    let discs = discs(1.8e-3 * radius, 1.98e-3 * radius);
+    let depths = depths(0.1 * radius, 0.1 * radius);
     let places: Vec<_> = (places.iter())
         .map(|place| place.map(|along| along * radius))
         .collect();
