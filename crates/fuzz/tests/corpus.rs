@@ -31,18 +31,6 @@ fn corpus(target: &Target) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Generator of random numbers (SplitMix64). The numbers are the same in every run.
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self, sides: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut word = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((word ^ (word >> 31)) % sides.max(1) as u64) as usize
-    }
-}
-
 /// Texts that often cause errors in parsers of numbers and files.
 const WORDS: [&[u8]; 16] = [
     b"nan",
@@ -63,23 +51,23 @@ const WORDS: [&[u8]; 16] = [
     b"\xff",
 ];
 
-fn varied(file: &[u8], dice: &mut Dice) -> Vec<u8> {
+fn varied(file: &[u8], random: &mut fastrand::Rng) -> Vec<u8> {
     let mut bytes = file.to_vec();
-    for _ in 0..=dice.roll(3) {
-        let at = dice.roll(bytes.len() + 1);
-        let end = (at + dice.roll(12)).min(bytes.len());
-        match dice.roll(5) {
-            0 => drop(bytes.splice(at..end, WORDS[dice.roll(WORDS.len())].iter().copied())),
+    for _ in 0..=random.usize(..3) {
+        let at = random.usize(..=bytes.len());
+        let end = (at + random.usize(..12)).min(bytes.len());
+        match random.usize(..5) {
+            0 => drop(bytes.splice(at..end, WORDS[random.usize(..WORDS.len())].iter().copied())),
             1 => drop(bytes.drain(at..end)),
             2 => bytes.truncate(at),
             3 => {
                 let copy = bytes[at..end].to_vec();
-                let to = dice.roll(bytes.len() + 1);
+                let to = random.usize(..=bytes.len());
                 drop(bytes.splice(to..to, copy));
             }
             _ => {
                 if let Some(byte) = bytes.get_mut(at) {
-                    *byte ^= 1 << dice.roll(8);
+                    *byte ^= 1 << random.usize(..8);
                 }
             }
         }
@@ -103,7 +91,8 @@ fn check(name: &str) {
     let each = VARIATIONS.min(MAX_VARIATIONS / files.len() as u64);
     for (number, (file, bytes)) in files.iter().enumerate() {
         for variation in 0..each {
-            let varied = varied(bytes, &mut Dice((number as u64) << 32 | variation));
+            let mut random = fastrand::Rng::with_seed((number as u64) << 32 | variation);
+            let varied = varied(bytes, &mut random);
             let run = target.run;
             let outcome = std::panic::catch_unwind(|| run(&varied).is_ok());
             let shown = String::from_utf8_lossy(&varied);

@@ -9,6 +9,7 @@ use palpate_study::Warning;
 use palpate_study::config::{LengthUnit, PressEstimatorConfig, SettingError};
 
 use super::error::{RecordedError, explained};
+use super::log_warnings::listed;
 use super::press_options::PressOptions;
 use super::press_recording::PressRecording;
 use super::press_report::{PressReport, Row};
@@ -17,6 +18,15 @@ use super::press_warnings::{
     units,
 };
 use super::value::Value;
+
+/// Fewest markers with the same displacement that may be lost readings.
+const MIN_LOST: usize = 3;
+/// Largest relative difference of equal distances from the contact.
+const MAX_SCATTER: f64 = 0.01;
+/// Readings are lost if the variance of the residuals is smaller without them, by at least this factor.
+const MIN_IMPROVEMENT: f64 = 2.0;
+/// Largest share of the markers that may be lost.
+const MAX_LOST_SHARE: f64 = 0.2;
 
 /// Estimates the curvature of an object from a recorded press.
 ///
@@ -29,6 +39,69 @@ pub fn estimate_press(
 ) -> Result<PressReport, RecordedError> {
     let (count, (distinct, repeated)) = (recorded.places.len(), recorded.without_copies().unzip());
     let recorded = distinct.as_ref().unwrap_or(recorded);
+    let report = without_lost(recorded, options, of_distinct(recorded, options))?;
+    let repeated = Warning::of("repeated-rows", repeated);
+    Ok(PressReport {
+        markers: count,
+        warnings: repeated.into_iter().chain(report.warnings).collect(),
+        ..report
+    })
+}
+
+/// Leaves out lost readings, for which the sensor has written the same number. These readings are found from the
+/// estimate without them: its residuals are much smaller than those of the estimate from all markers, `all`.
+fn without_lost(
+    recorded: &PressRecording,
+    options: &PressOptions,
+    all: Result<PressReport, RecordedError>,
+) -> Result<PressReport, RecordedError> {
+    let (lost, count) = (recorded.of_same_displacement(), recorded.places.len());
+    let is_too_many = lost.len() as f64 > MAX_LOST_SHARE * count as f64;
+    if lost.len() < MIN_LOST || is_too_many && all.is_err() {
+        return all;
+    }
+    let sound: Vec<usize> = (0..count).filter(|marker| !lost.contains(marker)).collect();
+    let Ok(mut report) = of_distinct(&recorded.selected(&sound), options) else {
+        return all;
+    };
+    // In readings without noise, markers with the same distance from the contact have the same displacement.
+    let distance = |&marker: &usize| {
+        let [[x, y], at] = [recorded.places[marker], report.contact];
+        libm::hypot(x - at[0], y - at[1])
+    };
+    let first = distance(&lost[0]);
+    let is_ring = lost
+        .iter()
+        .all(|one| (distance(one) - first).abs() <= MAX_SCATTER * first);
+    let is_worse =
+        |all: &PressReport| all.residual_variance() > MIN_IMPROVEMENT * report.residual_variance();
+    if is_ring || !all.as_ref().map_or(true, is_worse) {
+        return all;
+    }
+    let source = &recorded.source;
+    let value = Number(recorded.normal[lost[0]]);
+    let rows = listed(lost.iter().map(|&marker| source.row(marker)));
+    let text = format!(
+        "{} of {count} markers have the normal displacement {value}, which contradicts the others: lost readings ({rows})",
+        lost.len()
+    );
+    if is_too_many {
+        return Err(source.fail(format!("{text}; leave them out of the file")));
+    }
+    report
+        .wrong_markers
+        .extend(lost.iter().map(|&marker| recorded.marker(marker)));
+    let numbers = [("left_out", lost.len() as f64), ("markers", count as f64)];
+    report
+        .warnings
+        .insert(0, Warning::new("left-out", text, numbers));
+    Ok(report)
+}
+
+fn of_distinct(
+    recorded: &PressRecording,
+    options: &PressOptions,
+) -> Result<PressReport, RecordedError> {
     let source = &recorded.source;
     let unit = source.unit(recorded.unit, options.length_unit)?;
     let refused = |error| refused(recorded, options, &error, None);
@@ -65,12 +138,8 @@ pub fn estimate_press(
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
-    let row = |&marker: &usize| Row {
-        row: source.row_number(marker),
-        line: source.line(marker),
-        columns: recorded.extras.named(marker),
-    };
-    let wrong_markers: Vec<Row> = estimate.wrong_markers.iter().map(row).collect();
+    let wrong = estimate.wrong_markers.iter();
+    let wrong_markers: Vec<Row> = wrong.map(|&marker| recorded.marker(marker)).collect();
     let distances = markers.distances(estimate.contact);
     let radius = estimate.contact_radius.value;
     let wrong: Vec<_> = estimate
@@ -82,7 +151,6 @@ pub fn estimate_press(
     let left_out = left_out(&wrong, &distances, radius, indentation.is_some());
     let swapped = swapped_columns(&fit, &reading, &estimate, &misfits);
     let warnings = of_estimate(recorded, options, &estimate, !misfits.is_empty())
-        .chain(Warning::of("repeated-rows", repeated))
         .chain(Warning::of("swapped-columns", swapped))
         .chain(unchecked)
         .chain(assumed.flatten())
@@ -92,7 +160,7 @@ pub fn estimate_press(
     let [force, peak_pressure] = stresses.map_err(refused)?;
     Ok(PressReport {
         c: fit.body.c(),
-        markers: count,
+        markers: recorded.places.len(),
         with_tangential: recorded.tangential.is_some(),
         force,
         peak_pressure,

@@ -1,7 +1,10 @@
 //! Reads files of recorded presses.
 
+use std::collections::BTreeMap;
+
 use super::RecordedFile;
 use super::error::RecordedError;
+use super::press_report::Row;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, copies, finite, same_length};
 use super::text_table::TextTable;
@@ -132,14 +135,44 @@ impl PressRecording {
         let means: Vec<[f64; 5]> = markers.iter().map(mean).collect();
         let firsts: Vec<usize> = markers.iter().map(|rows| rows[0]).collect();
         let press = Self {
-            source: self.source.selected(&firsts),
             places: means.iter().map(|&[x, y, ..]| [x, y]).collect(),
             normal: means.iter().map(|mean| mean[2]).collect(),
             tangential: along.map(|_| means.iter().map(|&[.., x, y]| [x, y]).collect()),
-            unit: self.unit,
-            extras: self.extras.selected(&firsts),
+            ..self.selected(&firsts)
         };
         Some((press, text))
+    }
+
+    /// The markers that have the most common normal displacement. If there are several, this number may stand for lost
+    /// readings.
+    pub(super) fn of_same_displacement(&self) -> Vec<usize> {
+        let mut markers: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+        for (marker, normal) in self.normal.iter().enumerate() {
+            let same = (normal + 0.0).to_bits();
+            markers.entry(same).or_default().push(marker);
+        }
+        let most_common = markers.into_values().max_by_key(Vec::len);
+        most_common.unwrap_or_default()
+    }
+
+    pub(super) fn marker(&self, marker: usize) -> Row {
+        Row {
+            row: self.source.row_number(marker),
+            line: self.source.line(marker),
+            columns: self.extras.named(marker),
+        }
+    }
+
+    pub(super) fn selected(&self, markers: &[usize]) -> Self {
+        let along = self.tangential.as_ref();
+        Self {
+            source: self.source.selected(markers),
+            places: markers.iter().map(|&one| self.places[one]).collect(),
+            normal: markers.iter().map(|&one| self.normal[one]).collect(),
+            tangential: along.map(|along| markers.iter().map(|&one| along[one]).collect()),
+            unit: self.unit,
+            extras: self.extras.selected(markers),
+        }
     }
 
     /// Whether displacements along the skin were measured.

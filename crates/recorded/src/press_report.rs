@@ -115,6 +115,11 @@ pub struct PressReport {
 }
 
 impl PressReport {
+    /// Variance of the residuals of the normal displacements.
+    pub(super) fn residual_variance(&self) -> f64 {
+        self.noise.normal_std.number().powi(2) * self.noise.reduced_chi_squared
+    }
+
     /// Report of the press estimate `estimate`. Fields that need other data, such as `force`, are empty.
     pub(super) fn of(estimate: &PressEstimate, method: &'static str, unit: LengthUnit) -> Self {
         let value = |estimated, power| Value::of(&estimated, power, unit);

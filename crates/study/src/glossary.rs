@@ -109,7 +109,7 @@ subjects! {
     "Estimators" {
         "least-squares": "Estimator of rolls. A least-squares fit gives the curvature that best explains the rotations and the movements of the contact (shifts) of all rolls.";
         "pad-edge": "Estimator of rolls whose readings are time series from pads. When the active pad changes, the contact is on the line between two pads; at all other times, it is on the active pad. The curvatures that agree with all samples give the estimate and its bounds.";
-        "trajectory": "Estimator of rolls whose readings are time series. It fits the curvature at the first contact and the change of curvature along the rolls. It describes the curvature along a roll by a polynomial with the smallest number of terms that explains the readings.";
+        "trajectory": "Estimator of rolls whose readings are time series. It fits the curvature at the first contact and the change of curvature along the rolls. It describes the curvature along a roll by polynomials with one to four terms, and averages their fits with weights that favour few terms.";
         "quadric": "Estimator of glides: it fits one quadric (second-degree surface) to the whole patch. A quadric has few unknowns, but cannot represent other shapes.";
         "image": "Estimator of presses for a sensor with a camera: it fits the contact model directly to the position, hue and size of each marker in the image, without computing displacements first.";
         "plane": "Estimator of glides: it fits a plane to the contacts and rejects outliers.";
@@ -224,7 +224,7 @@ subjects! {
         "swapped-columns": "The displacements along the skin fit better with their columns swapped or their sign changed.";
         "lone-marker": "Only one marker shows the contact.";
         "unseen-contact": "Only the stated indentation indicates a contact; the displacements do not show one.";
-        "large-contact": "The contact radius is a large share of the sensor's or the object's radius, so the strains are not small.";
+        "large-contact": "The contact radius is a large share of the sensor's or the object's radius, so the strains are not small. The errors of the model may be about as large as the percentage in the message. A press with a smaller indentation reduces these errors.";
         "gaussian-body": "The fitted Gaussian is not an elastic contact model, so its intervals cover the noise but not the error of the model.";
         "srgb-frames": "The frame at rest fits the sensor only if its pixels are encoded by sRGB. Both frames were linearised. State `--srgb` to omit this warning.";
         "subsampled-colours": "The frame at rest is compressed with a lower resolution of its colours, as in JPEG 4:2:0. The calibration attributes the errors of the compression to the lens, so curvatures may have a bias of several percent.";

@@ -1,43 +1,24 @@
 //! Tests `palpate estimate glide` with simulated contacts.
 
-use serde_json::Value;
-
 use super::desk::{Desk, assert_close, number_at as number};
 
-const BARE: &str = "finger,x_mm,y_mm,z_mm";
-
-/// Contacts on a grid of `side` × `side` points. `row` returns the table row of the contact at x and y in [−1, 1],
-/// without the field `finger`.
-fn grid(header: &str, side: usize, row: impl Fn(f64, f64) -> String) -> String {
-    let mut text = format!("{header}\n");
-    let at = |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
-    for finger in 0..side {
-        for contact in 0..side {
-            text += &format!("{finger},{}\n", row(at(contact), at(finger)));
-        }
+/// Contacts on a grid of 6 × 6 points, with x and y in [−1, 1].
+fn bowl() -> Desk {
+    let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+    let at = |index: i32| 0.4 * f64::from(index) - 1.0;
+    for (finger, contact) in (0..36).map(|number| (number / 6, number % 6)) {
+        let (x, y) = (at(contact), at(finger));
+        text += &format!("{finger},{x},{y},{}\n", 0.2 * (x * x + y * y));
     }
-    text
-}
-
-fn bowl() -> String {
-    grid(BARE, 6, |x, y| format!("{x},{y},{}", 0.2 * (x * x + y * y)))
-}
-
-fn desk(contacts: &str) -> Desk {
     let desk = Desk::new();
-    desk.write("r.csv", contacts);
+    desk.write("r.csv", &text);
     desk
-}
-
-fn estimate(contacts: &str, options: &str) -> Value {
-    desk(contacts).json(&format!("estimate glide r.csv {options}"))
 }
 
 #[test]
 fn stated_thresholds_and_noise_are_used() {
-    let json = estimate(
-        &bowl(),
-        "--gaussian-threshold 1 --mean-threshold 1 --position-std 0.02 --method quadric",
+    let json = bowl().json(
+        "estimate glide r.csv --gaussian-threshold 1 --mean-threshold 1 --position-std 0.02 --method quadric",
     );
     let classes = (
         &json["class"],
@@ -56,7 +37,7 @@ fn stated_thresholds_and_noise_are_used() {
 fn a_map_at_the_contacts_has_their_positions_in_their_order() {
     // The contacts have no noise, and the outward direction of the bowl is z. So the line through a contact in this
     // direction meets the surface z = 0.2 (x² + y²) at the contact itself.
-    let desk = desk(&bowl());
+    let desk = bowl();
     let on_grid = desk
         .palpate("estimate glide r.csv --map grid.csv")
         .printed();

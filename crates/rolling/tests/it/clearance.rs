@@ -9,24 +9,14 @@ use crate::scenes::{auto, height_field, saddle};
 
 const SCENES: u64 = 40;
 
-/// Random numbers (SplitMix64). Each scene has its own stream of numbers.
-struct Draws(u64);
-
-impl Draws {
-    fn between(&mut self, least: f64, most: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut word = self.0;
-        word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        let share = ((word ^ (word >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        least + share * (most - least)
-    }
+fn between(random: &mut fastrand::Rng, least: f64, most: f64) -> f64 {
+    least + random.f64() * (most - least)
 }
 
 /// A height field of one of five kinds, and the radius of a probe that may or may not fit into it.
 fn scene(number: u64) -> (Shape, f64) {
-    let mut draws = Draws(number.wrapping_mul(77));
-    let mut draw = |least, most| draws.between(least, most);
+    let mut random = fastrand::Rng::with_seed(number);
+    let mut draw = |least, most| between(&mut random, least, most);
     match number % 5 {
         0 => {
             let (height, far, width) = (draw(0.5, 8.0), draw(3.0, 9.0), draw(0.5, 2.0));
@@ -111,9 +101,10 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
     let (mut refused, mut accepted) = (0, 0);
     for number in 0..SCENES {
         let (object, radius) = scene(number);
-        let mut draws = Draws(number.wrapping_mul(131) + 5);
-        let motion = Motion::rolling(draws.between(0.0, 6.3), 1.0, draws.between(0.1, 0.6));
-        let place = (draws.between(-0.5, 0.5), draws.between(-0.5, 0.5));
+        let mut random = fastrand::Rng::with_seed(number.wrapping_add(1000));
+        let mut draw = |least, most| between(&mut random, least, most);
+        let motion = Motion::rolling(draw(0.0, 6.3), 1.0, draw(0.1, 0.6));
+        let place = (draw(-0.5, 0.5), draw(-0.5, 0.5));
         let model = auto(1e-9);
         let rolls = [vec![motion]];
         // The roller rejects a hollow object if the radius of the hollow is not larger than the probe's radius. Such
