@@ -227,7 +227,7 @@ impl<'a> Selection<'a> {
             false => free.join(", "),
         };
         Err(self.of.bad(format!(
-            "several rows share {point}; choose by `where`, or spread over `series` or `panels`: {free}"
+            "several rows share {point}; choose a quantity by `quantity` and other values by `where`, or spread over `series` or `panels`: {free}"
         )))
     }
 }
