@@ -101,7 +101,8 @@ impl SoundContacts {
         check(places.iter().map(|(row, one)| (*row, one)))?;
         check(rows().filter(|(_, one)| has_normal(one)))?;
         let distinct = DistinctContacts::without_rests(contacts);
-        let outliers = gross_outliers(contacts, &distinct.contacts)?;
+        let far = far_contacts(contacts, &distinct.contacts);
+        let outliers = within_share(far, contacts.len())?;
         let place = |row: usize| outliers.binary_search_by_key(&row, |one| one.contact);
         let without_normal = rows().find(|(row, one)| !has_normal(one) && place(*row).is_err());
         check(without_normal.into_iter())?;
@@ -129,13 +130,8 @@ impl SoundContacts {
     }
 }
 
-/// Finds gross outliers among contacts with finite numbers. `runs` are the merged contacts, in which the contacts of a
-/// resting finger count only once. Returns an error if more than a fifth of the contacts are gross outliers.
-fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
-    within_share(far_contacts(contacts, runs), contacts.len())
-}
-
-/// Finds the contacts that are far from most of the contacts in `runs`, and the lost readings.
+/// Finds the contacts that are far from most of the contacts in `runs`, and the lost readings. `runs` are the merged
+/// contacts, in which the contacts of a resting finger count only once.
 fn far_contacts(contacts: &[Contact], runs: &[Contact]) -> Vec<Outlier> {
     let places: Vec<Vector3<f64>> = evenly_spaced(runs.len(), MAX_PLACES)
         .map(|run| runs[run].position.coords)

@@ -317,17 +317,6 @@ fn inverse(gram: &Gram) -> Gram {
 }
 
 impl Solution {
-    fn of(pose: Pose) -> Self {
-        Self {
-            pose,
-            equations: Equations::new(&pose, &Cloud::default()),
-            variances: [1.0; 2],
-            least_variance: MIN_STD * MIN_STD,
-            inverse: Gram::identity(),
-            freedom: None,
-        }
-    }
-
     /// Share of the variance of the normals that is caused by errors of the positions along the curved surface.
     pub(super) fn bending_share(&self) -> f64 {
         let [sensor, slope] = Weights::new(&self.pose, self.variances).normals;
@@ -424,18 +413,13 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud) -> RobustFit {
     if sample.places.len() == cloud.places.len() {
         return robust;
     }
-    let full = robust.limits.apply(&robust.solution.pose, cloud);
-    let selected = cloud.selected(&full.is_used);
+    let pose = robust.solution.pose;
+    let is_used = robust.limits.are_met(&pose, cloud);
+    let selected = cloud.selected(&is_used);
     RobustFit {
-        solution: solve(
-            robust.solution.pose,
-            &selected,
-            ESTIMATED,
-            [1.0; 2],
-            ITERATIONS,
-        ),
-        fit_to_few: robust.fit_to_few,
-        ..full
+        solution: solve(pose, &selected, ESTIMATED, [1.0; 2], ITERATIONS),
+        is_used,
+        ..robust
     }
 }
 
@@ -536,21 +520,15 @@ impl Limits {
         Self(of)
     }
 
-    /// Selects the contacts within the limits. The result contains `pose` unchanged, because the shape is not yet
-    /// fitted to the selected contacts.
-    fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
+    /// For each contact, whether it is within the limits.
+    fn are_met(self, pose: &Pose, cloud: &Cloud) -> Vec<bool> {
         let [distances, normals] = residuals(pose, cloud);
         let most = self.0[0].max(MIN_OUTLIER_STEPS * cloud.rounding(pose).1.amax());
         let is_near = |(index, distance): (usize, &f64)| {
             let normal = normals.get(index).copied().unwrap_or(0.0);
             *distance <= most && normal <= 1.1 * self.0[1]
         };
-        RobustFit {
-            solution: Solution::of(*pose),
-            is_used: distances.iter().enumerate().map(is_near).collect(),
-            limits: self,
-            fit_to_few: None,
-        }
+        distances.iter().enumerate().map(is_near).collect()
     }
 }
 
@@ -566,12 +544,12 @@ fn grown(mut solution: Solution, cloud: &Cloud) -> RobustFit {
     let mut limits = Limits::first(&solution.pose, cloud, half);
     let mut last = vec![];
     for _ in 0..GROWTH_ITERATIONS {
-        let near = limits.apply(&solution.pose, cloud);
-        let used = near.is_used.iter().filter(|used| **used).count();
-        if near.is_used == last || used <= unknowns + 1 {
+        let near = limits.are_met(&solution.pose, cloud);
+        let used = near.iter().filter(|used| **used).count();
+        if near == last || used <= unknowns + 1 {
             break;
         }
-        let selected = cloud.selected(&near.is_used);
+        let selected = cloud.selected(&near);
         solution = solve(
             solution.pose,
             &selected,
@@ -581,11 +559,13 @@ fn grown(mut solution: Solution, cloud: &Cloud) -> RobustFit {
         );
         let deviations = quantile(used);
         limits = Limits(solution.variances.map(|one| deviations * one.sqrt()));
-        last = near.is_used;
+        last = near;
     }
     RobustFit {
         solution,
-        ..limits.apply(&solution.pose, cloud)
+        is_used: limits.are_met(&solution.pose, cloud),
+        limits,
+        fit_to_few: None,
     }
 }
 
@@ -601,7 +581,7 @@ impl RobustFit {
     /// variance. `None` if there is no such fit.
     pub(super) fn inliers_of_few(&self, cloud: &Cloud) -> Option<Vec<bool>> {
         let (pose, limits) = self.fit_to_few?;
-        Some(limits.apply(&pose, cloud).is_used)
+        Some(limits.are_met(&pose, cloud))
     }
 
     fn leaves_out_too_many(&self) -> bool {
