@@ -8,6 +8,7 @@ mod logs;
 mod misfit;
 mod penalised;
 mod refusals;
+mod regions;
 mod samples;
 mod shapes;
 mod tips;
