@@ -185,7 +185,7 @@ fn runs(
 /// A division of contacts into cells. `cell_of` contains the cell index of each contact.
 pub(super) struct Cells {
     cell_of: Vec<usize>,
-    count: usize,
+    pub(super) count: usize,
 }
 
 impl Cells {
@@ -232,15 +232,6 @@ impl Cells {
             within / correlation,
             freedom.max(1.0) as usize,
         )
-    }
-
-    /// Number of cells minus the number of fitted parameters, but at least 1.
-    pub(super) fn freedom(&self, pose: &Pose) -> usize {
-        self.count.saturating_sub(pose.unknowns()).max(1)
-    }
-
-    pub(super) const fn count(&self) -> usize {
-        self.count
     }
 
     /// Covariance of the fitted parameters. All residuals of a cell count as one residual.

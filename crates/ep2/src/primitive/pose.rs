@@ -259,6 +259,10 @@ impl Deviation {
     pub(super) fn normal_row(&self, unknown: usize) -> Vector3<f64> {
         self.normal_rows.column(unknown).into()
     }
+
+    pub(super) fn normal_gram(&self) -> Gram {
+        self.normal_rows.transpose() * self.normal_rows
+    }
 }
 
 /// Sums of squares, and normal equations, for two kinds of deviations of the contacts from the shape: distances, and
@@ -288,7 +292,7 @@ impl Equations {
             all.squares[0] += one.distance * one.distance;
             if with_normals {
                 let left = pose.in_axes(&cloud.normals[index]) - one.normal;
-                all.grams[1] += one.normal_rows.transpose() * one.normal_rows;
+                all.grams[1] += one.normal_gram();
                 all.gradients[1] += one.normal_rows.transpose() * left;
                 all.squares[1] += left.norm_squared();
             }

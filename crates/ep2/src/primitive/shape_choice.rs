@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix2, SymmetricEigen};
 
+use super::intervals::noise_share;
 use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
 use super::{Candidate, Shape, start, wave_tests};
@@ -12,6 +13,13 @@ const NONE_P_VALUE: f64 = 0.01;
 /// The contacts count as lying on a line if the variance of their positions across the line, divided by the variance of
 /// the noise, is below this value.
 const MIN_SPREAD_RATIO: f64 = 10.0;
+/// Two shapes are tested for equal probability only if the sum of the squared sines of the angles between their normals
+/// at the contacts exceeds `MIN_SINES`, or if the [`noise_share`] of one of them exceeds `MIN_NOISE_SHARE`. If the most
+/// probable shapes include one with such a noise share, it is chosen, because it leaves the radius open.
+const MIN_SINES: f64 = 4.0;
+const MIN_NOISE_SHARE: f64 = 0.5;
+/// Largest difference between the deviances of two equally probable shapes, in standard deviations.
+const MAX_DEVIATIONS: f64 = 3.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'
 /// noise.
@@ -23,6 +31,15 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
         spread += q * q.transpose() / cloud.places.len() as f64;
     }
     SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * variance
+}
+
+/// Sum of the squared sines of the angles between the normals of two shapes at the contacts.
+fn squared_sines(poses: [&Pose; 2], used: &Cloud) -> f64 {
+    let sine = |place| {
+        let [one, other] = poses.map(|pose| pose.normal_at(place));
+        one.cross(&other).norm_squared()
+    };
+    used.places.iter().map(sine).sum()
 }
 
 /// The index of the most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
@@ -39,11 +56,12 @@ pub(super) fn choose(
         let all = candidates.iter().map(|one| one.lack.with_rounding[kind]);
         all.fold(f64::INFINITY, f64::min)
     });
+    let deviance = |one: &Candidate| one.solution.deviance(stated, correlations);
     let criterion = |one: &Candidate| {
         let counts = one.solution.equations.counts;
         let equations = counts[0] / correlations[0] + counts[1] / correlations[1];
         let unknowns = one.solution.pose.unknowns() as f64;
-        one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
+        deviance(one) + unknowns * libm::log(equations)
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
     // If all contacts lie on one line, a sphere and a cylinder fit equally well except for position errors. The test
@@ -57,8 +75,29 @@ pub(super) fn choose(
         criteria[Shape::Sphere as usize] = best;
         criteria[Shape::Cylinder as usize] = best;
     }
-    let least = criteria.iter().copied().fold(f64::INFINITY, f64::min);
-    let chosen = criteria.iter().position(|&one| one == least).unwrap_or(0);
+    let by_criterion = |one: &usize, other: &usize| criteria[*one].total_cmp(&criteria[*other]);
+    let best = (0..criteria.len()).min_by(by_criterion).unwrap_or(0);
+    let least = criteria[best];
+    // Several shapes may fit the contacts equally well, although their normals at the contacts differ, such as a sphere
+    // and a cylinder through two rings of contacts. Then different components of the noise determine the fits, so the
+    // difference of their deviances is random. Its variance is 4 times the sum of the squared sines.
+    let shares: Vec<f64> = candidates
+        .iter()
+        .map(|one| noise_share(&one.solution, used))
+        .collect();
+    for (index, share) in shares.iter().enumerate() {
+        let pair = [best, index].map(|one| &candidates[one]);
+        let sines = squared_sines(pair.map(|one| &one.solution.pose), used) / correlations[0];
+        let most = 2.0 * MAX_DEVIATIONS * sines.max(1.0).sqrt();
+        let is_tested = sines > MIN_SINES || *share > MIN_NOISE_SHARE;
+        if is_tested && (deviance(pair[0]) - deviance(pair[1])).abs() < most {
+            criteria[index] = least;
+        }
+    }
+    let equal = (0..criteria.len()).filter(|&one| criteria[one] == least);
+    let chosen = equal
+        .max_by_key(|&one| (shares[one] > MIN_NOISE_SHARE, one == best))
+        .unwrap_or(best);
     let weights: Vec<f64> = criteria
         .iter()
         .map(|one| libm::exp(0.5 * (least - one)))
@@ -67,10 +106,6 @@ pub(super) fn choose(
     let of_wave = wave_tests::of_distances(solution, used, lack.with_rounding[0]);
     let none = NONE_P_VALUE / lack.p_value.min(of_wave).max(f64::MIN_POSITIVE);
     let total = weights.iter().sum::<f64>() + none;
-    let shares = weights.iter().map(|weight| weight / total);
-    let mut probabilities = [0.0; 4];
-    for (probability, share) in probabilities.iter_mut().zip(shares.chain([none / total])) {
-        *probability = share;
-    }
+    let probabilities = std::array::from_fn(|one| weights.get(one).unwrap_or(&none) / total);
     (chosen, Some(probabilities))
 }
