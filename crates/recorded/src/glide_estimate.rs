@@ -380,14 +380,14 @@ impl<'r> GlideFitResult<'r> {
         let (shape, noise) = match &self.surface {
             Surface::Graph(graph) => {
                 let is_penalised = matches!(graph.0, GlideFit::Penalised(_));
-                (None, graph.1.fit.noise.filter(|_| is_penalised))
+                let noise = graph.1.fit.noise.filter(|_| is_penalised);
+                (None, noise.map(|noise| noise.position_std))
             }
             Surface::Shape(fit) => {
                 let is_chosen = fit.probabilities.is_some() && !fit.is_none_of_these();
-                (Some(&**fit), fit.noise.filter(|_| is_chosen))
+                (Some(&**fit), is_chosen.then_some(fit.rms_misfit))
             }
         };
-        let noise = noise.map(|noise| noise.position_std);
         let has_side = stroke.is_some() || !self.is_open();
         let side = (has_side && !recorded.has_normals())
             .then(|| assumed_side(shape, stroke, &self.centre.curvature, self.options.outward))
@@ -403,7 +403,13 @@ impl<'r> GlideFitResult<'r> {
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings, recorded.has_normals()))
-            .chain(two_groups(contacts, &used.readings, noise, unit))
+            .chain(two_groups(
+                contacts,
+                &self.centre.normal,
+                &used.readings,
+                noise,
+                unit,
+            ))
             .chain(self.stroke.map(|stroke| across(&stroke, unit)))
             .chain(of_shape)
             .chain(misfits)

@@ -28,7 +28,7 @@ const MIN_P_VALUE: f64 = 0.005;
 const MAX_RELATIVE_MISFIT: f64 = 0.2;
 /// The normals of contacts contradict a shape if the mean cosine of their angles to the normals of the shape is below
 /// this value.
-const MIN_MEAN_COSINE: f64 = 0.8;
+const MIN_MEAN_COSINE: f64 = 0.93;
 
 /// Smallest gap between two groups of contacts, as a share of the range of all contacts. A gap that is much larger than
 /// the next largest gap may be smaller than this.
@@ -178,9 +178,11 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
 
 /// Warning if the contacts form two groups that do not lie on one simple surface. The groups may be separated by a wide
 /// gap along a line. Without a gap, two groups count as two surfaces if two quadrics fit them much better than the
-/// estimated surface. `noise` is the standard deviation of the contacts about the estimated surface.
+/// estimated surface. `noise` is the standard deviation of the contacts about the estimated surface, and `normal` a
+/// normal of this surface.
 pub(super) fn two_groups(
     contacts: &[Contact],
+    normal: &Vector3<f64>,
     readings: &EffectiveReadings,
     noise: Option<f64>,
     unit: LengthUnit,
@@ -188,7 +190,7 @@ pub(super) fn two_groups(
     let distinct = readings.distinct;
     let selection = evenly_spaced(contacts.len(), MAX_CONTACTS);
     let contacts: Vec<Contact> = selection.map(|contact| contacts[contact]).collect();
-    let patch = Patch::new(&contacts, &Vector3::z()).ok()?;
+    let patch = Patch::new(&contacts, normal).ok()?;
     let (samples, count) = (&patch.samples, contacts.len());
     let terms: Vec<Products> = samples.iter().map(products).collect();
     let total: Products = terms.iter().sum();
