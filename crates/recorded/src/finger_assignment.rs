@@ -6,8 +6,9 @@ use palpate_statistics::Number;
 /// Smallest length of a step (from one contact to the next) that can separate two fingers, relative to the median
 /// length of all steps.
 const MIN_JUMP: f64 = 3.0;
-/// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger. If the ratio
-/// is smaller, the steps do not separate the fingers.
+/// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger. The noise of
+/// dense contacts makes some steps within a finger longer than [`MIN_JUMP`]. So the shortest step between two fingers is
+/// the first step that is longer than the next shorter one by this ratio.
 const MIN_JUMP_RATIO: f64 = 1.5;
 /// Advice to the user if the assignment of contacts to fingers is wrong. It ends every note about the assignment.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
@@ -34,29 +35,31 @@ pub(super) fn assign_fingers(
     let mut sorted = steps.clone();
     sorted.sort_by(f64::total_cmp);
     let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    let is_jump = |step: &f64| *step > MIN_JUMP * median && step.is_finite();
-    let others = sorted.iter().filter(|step| !is_jump(step));
-    let longest = others.fold(0.0, |most: f64, &step| most.max(step));
-    let shortest = sorted.iter().find(|step| is_jump(step)).copied();
+    let first = sorted.partition_point(|step| *step <= MIN_JUMP * median);
+    let candidates = first..sorted.partition_point(|step| step.is_finite());
+    let is_long = |&step: &usize| sorted[step] >= MIN_JUMP_RATIO * sorted[step - 1];
     let one = |why: String| {
         let note =
             format!("no column `finger`: all contacts are treated as one finger{why}; {REMEDY}");
         (vec![0; places.len()], note)
     };
-    match shortest {
-        None => one(String::new()),
-        Some(_) if median <= 0.0 => one(String::new()),
-        Some(shortest) if shortest < MIN_JUMP_RATIO * longest => {
-            let [shortest, longest] = [shortest, longest].map(Number::rounded);
+    let rounded = |step: usize| [step, step - 1].map(|step| Number::rounded(sorted[step]));
+    match candidates.clone().find(is_long) {
+        _ if median <= 0.0 || candidates.is_empty() => one(String::new()),
+        None => {
+            let [shortest, longest] = rounded(first);
             one(format!(
                 ", because no step is much longer than all others (the shortest candidate is {shortest} {unit}, the longest other step {longest} {unit})"
             ))
         }
-        Some(shortest) => {
-            let rows = 1..places.len();
-            let jumps: Vec<usize> = rows.filter(|row| is_jump(&steps[row - 1])).collect();
+        Some(jump) => {
+            let is_jump = |row: &usize| {
+                let step = steps[row - 1];
+                step >= sorted[jump] && step.is_finite()
+            };
+            let jumps: Vec<usize> = (1..places.len()).filter(is_jump).collect();
             let (fingers, count) = parted(places.len(), &jumps);
-            let [shortest, longest] = [shortest, longest].map(Number::rounded);
+            let [shortest, longest] = rounded(jump);
             let note = format!(
                 "no column `finger`, so the fingers are separated by steps of at least {shortest} {unit}: {count} fingers; all other steps are at most {longest} {unit}; {REMEDY}"
             );

@@ -269,6 +269,19 @@ fn two_objects_at_the_same_place_cause_a_warning() {
     }
 }
 
+/// Dense strokes whose noise exceeds their step: some steps within a stroke are longer than three medians.
+#[test]
+fn noisy_dense_strokes_are_divided_at_their_jumps() {
+    let mut noise = Stream::new(51, 0, Channel::Position);
+    let mut text = "x_mm,y_mm,z_mm\n".to_owned();
+    for row in 0..3000 {
+        let x = 0.01 * f64::from(row % 1000) + 0.05 * noise.standard_normal();
+        let y = 20.0 * f64::from(row / 1000) + 0.05 * noise.standard_normal();
+        text += &format!("{x},{y},{}\n", 0.05 * noise.standard_normal());
+    }
+    assert_eq!(estimate(&text, "plane").unwrap()["fingers"], 3);
+}
+
 /// A finger whose contacts are farther apart than those of the other fingers must not lose contacts as outliers.
 #[test]
 fn a_finger_with_long_steps_is_not_beside_its_path() {
