@@ -75,12 +75,14 @@ impl<'a> DelimitedText<'a> {
         Ok((table(heading, header.len()), header))
     }
 
-    /// Calls `take` for every row that is not blank and no comment. A row of the right length that contains numbers is no
-    /// comment. Each row is one line, because the table was rejected earlier if a
+    /// Calls `take` for every row that is not blank, no comment and no copy of the header, as in files that were joined.
+    /// A row of the right length that contains numbers is no comment. Each row is one line, because the table was rejected earlier if a
     /// quoted field continues in the next line.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let (mut fields, mut before) = (StringRecord::new(), None);
-        for (row, line) in self.text.rows_after(0).skip(self.heading) {
+        let mut rows = self.text.rows_after(0);
+        let heading: Vec<_> = rows.by_ref().take(self.heading).collect();
+        for (row, line) in rows.filter(|(row, _)| heading.iter().all(|one| one.0 != *row)) {
             match row.trim_end_matches('\r') {
                 row if self.delimiter == Delimiter::Space || row.contains('"') => {
                     fields = split(self.text, row, self.delimiter);

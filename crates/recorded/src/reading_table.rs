@@ -185,15 +185,21 @@ impl ReadingTable {
         })
     }
 
-    /// Leaves out each row that equals the row before it, and adds a warning.
-    pub(super) fn leave_out_copies(&mut self) {
+    /// Leaves out each row that equals the row before it and, if the rows have numbers of probes, copies of the whole
+    /// table. Adds a warning.
+    pub(super) fn leave_out_copies(&mut self, has_probes: bool) {
         let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();
         // The first row of a roll stays, although it may equal the last row of the roll before.
         let starts = &self.after_gaps;
+        let is_copied = |&count: &usize| {
+            rows.len().is_multiple_of(count) && rows.iter().zip(&rows[count..]).all(|(a, b)| a == b)
+        };
+        let mut counts = (2..=rows.len() / 2).filter(|_| has_probes);
+        let count = counts.find(is_copied).unwrap_or(rows.len());
         let is_new = |&row: &usize| {
             row == 0 || rows[row] != rows[row - 1] || starts.binary_search(&row).is_ok()
         };
-        let kept: Vec<usize> = (0..rows.len()).filter(is_new).collect();
+        let kept: Vec<usize> = (0..count).filter(is_new).collect();
         let count = rows.len() - kept.len();
         if count == 0 {
             return;
@@ -203,7 +209,9 @@ impl ReadingTable {
         gaps.for_each(|gap| *gap = kept.partition_point(|row| row < gap));
         self.source = self.source.selected(&kept);
         self.extras = self.extras.selected(&kept);
-        let text = format!("{count} rows equal the row before them: copies count once");
+        let text = format!(
+            "{count} rows equal the row before them, or are in a copy of the whole table: copies count once"
+        );
         let note = Warning::new("repeated-rows", text, []);
         self.source.notes.push(note);
     }

@@ -95,7 +95,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     let may = &COLUMNS.rolls[..usize::from(!names_probes)];
     let mut sheet = ReadingTable::read(&table, &columns, may)?;
     if names_probes || kind != Kind::Rows {
-        sheet.leave_out_copies();
+        sheet.leave_out_copies(names_probes);
     }
     if kind != Kind::Rows
         && let Some(hint) = header.unread(may, &[])

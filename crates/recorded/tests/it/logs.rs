@@ -440,8 +440,11 @@ fn copies_count_once() {
     };
     let glide = ball(&|_| None);
     for method in ["penalised", "quadric", "sphere"] {
-        let [one, four] = [1, 4].map(|times| estimate(&rows(&glide, times), method).unwrap());
-        same(&one, &four, &["mean_curvature", "effective_contacts"]);
+        let one = estimate(&glide, method).unwrap();
+        for copied in [rows(&glide, 4), glide.repeat(2)] {
+            let copied = estimate(&copied, method).unwrap();
+            same(&one, &copied, &["mean_curvature", "effective_contacts"]);
+        }
     }
     let stroke: String = glide.split_inclusive('\n').take(13).collect();
     let [one, four] = [1, 4].map(|times| estimate(&rows(&stroke, times), "shape").unwrap());
@@ -464,11 +467,13 @@ fn copies_count_once() {
         .map(|(row, line)| format!("{row},{line}"))
         .collect();
     let named = named.join("\n").replacen('0', "probe", 1);
-    same(
-        &one,
-        &of_rolls(&rows(&named, 4)),
-        &["mean_curvature", "residual_rms"],
-    );
+    for copied in [rows(&named, 4), format!("{named}\n{named}")] {
+        same(
+            &one,
+            &of_rolls(&copied),
+            &["mean_curvature", "residual_rms"],
+        );
+    }
     // A slow sweep has no copies, although an outlier makes its residuals large.
     let mut sweep = "rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n".to_owned();
     for (roll, turn) in (0..400).map(|roll| (roll, 5e-4 * (roll % 200 + 1) as f64)) {
