@@ -21,6 +21,8 @@ const MISFIT_P_VALUE: f64 = 0.01;
 pub(super) const MAX_RELATIVE_NOISE: f64 = 0.1;
 /// The curvature counts as determined only if [`noise_share`] is at most this value.
 const MAX_NOISE_SHARE: f64 = 0.1;
+/// Smallest noise, relative to the spread of the contacts, for which [`noise_share`] is computed.
+const MIN_NOISE: f64 = 1e-5;
 
 /// Interval of the curvature of a fitted shape, with the spread of the contacts as unit of length.
 #[derive(Clone, Copy, Debug)]
@@ -102,6 +104,7 @@ pub(super) fn noise_share(solution: &Solution, cloud: &Cloud) -> f64 {
     for place in &cloud.places {
         tilts += solution.pose.deviation(place, true).normal_gram();
     }
+    tilts *= (MIN_NOISE * MIN_NOISE / solution.variances[0]).max(1.0);
     let share = solution.inverse.cholesky().map(|factor| {
         let root = factor.l();
         (root.transpose() * tilts * root)

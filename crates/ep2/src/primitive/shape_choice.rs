@@ -33,15 +33,6 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
     SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * variance
 }
 
-/// Sum of the squared sines of the angles between the normals of two shapes at the contacts.
-fn squared_sines(poses: [&Pose; 2], used: &Cloud) -> f64 {
-    let sine = |place| {
-        let [one, other] = poses.map(|pose| pose.normal_at(place));
-        one.cross(&other).norm_squared()
-    };
-    used.places.iter().map(sine).sum()
-}
-
 /// The index of the most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
 /// The shapes are compared by the Bayesian information criterion. The probability of "none of these" is 0.01 / p times
@@ -87,7 +78,11 @@ pub(super) fn choose(
         .collect();
     for (index, share) in shares.iter().enumerate() {
         let pair = [best, index].map(|one| &candidates[one]);
-        let sines = squared_sines(pair.map(|one| &one.solution.pose), used) / correlations[0];
+        let sine = |place| {
+            let [one, other] = pair.map(|one| one.solution.pose.normal_at(place));
+            one.cross(&other).norm_squared() / correlations[0]
+        };
+        let sines: f64 = used.places.iter().map(sine).sum();
         let most = 2.0 * MAX_DEVIATIONS * sines.max(1.0).sqrt();
         let is_tested = sines > MIN_SINES || *share > MIN_NOISE_SHARE;
         if is_tested && (deviance(pair[0]) - deviance(pair[1])).abs() < most {
