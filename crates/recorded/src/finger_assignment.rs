@@ -53,10 +53,8 @@ pub(super) fn assign_fingers(
             ))
         }
         Some(jump) => {
-            let is_jump = |row: &usize| {
-                let step = steps[row - 1];
-                step >= sorted[jump] && step.is_finite()
-            };
+            let long = sorted[jump]..f64::INFINITY;
+            let is_jump = |row: &usize| long.contains(&steps[row - 1]);
             let jumps: Vec<usize> = (1..places.len()).filter(is_jump).collect();
             let (fingers, count) = parted(places.len(), &jumps);
             let [shortest, longest] = rounded(jump);
