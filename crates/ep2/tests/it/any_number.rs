@@ -7,7 +7,7 @@ use palpate_ep2::{
     Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Noise, Patch, Penalised, Quadric, TwoPass,
     Uncertainty, regions,
 };
-use palpate_geometry::ShapeThresholds;
+use palpate_geometry::{ShapeClass, ShapeThresholds};
 use proptest::prelude::*;
 
 /// Random doubles: a sixth with any bit pattern, two thirds between −2 and 2, a sixth between 1e-9 and 1e9.
@@ -132,7 +132,7 @@ fn bump() -> Vec<Contact> {
 }
 
 #[test]
-fn too_large_maps_and_regions_of_another_size_are_refused() {
+fn maps_have_regions_unless_their_size_is_wrong() {
     let fit = Quadric::default()
         .fit(&Patch::new(&bump(), &Vector3::z()).unwrap())
         .unwrap();
@@ -149,6 +149,16 @@ fn too_large_maps_and_regions_of_another_size_are_refused() {
         let refused = regions(side, &points, &thresholds).map_err(name).err();
         assert_eq!(refused, Some("bad-setting"));
     }
+    // A ridge divides a plane into two regions.
+    for (index, point) in points.iter_mut().enumerate() {
+        point.curvature.gaussian = 0.0;
+        point.curvature.mean = if index / 3 == 1 { 0.2 } else { 0.0 };
+    }
+    let found = regions(3, &points, &thresholds).unwrap();
+    assert_eq!([found.regions.len(), found.regions[0].points], [3, 3]);
+    let ridge = &found.regions[found.of_point[4]];
+    assert_eq!(ridge.class, ShapeClass::Ridge);
+    assert!((ridge.mean_curvature - 0.2).abs() < 1e-12);
     points[4].k_max = f64::NAN;
     assert_eq!(
         regions(3, &points, &thresholds).map_err(name).err(),

@@ -8,7 +8,6 @@ mod logs;
 mod misfit;
 mod penalised;
 mod refusals;
-mod regions;
 mod samples;
 mod shapes;
 mod tips;

@@ -109,14 +109,11 @@ fn gauge_balls_and_cups_have_their_radius() {
     assert!(off.abs() < 0.01 && holds(&dense, 9.5), "{off}");
     // The recording of a gauge ball contains neither normals nor an order of the contacts.
     let text = include_str!("glide-scan-of-a-ball9.5.csv");
-    let numbers = text
-        .lines()
-        .skip(1)
-        .flat_map(|line| line.split(',').map(|word| word.parse().unwrap()));
-    let numbers: Vec<f64> = numbers.collect();
-    let contacts = numbers
-        .chunks(3)
-        .map(|xyz| Contact::new(0, Point3::new(xyz[0], xyz[1], xyz[2]), None));
+    let contacts = text.lines().skip(1).map(|line| {
+        let mut xyz = line.split(',').map(|word| word.parse().unwrap());
+        let place = Point3::from([(); 3].map(|()| xyz.next().unwrap()));
+        Contact::new(0, place, None)
+    });
     let fit = fit(None, &contacts.collect::<Vec<_>>()).unwrap();
     assert!(fit.shape == Shape::Sphere && (fit.radius.value.unwrap() / 9.5 - 1.0).abs() < 0.003);
 }
@@ -348,8 +345,8 @@ fn exact_normals_agree_with_positions_that_err_along_them() {
             Contact::new(index / 10, Point3::from(position), Some(*normal))
         });
         let fit = sphere(&contacts.collect::<Vec<_>>());
-        assert!(holds(&fit, 25.0) && fit.radius.value.is_some());
-        assert!(fit.p_value > 1e-3, "{}", fit.p_value);
+        let is_held = holds(&fit, 25.0) && fit.radius.value.is_some();
+        assert!(is_held && fit.p_value > 1e-3, "{fit:?}");
     }
 }
 

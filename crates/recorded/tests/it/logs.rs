@@ -498,11 +498,8 @@ fn copies_count_once() {
     };
     let [one, four] = [1, 4].map(|times| of_press(&rows(&press, times)));
     same(&one, &four, &["object_curvature", "indentation", "noise"]);
-    near(
-        &one,
-        &of_press(&changed(&press, 4, 1e-5)),
-        "object_curvature",
-    );
+    let changed = of_press(&changed(&press, 4, 1e-5));
+    near(&one, &changed, "object_curvature");
 }
 
 #[test]
